@@ -181,6 +181,29 @@ fn objects_faces_heights_and_angles_are_numbers_too() {
 }
 
 #[test]
+fn hidden_objects_have_no_numbers() {
+    let mut objects = row();
+    objects[0] = objects[0].clone().hidden(true);
+    objects[2] = objects[2].clone().hidden(true);
+    let range = |by: ColorBy| {
+        let scene = colored(objects.clone(), Coloring::new(by));
+        scene.colored().unwrap().range()
+    };
+    assert_eq!(range(ColorBy::Object), [1.0, 1.0]);
+    assert_eq!(range(ColorBy::Values([4.0, 5.0, 6.0].into())), [5.0, 5.0]);
+    // The box has faces up to 5, the square two triangles.
+    assert_eq!(range(ColorBy::Face), [0.0, 1.0]);
+    objects[1] = objects[1].clone().hidden(true);
+    let scene = Scene::new(objects).unwrap();
+    let refused = |by: ColorBy| {
+        let scene = scene.clone();
+        scene.with_coloring(Some(Coloring::new(by))).is_err()
+    };
+    assert!(refused(ColorBy::Face) && refused(ColorBy::Values([4.0, 5.0, 6.0].into())));
+    assert!(!refused(ColorBy::Object));
+}
+
+#[test]
 fn what_makes_no_sense_is_refused_and_names_what_there_is() {
     let refused = |coloring: Coloring| {
         let heat = property("heat", PropertyOf::Faces, &[f64::NAN, f64::INFINITY]);

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use firsthit::geometry::rotation;
 use firsthit::load::{LoadSettings, load, load_bytes, load_environment};
-use firsthit::scene::{Daylight, Environment, EnvironmentMap, Surroundings};
+use firsthit::scene::{Daylight, Environment, EnvironmentKind, EnvironmentMap};
 use firsthit::shade::{Direct, Samples};
 use firsthit::world::World;
 use firsthit::{
@@ -30,7 +30,7 @@ fn lit(objects: Vec<Object>, environment: Environment) -> Scene {
 }
 
 fn upright(map: EnvironmentMap, up: DVec3) -> Environment {
-    Environment::new(Surroundings::of_map(map.into(), up, &DMat3::IDENTITY))
+    Environment::new(EnvironmentKind::of_map(map.into(), up, &DMat3::IDENTITY))
 }
 
 fn seen(scene: &Scene, p: DVec3, u_r: DVec3) -> Color {
@@ -171,7 +171,7 @@ fn a_small_sun_lights_the_ground_without_bias_and_with_little_noise() {
 #[test]
 fn daylight_lights_the_ground_as_much_as_its_sum_says() {
     let day = Daylight::new(DVec3::Z, 20.0, 30.0, 3.0, Daylight::GROUND).unwrap();
-    let environment = Environment::new(Surroundings::Daylight(day.clone()));
+    let environment = Environment::new(EnvironmentKind::Daylight(day.clone()));
     let expected = taken(&environment);
     let white = Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()).colored(Color::ONE);
     let (mean, error) = sampled(&lit(vec![white.clone()], environment.clone()), 1 << 13);
@@ -200,7 +200,7 @@ fn scene_environment_and_camera_turned_together_make_the_same_picture() {
     }
     let map = Arc::new(EnvironmentMap::new(24, 12, texels).unwrap());
     let turned =
-        |up, turn: &DMat3| Environment::new(Surroundings::of_map(Arc::clone(&map), up, turn));
+        |up, turn: &DMat3| Environment::new(EnvironmentKind::of_map(Arc::clone(&map), up, turn));
     let picture = |environment: &Environment, turn: &DMat3| {
         let camera = Camera::new(View {
             aim: *turn * DVec3::new(1.0, 0.3, -0.2),
@@ -349,14 +349,14 @@ fn mistakes_in_environments_are_told_at_their_place() {
 fn built_scenes_keep_their_environments() {
     let folder = tempfile::tempdir().unwrap();
     let turn = rotation(DVec3::new(1.0, 2.0, 3.0), 40.0);
-    let of_map = Surroundings::of_map(sunny().into(), DVec3::Z, &turn);
+    let of_map = EnvironmentKind::of_map(sunny().into(), DVec3::Z, &turn);
     let day = Daylight::new(DVec3::Y, 12.0, -30.0, 5.0, Color::splat(0.4)).unwrap();
     let mut prints = Vec::new();
-    for surroundings in [of_map, Surroundings::Daylight(day)] {
+    for kind in [of_map, EnvironmentKind::Daylight(day)] {
         let environment = Arc::new(Environment {
             strength: 1.5,
             is_seen: false,
-            ..Environment::new(surroundings)
+            ..Environment::new(kind)
         });
         let world = World {
             environment: Some(Arc::clone(&environment)),

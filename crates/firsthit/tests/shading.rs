@@ -33,7 +33,9 @@ fn seen(scene: &Scene, shader: &Shader, p: DVec3, u_r: DVec3) -> Color {
 
 /// A few roundings of numbers up to 4.
 fn assert_close(a: Color, b: Color) {
-    assert!((a - b).abs().max_element() < 1e-14, "{a} is not {b}");
+    // Written so that a NaN fails.
+    let is_close = (a - b).abs().cmplt(DVec3::splat(1e-14)).all();
+    assert!(is_close, "{a} is not {b}");
 }
 
 fn sun(towards: DVec3) -> Light {

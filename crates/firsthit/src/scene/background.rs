@@ -1,3 +1,5 @@
+#[cfg(feature = "frame")]
+use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, unit};
 
 /// What a ray sees that meets nothing: a function of its direction alone.
@@ -50,6 +52,30 @@ impl Background {
                 }
                 horizon.lerp(zenith, height.clamp(0.0, 1.0))
             }
+        }
+    }
+}
+
+#[cfg(feature = "frame")]
+impl Background {
+    /// Adds it to a digest.
+    pub(crate) fn digest(&self, digest: &mut Digest) {
+        match *self {
+            Self::Uniform(color) => {
+                digest.word("uniform");
+                digest.vector(color);
+            }
+            Self::Gradient {
+                horizon,
+                zenith,
+                up,
+            } => {
+                digest.word("gradient");
+                digest.vector(horizon);
+                digest.vector(zenith);
+                digest.vector(up);
+            }
+            Self::Transparent => digest.word("transparent"),
         }
     }
 }

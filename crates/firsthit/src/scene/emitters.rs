@@ -34,6 +34,8 @@ impl Emitters {
                     let object = number;
                     surfaces.push(SurfaceId { object, primitive });
                     powers.push(power);
+                } else if power == f64::INFINITY {
+                    has_others = true;
                 }
             };
             match object.shape() {
@@ -99,6 +101,11 @@ impl Emitters {
             let arriving = Light::from(sphere(object)?).arriving(at, u)?;
             (arriving.towards, DVec2::ZERO, arriving.density?)
         };
+        if let Shape::Mesh(mesh) = object.shape()
+            && object.is_cut_out(mesh, usize::try_from(surface.primitive).ok()?, barycentric)
+        {
+            return None;
+        }
         let hit = Hit {
             t: 1.0,
             object: surface.object,
@@ -106,9 +113,9 @@ impl Emitters {
             barycentric,
         };
         let ray = Ray::new(at, towards);
-        let emission = scene.interaction(&ray, &hit)?.emitted();
+        let met = scene.interaction(&ray, &hit)?;
         let density = share * density;
-        let light = emission / (std::f64::consts::PI * density);
+        let light = met.opacity() * met.emitted() / (std::f64::consts::PI * density);
         // Written so that a NaN fails.
         (light.max_element() > 0.0 && light.is_finite()).then_some((
             Arriving {
@@ -121,28 +128,32 @@ impl Emitters {
         ))
     }
 
-    /// How densely [`arriving`](Self::arriving) puts directions around that of a ray that meets a surface, per steradian.
-    pub(crate) fn density(&self, surface: &SurfaceInteraction<'_>) -> f64 {
+    /// How densely [`arriving`](Self::arriving) puts directions around that of a ray that meets a surface, per steradian; 0 for one that
+    /// is not drawn. The ray, of length one, started at `from` and is so long, whatever it went through on its way.
+    pub(crate) fn density(
+        &self,
+        surface: &SurfaceInteraction<'_>,
+        from: DVec3,
+        length: f64,
+    ) -> f64 {
         let (object, hit) = (surface.object(), surface.hit());
         let luminance = brightness(object, hit.primitive);
         let total = self.total;
         if luminance <= 0.0 || self.is_empty() {
             return 0.0;
         }
-        let ray = surface.ray();
+        let direction = surface.ray().direction;
         match object.shape() {
             Shape::Mesh(_) => {
-                let towards = hit.t * ray.direction;
-                let cosine = towards.dot(surface.normal()).abs() / towards.length();
-                luminance / total * towards.length_squared() / cosine
+                let cosine = direction.dot(surface.normal()).abs();
+                luminance / total * length * length / cosine
             }
             Shape::Sphere(_) => {
                 let Some(light) = sphere(object) else {
                     return 0.0;
                 };
                 let area = 4.0 * std::f64::consts::PI * light.radius * light.radius;
-                let direction = ray.direction / ray.direction.length();
-                let met = Light::from(light).met(ray.origin, direction);
+                let met = Light::from(light).met(from, direction);
                 met.map_or(0.0, |met| luminance * area / total * met.density)
             }
             _ => 0.0,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{
-    AlphaMode, Environment, Filter, Light, MapRole, Material, Model, Object, Scene, Surroundings,
-    TextureMap, UvSet, Wrap,
+    AlphaMode, Environment, EnvironmentKind, Filter, Light, MapRole, Material, Model, Object,
+    Scene, TextureMap, UvSet, Wrap,
 };
 use crate::geometry::{Color, Digest, Value};
 use crate::shape::Surface;
@@ -200,18 +200,18 @@ fn digest_light(light: &Light, digest: &mut Digest) {
 fn digest_environment(environment: &Environment, digest: &mut Digest) {
     digest.word("environment");
     digest.numbers(&[environment.strength]);
-    match &environment.surroundings {
-        Surroundings::Uniform(color) => {
+    match &environment.kind {
+        EnvironmentKind::Uniform(color) => {
             digest.word("uniform");
             digest.vector(*color);
         }
-        Surroundings::Hemispheres { above, below, up } => {
+        EnvironmentKind::Hemispheres { above, below, up } => {
             digest.word("hemispheres");
             for vector in [above, below, up] {
                 digest.vector(*vector);
             }
         }
-        Surroundings::Gradient {
+        EnvironmentKind::Gradient {
             horizon,
             zenith,
             up,
@@ -221,7 +221,7 @@ fn digest_environment(environment: &Environment, digest: &mut Digest) {
                 digest.vector(*vector);
             }
         }
-        Surroundings::Map {
+        EnvironmentKind::Map {
             map,
             world_from_map,
         } => {
@@ -231,7 +231,7 @@ fn digest_environment(environment: &Environment, digest: &mut Digest) {
             digest.bytes(&digest_of_texels(map.texels()));
             digest.numbers(&world_from_map.to_cols_array());
         }
-        Surroundings::Daylight(daylight) => {
+        EnvironmentKind::Daylight(daylight) => {
             digest.word("daylight");
             let [elevation, azimuth] = [daylight.elevation_degrees(), daylight.azimuth_degrees()];
             digest.numbers(&[elevation, azimuth, daylight.turbidity()]);

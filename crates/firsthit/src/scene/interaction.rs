@@ -38,15 +38,16 @@ pub struct SurfaceInteraction<'a> {
 impl Scene {
     /// What there is to know about a ray's hit; `None` for a miss.
     ///
-    /// It takes a hit of this scene: with one of another scene it answers for whatever has its identifiers here.
-    ///
-    /// # Panics
-    ///
-    /// Where a mesh has no such triangle.
+    /// It takes a hit of this scene. With one of another scene it answers for whatever has its identifiers here: `None` where there is
+    /// no such object, or its mesh has no such triangle.
     pub fn interaction<'a>(&'a self, ray: &'a Ray, hit: &'a Hit) -> Option<SurfaceInteraction<'a>> {
         let object = self.object(hit)?;
         let mesh = match object.shape() {
-            Shape::Mesh(mesh) => Some((mesh.as_ref(), usize::try_from(hit.primitive).ok()?)),
+            Shape::Mesh(mesh) => {
+                let triangle = usize::try_from(hit.primitive).ok()?;
+                mesh.triangles().get(triangle)?;
+                Some((mesh.as_ref(), triangle))
+            }
             _ => None,
         };
         Some(SurfaceInteraction {
@@ -213,5 +214,36 @@ impl<'a> SurfaceInteraction<'a> {
     pub fn face(&self) -> i32 {
         let face = |(mesh, triangle): (&Mesh, usize)| i32::try_from(mesh.face(triangle)).ok();
         self.mesh.and_then(face).unwrap_or(self.hit.primitive)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::shape::Positions;
+
+    #[test]
+    fn a_hit_of_another_scene_whose_triangle_is_not_there_has_no_interaction() {
+        let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2]]).unwrap();
+        let scene = Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap();
+        let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
+        let hit = |object, primitive| Hit {
+            t: 1.0,
+            object,
+            primitive,
+            ..Hit::MISS
+        };
+        let found = |object, primitive| {
+            let hit = hit(object, primitive);
+            let surface = scene.interaction(&ray, &hit);
+            surface.map(|surface| surface.normal())
+        };
+        assert_eq!(found(0, 0), Some(DVec3::Z));
+        for (object, primitive) in [(0, 1), (0, -1), (0, i32::MAX), (1, 0), (-1, 0)] {
+            assert_eq!(found(object, primitive), None, "{object} {primitive}");
+        }
     }
 }

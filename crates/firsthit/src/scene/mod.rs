@@ -32,7 +32,7 @@ use rayon::prelude::*;
 pub use background::Background;
 pub use catalog::{Catalog, Label};
 pub use coloring::{ColorBy, Colored, Coloring};
-pub use environment::{Daylight, Environment, EnvironmentMap, Surroundings};
+pub use environment::{Daylight, Environment, EnvironmentKind, EnvironmentMap};
 pub use interaction::SurfaceInteraction;
 pub use light::{
     Arriving, DirectionalLight, DiscLight, Light, Met, PointLight, RectangleLight, SphereLight,
@@ -96,6 +96,8 @@ pub struct Scene {
     first_open: OnceLock<Option<usize>>,
     /// See [`Scene::has_translucent`]; made when first asked for.
     translucent: OnceLock<bool>,
+    /// Whether something visible has no end; made when first asked for.
+    endless: OnceLock<bool>,
     /// See [`Scene::emitters`]; made when first asked for.
     emitters: OnceLock<Arc<Emitters>>,
     /// See [`Scene::catalog`]; made when first asked for, and shared by all scenes that are this one with objects moved.
@@ -190,6 +192,7 @@ impl Scene {
             fingerprint: OnceLock::new(),
             first_open: OnceLock::new(),
             translucent: OnceLock::new(),
+            endless: OnceLock::new(),
             emitters: OnceLock::new(),
             catalog: OnceLock::new(),
             #[cfg(feature = "frame")]
@@ -236,6 +239,7 @@ impl Scene {
         }
         self.top.moved(&self.objects, &moved);
         self.bounds = OnceLock::new();
+        self.endless = OnceLock::new();
         self.emitters = OnceLock::new();
         self.fingerprint = OnceLock::new();
         Ok(())
@@ -257,6 +261,7 @@ impl Scene {
         self.top.rebuild(&self.objects);
         self.first_open = OnceLock::new();
         self.bounds = OnceLock::new();
+        self.endless = OnceLock::new();
         self.emitters = OnceLock::new();
         self.fingerprint = OnceLock::new();
         Ok(())
@@ -383,6 +388,21 @@ impl Scene {
         let visible = || self.objects.iter().filter(|object| !object.is_hidden());
         let exactly = || around(visible().map(Object::bounds));
         *self.bounds.get_or_init(exactly)
+    }
+
+    /// A box that no ray meets anything outside of, a little larger than [`bounds`](Self::bounds); `None` where something has no end.
+    pub(crate) fn blocking_bounds(&self) -> Option<Bounds> {
+        let mut visible = self.objects.iter().filter(|object| !object.is_hidden());
+        let is_endless = || visible.any(|object| top_tree::is_unbounded(&object.bounds()));
+        if *self.endless.get_or_init(is_endless) {
+            return None;
+        }
+        let Bounds { low, high } = self.bounds();
+        let margin = 1e-9 * low.abs().max(high.abs()).max_element();
+        Some(Bounds {
+            low: low - margin,
+            high: high + margin,
+        })
     }
 
     /// The support function: the largest dot product of `direction` with a point of the scene, for a direction of any length.

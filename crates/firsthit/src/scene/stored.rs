@@ -71,6 +71,7 @@ impl Scene {
             bounds: OnceLock::from(bounds),
             first_open: OnceLock::new(),
             translucent: OnceLock::new(),
+            endless: OnceLock::new(),
             emitters: OnceLock::new(),
             catalog: OnceLock::new(),
             lights: Vec::new(),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
-use crate::geometry::{Color, DVec2, srgb_decode};
+use crate::geometry::{Color, DVec2, srgb_decode_level};
 use crate::memory::Storage;
 
 /// Texels of 8-bit red, green, blue and alpha. Colours are encoded as sRGB, alpha is linear; row 0 is the
@@ -85,8 +85,8 @@ impl Texture {
         let share = |level: u8| f64::from(level) / 255.0;
         Sample {
             color: match levels {
-                Levels::Srgb => Color::new(linear(red), linear(green), linear(blue)),
-                Levels::Plain => Color::new(share(red), share(green), share(blue)),
+                Levels::Srgb => Color::from([red, green, blue].map(srgb_decode_level)),
+                Levels::Plain => Color::from([red, green, blue].map(share)),
             },
             alpha: share(alpha),
         }
@@ -100,15 +100,6 @@ enum Levels {
     Srgb,
     /// Numbers from 0 to 1.
     Plain,
-}
-
-/// The linear value of an 8-bit level.
-fn linear(level: u8) -> f64 {
-    static TABLE: std::sync::LazyLock<[f64; 256]> = std::sync::LazyLock::new(|| {
-        let mut levels = 0_u8..=255;
-        std::array::from_fn(|_| srgb_decode(f64::from(levels.next().unwrap_or(255)) / 255.0))
-    });
-    TABLE[level as usize]
 }
 
 /// The value of a texture at a point.

@@ -7,10 +7,10 @@
 //! - A ray that a surface draws, in a path, goes through by chance, as often as the surface lets light through.
 
 use super::found::first_hits;
-use super::{Samples, Shading};
+use super::{Samples, Shading, stream};
 use crate::geometry::{Color, Hit, Ray, RayFilter};
 use crate::sampling::Draws;
-use crate::scene::{AlphaMode, SurfaceInteraction};
+use crate::scene::SurfaceInteraction;
 
 /// So many translucent surfaces a ray goes through at most.
 const MOST: u32 = 256;
@@ -18,21 +18,8 @@ const MOST: u32 = 256;
 /// Less than this share of light is as none: a tenth of what a picture of 16 bits shows.
 const LEAST: f64 = 1e-6;
 
-/// Whose numbers are drawn.
-const LAYER: u64 = 3;
-
-/// How much of what is behind it a surface hides.
-pub(super) fn opacity(surface: &SurfaceInteraction<'_>) -> f64 {
-    let mode = surface.material().map(|material| material.alpha_mode);
-    if mode == Some(AlphaMode::Blend) {
-        surface.alpha().clamp(0.0, 1.0)
-    } else {
-        1.0
-    }
-}
-
 /// The ray from a surface on in its own direction.
-fn onwards(surface: &SurfaceInteraction<'_>) -> (Ray, RayFilter) {
+pub(super) fn onwards(surface: &SurfaceInteraction<'_>) -> (Ray, RayFilter) {
     surface.leave(surface.ray().direction)
 }
 
@@ -56,7 +43,7 @@ pub(super) fn compose(
     let mut seen = Vec::new();
     for (sample, (ray, hit)) in samples.rays.iter().zip(samples.hits).enumerate() {
         let surface = shading.scene.interaction(ray, hit);
-        let opacity = surface.as_ref().map_or(1.0, opacity);
+        let opacity = surface.as_ref().map_or(1.0, SurfaceInteraction::opacity);
         if opacity < 1.0 {
             colors[sample] *= opacity;
             coverage[sample] *= opacity;
@@ -73,7 +60,11 @@ pub(super) fn compose(
         if seen.is_empty() {
             return;
         }
-        let draws = |seen: &Seen| samples.draws(seen.sample).split(LAYER + u64::from(layer));
+        let draws = |seen: &Seen| {
+            samples
+                .draws(seen.sample)
+                .split(stream::LAYERS + u64::from(layer))
+        };
         let (rays, hits): (Vec<Ray>, Vec<Hit>) =
             seen.iter().map(|seen| (seen.ray, seen.hit)).unzip();
         let drawn: Vec<Draws> = seen.iter().map(draws).collect();
@@ -85,7 +76,7 @@ pub(super) fn compose(
         shading.shade_hits((&rays, &hits, &drawn), &mut found, &mut covered);
         for (k, seen) in seen.iter_mut().enumerate() {
             let surface = shading.scene.interaction(&rays[k], &hits[k]);
-            let opacity = surface.as_ref().map_or(1.0, opacity);
+            let opacity = surface.as_ref().map_or(1.0, SurfaceInteraction::opacity);
             // Before a transparent background a miss is black, and covers nothing.
             colors[seen.sample] += seen.left * opacity * found[k];
             coverage[seen.sample] += seen.left * opacity * covered[k];
@@ -121,7 +112,7 @@ pub(super) fn transmitted(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFil
             let Some(surface) = shading.scene.interaction(&rays[k], &hit) else {
                 continue;
             };
-            shares[ray] *= 1.0 - opacity(&surface);
+            shares[ray] *= 1.0 - surface.opacity();
             if shares[ray] > LEAST {
                 let (on, mut filter) = onwards(&surface);
                 // What is left of the way, and what is at its end.
@@ -159,6 +150,13 @@ pub(super) struct Found {
     pub(super) before: f64,
 }
 
+impl Found {
+    /// How long the whole ray is, up to what it met; infinite for a miss.
+    pub(super) fn length(&self) -> f64 {
+        self.before + self.hit.t
+    }
+}
+
 /// The first hits of rays of length one that are not gone through.
 pub(super) fn found(
     shading: &Shading<'_>,
@@ -183,7 +181,7 @@ pub(super) fn found(
         let mut through = Vec::new();
         for &k in &going {
             let surface = shading.scene.interaction(&found[k].ray, &found[k].hit);
-            let opacity = surface.as_ref().map_or(1.0, opacity);
+            let opacity = surface.as_ref().map_or(1.0, SurfaceInteraction::opacity);
             if let Some(surface) = surface.filter(|_| opacity < 1.0 && draws[k].one() >= opacity) {
                 through.push((k, onwards(&surface)));
             }

@@ -5,7 +5,7 @@ use super::Points;
 use crate::geometry::Color;
 use crate::scene::Background;
 
-/// What colours usually fade to: the usual background.
+/// What colours fade to by default: the default background.
 pub(super) const COLOR: Color = match Background::NEUTRAL {
     Background::Uniform(color) => color,
     _ => Color::ZERO,

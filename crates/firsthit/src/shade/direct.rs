@@ -7,23 +7,24 @@
 //! 2. Let the surface draw a direction itself. If it scatters light evenly, ask whether the environment is seen there; if not, see
 //!    what light is there.
 //!
-//! Where two of these may find the same light, each is weighted by how likely it found it.
+//! Where two of these may find the same light, each is weighted by how likely it found it. Without shadows only drawn points count, since
+//! a surface's own rays are hidden from lights as always; a mirror shows lights all the same.
 
-use super::blend::Found;
-use super::found::{first_hits, light_found};
+use super::blend::found;
+use super::found::{Search, light_found};
 use super::shadow::ShadowRays;
 use super::vertex::{Vertex, add_direct_light, first_vertices, power_share};
 use super::{Points, Shading};
-use crate::geometry::{Color, Domain, Hit, settings};
+use crate::geometry::{Color, Domain, settings};
 use crate::scene::Scattered;
 
 settings! {
     /// The settings of the shader for direct light.
     pub struct Direct {
         /// Whether things cast shadows. The light of the environment they always hide.
-        shadows: bool, Domain::Flag, usual true;
+        shadows: bool, Domain::Flag, default true;
         /// How far away things hide the environment, in scene units.
-        reach: f64, Domain::Reach, usual f64::INFINITY;
+        reach: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
     }
 }
 
@@ -36,7 +37,8 @@ pub(super) fn shade(
     let has_others = shading.scene.emitters().has_others();
     let mut vertices = first_vertices(points, colors);
     for vertex in &mut vertices {
-        vertex.finds_lights = has_others || !vertex.scattering.is_diffuse();
+        vertex.finds_lights = settings.shadows && (has_others || !vertex.scattering.is_diffuse());
+        vertex.occlusion = vertex.scattering.occlusion();
     }
     let limits = (settings.shadows, settings.reach);
     add_direct_light(shading, &vertices, limits, colors);
@@ -51,10 +53,13 @@ fn add_own_rays(
     colors: &mut [Color],
 ) {
     let environment = shading.scene.environment();
+    let has_others = shading.scene.emitters().has_others();
     let mut shadow_rays = ShadowRays::with_capacity(vertices.len());
-    let (mut rays, mut filters, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut rays, mut filters) = (Vec::new(), Vec::new());
+    let (mut drawn, mut draws) = (Vec::new(), Vec::new());
     for (k, vertex) in vertices.iter_mut().enumerate() {
-        if environment.is_none() && !vertex.finds_lights {
+        let searches = has_others || !vertex.scattering.is_diffuse();
+        if environment.is_none() && !searches {
             continue;
         }
         let Some(scattered) = vertex.scattering.sample(vertex.draws.three()) else {
@@ -66,32 +71,36 @@ fn add_own_rays(
             density,
         } = scattered;
         let (ray, filter) = vertex.ray(towards);
-        if vertex.finds_lights {
+        if searches {
             rays.push(ray);
             filters.push(filter);
             drawn.push((k, scattered));
+            draws.push(vertex.draws);
         } else if let Some(environment) = environment {
             let others = environment.density(towards);
             let share = density.map_or(1.0, |own| power_share(own, others));
-            let share = share * vertex.scattering.occlusion();
-            let light = share * weight * environment.radiance(towards);
+            let light = share
+                * vertex.occlusion
+                * vertex.throughput
+                * weight
+                * environment.radiance(towards);
             shadow_rays.push((ray.up_to(settings.reach), filter), vertex.sum, light);
         }
     }
     shadow_rays.add_to(colors, shading, true);
-    let hits = first_hits(shading, &rays, &filters);
-    for (index, (ray, (k, scattered))) in rays.iter().zip(&drawn).enumerate() {
-        let mut hit = hits.get(index);
-        if hit.t > settings.reach {
-            hit = Hit::MISS;
-        }
-        let met = Found {
-            ray: *ray,
-            hit,
-            before: 0.0,
+    let all_found = found(shading, &rays, &filters, &mut draws);
+    for ((ray, (k, scattered)), met) in rays.iter().zip(&drawn).zip(&all_found) {
+        let vertex = &vertices[*k];
+        let search = Search {
+            ray,
+            scattered,
+            is_straight: scattered.density.is_none(),
+            finds_lights: vertex.finds_lights,
+            reach: settings.reach,
+            occlusion: vertex.occlusion,
+            absorption: vertex.absorption_towards(ray.direction),
         };
-        let is_straight = scattered.density.is_none();
-        let found = light_found(shading, (ray, &met), scattered, is_straight);
-        colors[vertices[*k].sum] += scattered.weight * found;
+        let light = light_found(shading, &search, met);
+        colors[vertex.sum] += vertex.throughput * scattered.weight * light;
     }
 }

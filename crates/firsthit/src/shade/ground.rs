@@ -1,10 +1,14 @@
-//! A ground that only shadows are seen of.
+//! A shadow catcher: a ground that only shadows are seen of.
 
+use std::f64::consts::PI;
+
+use super::light_rig::taken_by_white;
 use super::shadow::ShadowRays;
-use super::{Samples, Shading};
-use crate::geometry::{Color, DVec3, Ray, RayFilter, unit};
+use super::vertex::power_share;
+use super::{Samples, Shading, stream};
+use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, RayFilter, SurfaceId, unit};
 use crate::sampling::{Draws, warp};
-use crate::scene::Scene;
+use crate::scene::{Arriving, Environment, EnvironmentKind, Light, Scene};
 
 /// A level plane on which shadows fall. What it shows of itself is how much darker it is for what stands on it: rays that meet
 /// nothing else see the background through it, as much as light reaches it.
@@ -39,14 +43,21 @@ impl Ground {
     ) {
         let mut points = Vec::new();
         for (k, (ray, hit)) in samples.rays.iter().zip(samples.hits).enumerate() {
-            if let Some(point) = self.crossed(ray).filter(|_| hit.is_miss()) {
-                points.push((k, point, samples.draws(k)));
+            if let Some(position) = self.crossed(ray).filter(|_| hit.is_miss()) {
+                points.push(Point {
+                    sample: k,
+                    position,
+                    draws: samples.draws(k),
+                });
             }
         }
-        let lit = Lighting::new(shading, unit(self.up), &points);
-        for (&(k, ..), share) in points.iter().zip(lit.shares()) {
-            colors[k] *= share;
-            coverage[k] = 1.0 - share;
+        if points.is_empty() {
+            return;
+        }
+        let shadows = Shadows::new(shading, unit(self.up), &points);
+        for (point, share) in points.iter().zip(shadows.shares()) {
+            colors[point.sample] *= 1.0 - share;
+            coverage[point.sample] = share;
         }
     }
 
@@ -55,66 +66,258 @@ impl Ground {
         let up = unit(self.up);
         let t = (ray.origin - self.point).dot(up) / -ray.direction.dot(up);
         // Written so that a NaN fails.
-        let is_crossed = ray.direction.dot(up) < 0.0 && t > 0.0 && t < f64::INFINITY;
+        let is_crossed = ray.direction.dot(up) < 0.0
+            && t > 0.0
+            && t < f64::INFINITY
+            && t >= ray.t_min
+            && t <= ray.t_max;
         is_crossed.then(|| ray.at(t))
     }
 }
 
-/// The light at points of the ground: what reaches them, and what would if nothing were in the way.
-struct Lighting {
-    reached: Vec<Color>,
-    full: Vec<Color>,
+/// A point of the ground.
+struct Point {
+    /// The sample that sees it.
+    sample: usize,
+    position: DVec3,
+    draws: Draws,
 }
 
-impl Lighting {
-    fn new(shading: &Shading<'_>, up: DVec3, points: &[(usize, DVec3, Draws)]) -> Self {
-        let mut lighting = Self {
-            reached: vec![Color::ZERO; points.len()],
+/// How much of the light at points of the ground is missing, as the sum of red, green and blue.
+///
+/// What is missing is drawn: it is the light of those rays towards light that something blocks. What would be there without anything is
+/// known, or nearly so, and does not depend on the sample. So the mean over samples is the share that is missing, although in one
+/// sample more than all may be.
+struct Shadows {
+    missing: Vec<Color>,
+    full: Vec<Color>,
+    /// Outside of it nothing blocks light.
+    blocking: Option<Bounds>,
+}
+
+impl Shadows {
+    fn new(shading: &Shading<'_>, up: DVec3, points: &[Point]) -> Self {
+        let mut shadows = Self {
+            missing: vec![Color::ZERO; points.len()],
             full: vec![Color::ZERO; points.len()],
+            blocking: shading.scene.blocking_bounds(),
         };
-        let mut rays = ShadowRays::with_capacity(points.len());
+        shadows.add_lights(shading, up, points);
+        shadows.add_emitters(shading, up, points);
+        let has_light = !shading.scene.lights().is_empty() || !shading.scene.emitters().is_empty();
+        match shading.scene.environment() {
+            Some(environment) => shadows.add_environment(shading, environment, up, points),
+            // Where nothing shines, as for shaders without light, it is as under a white sky.
+            None if !has_light => {
+                let white = Environment::new(EnvironmentKind::Uniform(Color::ONE));
+                shadows.add_environment(shading, &white, up, points);
+            }
+            None => {}
+        }
+        shadows
+    }
+
+    fn add_lights(&mut self, shading: &Shading<'_>, up: DVec3, points: &[Point]) {
+        let mut rays = BlockedRays::new(self.blocking);
         for light in shading.scene.lights() {
-            let (key, light) = (light.key(), light.prepared());
-            for (index, (_, point, draws)) in points.iter().enumerate() {
-                let arriving = light.arriving(*point, draws.split(key).two());
-                let Some(arriving) = arriving else { continue };
-                let color = unit(arriving.towards).dot(up) * arriving.light;
-                let ray = Ray::new(*point, arriving.towards).up_to(arriving.distance);
-                lighting.push(&mut rays, ray, index, color);
+            let (key, prepared) = (light.key(), light.prepared());
+            // A sun is the same everywhere.
+            let everywhere = matches!(light, Light::Directional(_))
+                .then(|| taken_by_white(light, (DVec3::ZERO, up), SIDE_OF_SUN));
+            if everywhere == Some(Color::ZERO) {
+                continue;
             }
-            rays.add_to(&mut lighting.reached, shading, true);
-        }
-        let environment = shading.scene.environment();
-        // Where nothing shines, as for shaders without light, it is as under a white sky.
-        if environment.is_some() || shading.scene.lights().is_empty() {
-            for (index, (_, point, mut draws)) in points.iter().copied().enumerate() {
-                let towards = warp::around(up, warp::cosine_hemisphere(draws.two()));
-                let light = environment.map_or(Color::ONE, |sky| sky.radiance(towards));
-                lighting.push(&mut rays, Ray::new(point, towards), index, light);
+            let cone = Cone::of_sun(light, self.blocking);
+            for (index, point) in points.iter().enumerate() {
+                let here = || taken_by_white(light, (point.position, up), side(light, point));
+                self.full[index] += everywhere.unwrap_or_else(here);
+                if cone.is_some_and(|cone| cone.is_clear(point.position)) {
+                    continue;
+                }
+                let arriving = prepared.arriving(point.position, point.draws.split(key).two());
+                rays.push(point, index, up, arriving.as_ref(), None);
             }
-            rays.add_to(&mut lighting.reached, shading, true);
-        }
-        lighting
-    }
-
-    /// Takes a ray that brings light to a point.
-    fn push(&mut self, rays: &mut ShadowRays, ray: Ray, index: usize, color: Color) {
-        // Written so that a NaN fails.
-        if color.element_sum() > 0.0 {
-            self.full[index] += color;
-            rays.push((ray, RayFilter::NONE), index, color);
+            rays.add_to(&mut self.missing, shading);
         }
     }
 
-    /// How much of the light reaches each point.
+    fn add_emitters(&mut self, shading: &Shading<'_>, up: DVec3, points: &[Point]) {
+        let emitters = shading.scene.emitters();
+        if emitters.is_empty() {
+            return;
+        }
+        let mut rays = BlockedRays::new(self.blocking);
+        for (index, point) in points.iter().enumerate() {
+            let mut draws = point.draws.split(stream::EMITTERS);
+            let mut drawn = || emitters.arriving(shading.scene, point.position, draws.three());
+            if let Some((arriving, surface)) = drawn() {
+                rays.push(point, index, up, Some(&arriving), Some(surface));
+            }
+            let taken = (0..DRAWS_OF_EMITTERS).filter_map(|_| drawn());
+            let taken: Color = taken.map(|(arriving, _)| taken_of(&arriving, up)).sum();
+            self.full[index] += taken / f64::from(DRAWS_OF_EMITTERS);
+        }
+        rays.add_to(&mut self.missing, shading);
+    }
+
+    /// Two ways to find what of an environment is hidden: by the cosine, and by its table if it has one.
+    fn add_environment(
+        &mut self,
+        shading: &Shading<'_>,
+        environment: &Environment,
+        up: DVec3,
+        points: &[Point],
+    ) {
+        let mut rays = BlockedRays::new(self.blocking);
+        let full = environment.irradiance(up);
+        for (index, point) in points.iter().enumerate() {
+            self.full[index] += full;
+            let mut draws = point.draws;
+            let towards = warp::around(up, warp::cosine_hemisphere(draws.two()));
+            let own = towards.dot(up).max(0.0) / PI;
+            let share = power_share(own, environment.density(towards));
+            let brought = share * environment.radiance(towards);
+            rays.push_infinite(point, index, towards, brought);
+            let mut draws = point.draws.split(stream::ENVIRONMENT);
+            if environment.is_drawn()
+                && let Some(arriving) = environment.arriving(draws.two())
+                && let Some(density) = arriving.density
+            {
+                let towards = unit(arriving.towards);
+                let own = towards.dot(up).max(0.0) / PI;
+                let brought = power_share(density, own) * taken_of(&arriving, up);
+                rays.push_infinite(point, index, towards, brought);
+            }
+        }
+        rays.add_to(&mut self.missing, shading);
+    }
+
+    /// How much of the light is missing at each point.
     fn shares(&self) -> impl Iterator<Item = f64> {
-        self.reached.iter().zip(&self.full).map(|(reached, full)| {
-            let [reached, full] = [reached, full].map(|color| color.element_sum());
-            if full > 0.0 {
-                (reached / full).clamp(0.0, 1.0)
-            } else {
-                1.0
-            }
+        self.missing.iter().zip(&self.full).map(|(missing, full)| {
+            let share = missing.element_sum() / full.element_sum();
+            // No light at all is no shadow.
+            if share.is_finite() { share } else { 0.0 }
         })
+    }
+}
+
+/// The directions of a sun, and a ball around everything.
+#[derive(Clone, Copy)]
+struct Cone {
+    towards: DVec3,
+    /// The sine and the cosine of the angle from the sun's middle to its edge.
+    half: [f64; 2],
+    center: DVec3,
+    radius: f64,
+}
+
+impl Cone {
+    fn of_sun(light: &Light, blocking: Option<Bounds>) -> Option<Self> {
+        let (Light::Directional(sun), Some(bounds)) = (light, blocking) else {
+            return None;
+        };
+        let (sine, cosine) = libm::sincos((0.5 * sun.angle_degrees).to_radians());
+        Some(Self {
+            towards: -unit(sun.direction),
+            half: [sine, cosine],
+            center: bounds.centre(),
+            radius: 0.5 * bounds.size().length(),
+        })
+    }
+
+    /// Whether all of the sun passes the ball by, seen from a point.
+    fn is_clear(&self, point: DVec3) -> bool {
+        let way = self.center - point;
+        let distance = way.length();
+        let sine = self.radius / distance;
+        let cosine = (1.0 - sine * sine).sqrt();
+        let [sun_sine, sun_cosine] = self.half;
+        // The ball and the sun touch where the angle between them is the sum of theirs, less than half a turn. Written so that a NaN, as
+        // within the ball, fails.
+        let touching = cosine * sun_cosine - sine * sun_sine;
+        self.towards.dot(way) < (touching - 1e-9) * distance && cosine >= 0.0
+    }
+}
+
+/// What the ground takes of light from one direction.
+fn taken_of(arriving: &Arriving, up: DVec3) -> Color {
+    unit(arriving.towards).dot(up).max(0.0) * arriving.light
+}
+
+/// The points of a light that what the ground takes of it is known by, along each side of a square grid: of a sun, which is the same
+/// everywhere.
+const SIDE_OF_SUN: u32 = 16;
+
+/// The same of other lights: more where a light is seen large, and its points are at different distances. What the ground takes is off by
+/// less than a hundredth.
+fn side(light: &Light, point: &Point) -> u32 {
+    let middle = light.arriving(point.position, DVec2::splat(0.5));
+    let solid_angle = middle
+        .and_then(|middle| middle.density)
+        .map_or(0.0, f64::recip);
+    match solid_angle {
+        ..0.05 => 4,
+        ..0.5 => 8,
+        _ => 16,
+    }
+}
+
+/// As many points of surfaces that shine tell what the ground takes of them.
+const DRAWS_OF_EMITTERS: u32 = 16;
+
+/// Rays towards light, and what is missing where something blocks them: what they would bring is taken from the sum, and what arrives is
+/// given back.
+struct BlockedRays {
+    rays: ShadowRays,
+    brought: Vec<(usize, Color)>,
+    /// Rays that pass this box by are not traced.
+    blocking: Option<Bounds>,
+}
+
+impl BlockedRays {
+    fn new(blocking: Option<Bounds>) -> Self {
+        Self {
+            rays: ShadowRays::default(),
+            brought: Vec::new(),
+            blocking,
+        }
+    }
+
+    fn push(
+        &mut self,
+        point: &Point,
+        index: usize,
+        up: DVec3,
+        arriving: Option<&Arriving>,
+        end: Option<SurfaceId>,
+    ) {
+        let Some(arriving) = arriving else { return };
+        let ray = Ray::new(point.position, arriving.towards).up_to(arriving.distance);
+        self.push_ray(ray, end, index, taken_of(arriving, up));
+    }
+
+    fn push_infinite(&mut self, point: &Point, index: usize, towards: DVec3, brought: Color) {
+        self.push_ray(Ray::new(point.position, towards), None, index, brought);
+    }
+
+    fn push_ray(&mut self, ray: Ray, end: Option<SurfaceId>, index: usize, brought: Color) {
+        let may_be_blocked = |bounds: Bounds| bounds.may_be_met(ray.origin, ray.direction);
+        // Written so that a NaN fails.
+        if brought.element_sum() > 0.0 && self.blocking.is_none_or(may_be_blocked) {
+            let mut filter = RayFilter::NONE;
+            filter.skip[1] = end;
+            self.rays.push((ray, filter), self.brought.len(), brought);
+            self.brought.push((index, brought));
+        }
+    }
+
+    /// Adds what is missing to the sums of the points, and forgets the rays.
+    fn add_to(&mut self, missing: &mut [Color], shading: &Shading<'_>) {
+        let mut arrived = vec![Color::ZERO; self.brought.len()];
+        self.rays.add_to(&mut arrived, shading, true);
+        for ((index, brought), arrived) in self.brought.drain(..).zip(arrived) {
+            missing[index] += brought - arrived;
+        }
     }
 }

@@ -8,17 +8,17 @@ settings! {
     /// The settings of the hemisphere shader.
     pub struct Hemisphere {
         /// The light of the half that is the scene's up.
-        above: Color, Domain::Color, usual Color::new(1.0, 1.05, 1.15);
+        above: Color, Domain::Color, default Color::new(1.0, 1.05, 1.15);
         /// The light of the other half.
-        below: Color, Domain::Color, usual Color::new(0.3, 0.26, 0.22);
+        below: Color, Domain::Color, default Color::new(0.3, 0.26, 0.22);
         /// Whether faces have their own normals, in place of smooth ones.
-        flat: bool, Domain::Flag, usual false;
+        flat: bool, Domain::Flag, default false;
         /// How far away colours begin to fade, in scene units.
-        depth_near: f64, Domain::NonNegative, usual 0.0;
+        depth_near: f64, Domain::NonNegative, default 0.0;
         /// How far away they are all `depth_color`; by default nowhere.
-        depth_far: f64, Domain::Reach, usual f64::INFINITY;
-        /// What they fade to; by default the usual background.
-        depth_color: Color, Domain::Color, usual depth_cue::COLOR;
+        depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
+        /// The colour that distant surfaces fade to; by default the default background.
+        depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::camera::Camera;
 use crate::geometry::{Color, DVec2, DVec3, named, unit};
-use crate::scene::{DirectionalLight, Environment, Light, Surroundings};
+use crate::scene::{DirectionalLight, Environment, EnvironmentKind, Light};
 
 named! {
     /// A set of lights that goes with the camera.
@@ -117,20 +117,22 @@ fn lit(camera: &Camera, up: DVec3, lamps: &[Lamp], sky: Option<&Sky>) -> Lightin
     let middle = |light: &Light| light.arriving(DVec3::ZERO, DVec2::splat(0.5));
     let first = unexposed.first().and_then(middle);
     let faced = first.map_or(up, |arriving| unit(arriving.towards));
-    let mut taken: Color = unexposed.iter().map(|light| taken_from(light, faced)).sum();
+    let mut taken: Color = (unexposed.iter())
+        .map(|light| taken_by_white(light, (DVec3::ZERO, faced), 16))
+        .sum();
     if let Some(Sky { above, below }) = sky {
         // Half a sky and half a ground, for a surface that stands upright.
         taken += below.lerp(*above, 0.5 + 0.5 * faced.dot(up));
     }
     let exposure = LightRig::WHITE / taken;
-    let surroundings = sky.map(|&Sky { above, below }| Surroundings::Hemispheres {
+    let kind = sky.map(|&Sky { above, below }| EnvironmentKind::Hemispheres {
         above: above * exposure,
         below: below * exposure,
         up,
     });
-    let environment = surroundings.map(|surroundings| Environment {
+    let environment = kind.map(|kind| Environment {
         is_seen: false,
-        ..Environment::new(surroundings)
+        ..Environment::new(kind)
     });
     Lighting {
         lights: lamps.iter().map(|lamp| light(lamp, exposure)).collect(),
@@ -138,17 +140,34 @@ fn lit(camera: &Camera, up: DVec3, lamps: &[Lamp], sky: Option<&Sky>) -> Lightin
     }
 }
 
-/// What a white surface takes of a light: the mean over an even grid of the light's points, since some may be behind the surface.
-fn taken_from(light: &Light, normal: DVec3) -> Color {
-    const SIDE: u32 = 16;
-    let cells = (0..SIDE * SIDE).map(|cell| DVec2::from([cell % SIDE, cell / SIDE].map(f64::from)));
-    let points = cells.map(|cell| (cell + 0.5) / f64::from(SIDE));
-    let arriving = points.filter_map(|point| light.arriving(DVec3::ZERO, point));
+/// What a white surface takes of a light at a point, facing along a normal: the mean over an even grid of the light's points, since some
+/// may be behind the surface.
+pub(super) fn taken_by_white(light: &Light, (at, normal): (DVec3, DVec3), side: u32) -> Color {
+    if let Light::Directional(sun) = light {
+        let cosine = -unit(sun.direction).dot(normal);
+        let edge = libm::sin((0.5 * sun.angle_degrees).to_radians());
+        if cosine >= edge {
+            // All of it is above the surface: then it is as if all came from its middle.
+            return cosine * sun.color;
+        }
+        if cosine <= -edge {
+            return Color::ZERO;
+        }
+    }
+    if !light.has_size() {
+        let arriving = light.arriving(at, DVec2::splat(0.5));
+        return arriving.map_or(Color::ZERO, |arriving| {
+            unit(arriving.towards).dot(normal).max(0.0) * arriving.light
+        });
+    }
+    let cells = (0..side * side).map(|cell| DVec2::from([cell % side, cell / side].map(f64::from)));
+    let points = cells.map(|cell| (cell + 0.5) / f64::from(side));
+    let arriving = points.filter_map(|point| light.arriving(at, point));
     let taken = arriving.map(|arriving| {
         let cosine = unit(arriving.towards).dot(normal).max(0.0);
         cosine * arriving.light
     });
-    taken.sum::<Color>() / f64::from(SIDE * SIDE)
+    taken.sum::<Color>() / f64::from(side * side)
 }
 
 #[cfg(test)]

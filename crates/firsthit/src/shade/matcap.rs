@@ -7,24 +7,24 @@ use crate::geometry::{Color, DVec3, Domain, settings, unit};
 use crate::sampling::warp;
 
 settings! {
-    /// The settings of the matcap. The usual ones are those of clay.
+    /// The settings of the matcap. The default ones are those of clay.
     pub struct Matcap {
         /// The side that is lit, from the upper left.
-        bright: Color, Domain::Color, usual Color::new(1.55, 1.22, 0.98);
+        bright: Color, Domain::Color, default Color::new(1.55, 1.22, 0.98);
         /// The other side.
-        dark: Color, Domain::Color, usual Color::new(0.1, 0.07, 0.08);
+        dark: Color, Domain::Color, default Color::new(0.1, 0.07, 0.08);
         /// How strong the highlight is.
-        gloss: f64, Domain::From(0.0, 1.0), usual 0.1;
+        gloss: f64, Domain::From(0.0, 1.0), default 0.1;
         /// How much darker edges are, from 0, not at all, to 1, black.
-        rim: f64, Domain::From(0.0, 1.0), usual 0.5;
+        rim: f64, Domain::From(0.0, 1.0), default 0.5;
         /// Whether faces have their own normals, in place of smooth ones.
-        flat: bool, Domain::Flag, usual false;
+        flat: bool, Domain::Flag, default false;
         /// How far away colours begin to fade, in scene units.
-        depth_near: f64, Domain::NonNegative, usual 0.0;
+        depth_near: f64, Domain::NonNegative, default 0.0;
         /// How far away they are all `depth_color`; by default nowhere.
-        depth_far: f64, Domain::Reach, usual f64::INFINITY;
-        /// What they fade to; by default the usual background.
-        depth_color: Color, Domain::Color, usual depth_cue::COLOR;
+        depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
+        /// The colour that distant surfaces fade to; by default the default background.
+        depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 

@@ -37,6 +37,8 @@ pub use xray::Xray;
 use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Value, kinds};
 use crate::sampling::Draws;
+#[cfg(feature = "frame")]
+use crate::scene::ColorBy;
 use crate::scene::{Background, Scene, SurfaceInteraction};
 use crate::shoot::{Cpu, Engine};
 
@@ -122,6 +124,14 @@ impl Samples<'_> {
     }
 }
 
+/// Whose numbers are drawn: each has its own of a sample, see [`Draws::split`]. Lights have those of their settings.
+mod stream {
+    pub(super) const EMITTERS: u64 = 1;
+    pub(super) const ENVIRONMENT: u64 = 2;
+    /// And the numbers after it, for each translucent surface on the way of a ray.
+    pub(super) const LAYERS: u64 = 3;
+}
+
 /// What a shader colours: surfaces that were hit, and the numbers to draw for each.
 struct Points<'a> {
     surfaces: Vec<SurfaceInteraction<'a>>,
@@ -199,7 +209,7 @@ shaders! {
     /// The object's colour as it is.
     "unlit" => Unlit(()), false, |&(), _, points, colors| each(points, colors, SurfaceInteraction::color);
     /// The geometric normal as a colour: from -1..1 to 0..1 along each axis.
-    "normal" => Normal(()), false, |&(), _, points, colors| each(points, colors, |hit| 0.5 * hit.normal() + 0.5);
+    "normal" => Normal(()), false, |&(), _, points, colors| each(points, colors, normal_color);
 }
 
 impl Shader {
@@ -213,7 +223,7 @@ impl Shader {
 
     /// Whether it looks at lights or the environment.
     pub fn is_lit(&self) -> bool {
-        self.usual_rig().is_some()
+        self.default_rig().is_some()
     }
 }
 
@@ -238,6 +248,16 @@ fn each<'a>(
     }
 }
 
+/// The geometric normal as a colour; black for a triangle without an area, which has none.
+fn normal_color(surface: &SurfaceInteraction<'_>) -> Color {
+    let normal = surface.normal();
+    if normal.is_nan() {
+        Color::ZERO
+    } else {
+        0.5 * normal + 0.5
+    }
+}
+
 /// The normal on the side that is seen: smooth, or the face's own. NaN for a triangle without an area.
 fn seen_normal(surface: &SurfaceInteraction<'_>, flat: bool) -> DVec3 {
     let side = if surface.is_front() { 1.0 } else { -1.0 };
@@ -255,7 +275,7 @@ impl Shader {
     }
 
     /// The lights of pictures that have none of their own: those that go best with this shader. `None` for one that looks at no light.
-    pub fn usual_rig(&self) -> Option<LightRig> {
+    pub fn default_rig(&self) -> Option<LightRig> {
         match self {
             Self::Lambert(_) | Self::Phong(_) | Self::BlinnPhong(_) | Self::Ghost(_) => {
                 Some(LightRig::Shoulder)
@@ -391,13 +411,22 @@ impl Shade for Shading<'_> {
     #[cfg(feature = "frame")]
     fn recipe(&self) -> Option<Recipe> {
         let mut digest = Digest::default();
-        digest.word("firsthit shading 1");
+        digest.word("firsthit shading 2");
         digest.word(self.shader.name());
         for (_, value) in self.shader.settings() {
             value.digest(&mut digest);
         }
         self.scene.digest_light(&mut digest);
-        digest.word(&format!("{:?} {:?}", self.background, self.ground));
+        self.background.digest(&mut digest);
+        if let Some(Ground { point, up }) = self.ground {
+            digest.word("ground");
+            digest.vector(point);
+            digest.vector(up);
+        }
+        if let Some(ColorBy::Values(values)) = self.scene.colored().map(|c| &c.coloring().by) {
+            digest.word("values");
+            digest.numbers(values);
+        }
         Some(Recipe {
             shader: self.shader.name(),
             settings: self.shader.settings(),

@@ -11,7 +11,7 @@ settings! {
     /// The settings of ambient occlusion.
     pub struct AmbientOcclusion {
         /// How far away things hide the sky, in scene units.
-        reach: f64, Domain::Reach, usual f64::INFINITY;
+        reach: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
     }
 }
 

@@ -9,8 +9,8 @@
 //! All paths of a batch take each step together, so that their rays are shot together.
 
 use super::blend::{Found, found};
-use super::found::light_found;
-use super::vertex::{Vertex, add_direct_light, first_vertices};
+use super::found::{Search, light_found};
+use super::vertex::{Vertex, Way, add_direct_light, first_vertices, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, Ray, RayFilter, settings};
 use crate::sampling::Draws;
@@ -20,9 +20,9 @@ settings! {
     /// The settings of the path tracer.
     pub struct Path {
         /// How many times light is scattered at most on its way to the camera: with 1 it arrives straight from lights.
-        depth: u32, Domain::Whole(1, 1024), usual 8;
+        depth: u32, Domain::Whole(1, 1024), default 8;
         /// After so many scatterings, paths that bring little end by chance.
-        roulette: u32, Domain::Whole(1, 1024), usual 3;
+        roulette: u32, Domain::Whole(1, 1024), default 3;
     }
 }
 
@@ -51,11 +51,19 @@ pub(super) fn shade(
         for (index, drawn) in drawn.iter_mut().enumerate() {
             drawn.draws = draws[index];
             let met = &all_found[index];
-            let seen = (&drawn.ray, met);
-            let light = light_found(shading, seen, &drawn.scattered, drawn.is_straight);
+            let search = Search {
+                ray: &drawn.ray,
+                scattered: &drawn.scattered,
+                is_straight: drawn.is_straight,
+                finds_lights: true,
+                reach: f64::INFINITY,
+                occlusion: 1.0,
+                absorption: drawn.absorption,
+            };
+            let light = light_found(shading, &search, met);
             colors[drawn.sum] += drawn.throughput * light;
             if depth < settings.depth {
-                vertices.extend(next(shading, drawn, met));
+                vertices.extend(next(shading, drawn, met, colors));
             }
         }
         if vertices.is_empty() {
@@ -71,6 +79,8 @@ struct Drawn {
     scattered: Scattered,
     /// What light is multiplied by that the ray finds.
     throughput: Color,
+    /// What is taken away on its way, for each unit of length.
+    absorption: Color,
     sum: usize,
     draws: Draws,
     is_straight: bool,
@@ -95,22 +105,30 @@ fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
         filter,
         scattered,
         throughput,
+        absorption: vertex.absorption_towards(scattered.towards),
         sum: vertex.sum,
         draws: vertex.draws,
         is_straight: vertex.is_straight && scattered.density.is_none(),
     })
 }
 
-/// The vertex where a ray meets a surface; `None` for a miss.
-fn next(shading: &Shading<'_>, drawn: &Drawn, met: &Found) -> Option<Vertex> {
+/// The vertex where a ray meets a surface; `None` for a miss, and for a surface whose colour does not depend on light. That is seen in
+/// mirrors as the camera sees it, and gives others no light.
+fn next(shading: &Shading<'_>, drawn: &Drawn, met: &Found, colors: &mut [Color]) -> Option<Vertex> {
     let surface = shading.scene.interaction(&met.ray, &met.hit)?;
     if surface.is_unlit() {
+        if drawn.is_straight {
+            let left = transmittance(drawn.absorption, met.length());
+            colors[drawn.sum] += drawn.throughput * left * surface.color();
+        }
         return None;
     }
-    let mut vertex = Vertex::new(&surface, drawn.sum, drawn.draws)?;
-    // Rays have length one, so t is how far they came.
-    let absorbed = vertex.scattering.behind() * met.hit.t;
-    vertex.throughput = drawn.throughput * absorbed.map(|x| libm::exp(-x));
+    let way = Way {
+        throughput: drawn.throughput,
+        absorption: drawn.absorption,
+        length: met.length(),
+    };
+    let mut vertex = Vertex::new(&surface, drawn.sum, drawn.draws, way)?;
     vertex.is_straight = drawn.is_straight;
     Some(vertex)
 }

@@ -9,23 +9,23 @@ settings! {
     /// The settings of the shaders of Phong and Blinn. Surfaces are lit on both sides.
     pub struct Phong {
         /// Light from everywhere, which nothing blocks.
-        ambient: Color, Domain::Color, usual Color::splat(0.25);
+        ambient: Color, Domain::Color, default Color::splat(0.25);
         /// How much of the light the matte part takes.
-        diffuse: f64, Domain::From(0.0, 1.0), usual 1.0;
+        diffuse: f64, Domain::From(0.0, 1.0), default 1.0;
         /// The colour of highlights, which is that of the light, times this.
-        specular: Color, Domain::Color, usual Color::splat(0.3);
+        specular: Color, Domain::Color, default Color::splat(0.3);
         /// The exponent of highlights: the larger, the smaller they are. Blinn's are as large as Phong's with about four times as much.
-        shininess: f64, Domain::Positive, usual 32.0;
+        shininess: f64, Domain::Positive, default 32.0;
         /// Whether things cast shadows.
-        shadows: bool, Domain::Flag, usual true;
+        shadows: bool, Domain::Flag, default true;
         /// Whether faces have their own normals, in place of smooth ones.
-        flat: bool, Domain::Flag, usual false;
+        flat: bool, Domain::Flag, default false;
         /// How far away colours begin to fade, in scene units.
-        depth_near: f64, Domain::NonNegative, usual 0.0;
+        depth_near: f64, Domain::NonNegative, default 0.0;
         /// How far away they are all `depth_color`; by default nowhere.
-        depth_far: f64, Domain::Reach, usual f64::INFINITY;
-        /// What they fade to; by default the usual background.
-        depth_color: Color, Domain::Color, usual depth_cue::COLOR;
+        depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
+        /// The colour that distant surfaces fade to; by default the default background.
+        depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Where light is scattered on its way to the camera, and what arrives there straight from lights.
 
 use super::shadow::ShadowRays;
-use super::{Points, Shading};
+use super::{Points, Shading, stream};
 use crate::geometry::{Color, DVec3, Ray, RayFilter, unit};
 use crate::sampling::Draws;
 use crate::scene::{Arriving, Scattering, SurfaceInteraction};
@@ -17,8 +17,12 @@ pub(super) struct Vertex {
     /// The sum that it counts for.
     pub(super) sum: usize,
     pub(super) draws: Draws,
-    /// Whether the rays that its surface draws are asked what they find of lights too.
+    /// Whether lights are found by the rays that its surface draws too: then the points that are drawn of them count as much less.
     pub(super) finds_lights: bool,
+    /// How much of the environment reaches the surface, as far as a map says so.
+    pub(super) occlusion: f64,
+    /// What is taken away for each unit of length on the side of the surface that is seen.
+    pub(super) absorption: Color,
     /// Whether it is seen by mirrors and through clear matter alone: then so is the background.
     pub(super) is_straight: bool,
 }
@@ -30,26 +34,50 @@ pub(super) fn first_vertices(points: &Points<'_>, sums: &mut [Color]) -> Vec<Ver
         sums[k] = if surface.is_unlit() {
             surface.color()
         } else {
-            vertices.extend(Vertex::new(surface, k, *draws));
+            let way = Way {
+                throughput: Color::ONE,
+                absorption: Color::ZERO,
+                length: surface.hit().t * surface.ray().direction.length(),
+            };
+            vertices.extend(Vertex::new(surface, k, *draws, way));
             surface.emitted()
         };
     }
     vertices
 }
 
+/// The way of a ray that meets a surface.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    /// What light is multiplied by from the start of the ray to the camera.
+    pub(super) throughput: Color,
+    /// What is taken away for each unit of its length, as far as is known at its start.
+    pub(super) absorption: Color,
+    pub(super) length: f64,
+}
+
 impl Vertex {
-    /// The first of a path; `None` where the surface has no normal.
-    pub(super) fn new(surface: &SurfaceInteraction<'_>, sum: usize, draws: Draws) -> Option<Self> {
+    /// The one that a ray meets; `None` where the surface has no normal.
+    pub(super) fn new(
+        surface: &SurfaceInteraction<'_>,
+        sum: usize,
+        draws: Draws,
+        way: Way,
+    ) -> Option<Self> {
         let scattering = surface.scattering()?;
         let (start, filter) = surface.leave(scattering.geometric());
+        // A ray that starts inside a solid learns so where it leaves it.
+        let absorption = scattering.behind().unwrap_or(way.absorption);
         Some(Self {
             position: start.origin,
             scattering,
             filter,
-            throughput: Color::ONE,
+            throughput: way.throughput * transmittance(absorption, way.length),
             sum,
             draws,
             finds_lights: false,
+            occlusion: 1.0,
+            absorption,
             is_straight: true,
         })
     }
@@ -59,11 +87,21 @@ impl Vertex {
         (Ray::new(self.position, towards), self.filter)
     }
 
+    /// What is taken away, for each unit of length, on the way of a ray from here on.
+    pub(super) fn absorption_towards(&self, towards: DVec3) -> Color {
+        let beyond = self.scattering.beyond(towards);
+        beyond.unwrap_or(self.absorption)
+    }
+
     /// What the sum gets of light, if nothing is in its way; `None` where that is nothing. Of light that the surface's own
     /// rays may find too, it is a share.
     fn seen(&self, arriving: &Arriving) -> Option<Color> {
         let towards = unit(arriving.towards);
-        let light = self.throughput * self.scattering.value(towards) * arriving.light;
+        let mut light = self.throughput * self.scattering.value(towards) * arriving.light;
+        let absorption = self.absorption_towards(towards);
+        if absorption != Color::ZERO {
+            light *= transmittance(absorption, arriving.distance * arriving.towards.length());
+        }
         let share = match arriving.density {
             Some(density) if self.finds_lights => {
                 power_share(density, self.scattering.density(towards))
@@ -83,9 +121,15 @@ pub(super) fn power_share(own: f64, other: f64) -> f64 {
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// Whose numbers are drawn.
-const EMITTERS: u64 = 1;
-const ENVIRONMENT: u64 = 2;
+/// What is left of light after a length of something that takes so much away for each unit of it (Beer, 1852). Nothing is taken away from
+/// what never meets a surface: the solid that it is in has no end.
+pub(super) fn transmittance(absorption: Color, length: f64) -> Color {
+    if absorption == Color::ZERO || length == f64::INFINITY {
+        Color::ONE
+    } else {
+        (absorption * length).map(|x| libm::exp(-x))
+    }
+}
 
 /// Adds the light that arrives at vertices straight from points of lights that are drawn: one of each light, one of the surfaces
 /// that shine, and one direction of the environment.
@@ -119,7 +163,7 @@ pub(super) fn add_direct_light(
     let emitters = shading.scene.emitters();
     if !emitters.is_empty() {
         for vertex in vertices {
-            let u = vertex.draws.split(EMITTERS).three();
+            let u = vertex.draws.split(stream::EMITTERS).three();
             let drawn = emitters.arriving(shading.scene, vertex.position, u);
             let Some((arriving, surface)) = drawn else {
                 continue;
@@ -138,7 +182,7 @@ pub(super) fn add_direct_light(
         .filter(|environment| environment.is_drawn());
     if let Some(environment) = drawn {
         for vertex in vertices {
-            let u = vertex.draws.split(ENVIRONMENT).two();
+            let u = vertex.draws.split(stream::ENVIRONMENT).two();
             let Some(arriving) = environment.arriving(u) else {
                 continue;
             };
@@ -149,7 +193,7 @@ pub(super) fn add_direct_light(
             let share = arriving
                 .density
                 .map_or(1.0, |density| power_share(density, own));
-            let light = share * vertex.scattering.occlusion() * value;
+            let light = share * vertex.occlusion * value;
             if light.max_element() > 0.0 {
                 let (ray, filter) = vertex.ray(towards);
                 rays.push((ray.up_to(reach), filter), vertex.sum, light);

@@ -1,10 +1,10 @@
 //! Mirrors and clear matter without noise: each ray that meets them goes on as a reflected and a refracted one (Whitted, "An Improved
 //! Illumination Model for Shaded Display", Communications of the ACM 23(6), 1980), with exact Fresnel weights.
 
-use super::blend::Found;
-use super::found::{first_hits, light_found};
+use super::blend::onwards;
+use super::found::{Search, first_hits};
 use super::shadow::ShadowRays;
-use super::vertex::Vertex;
+use super::vertex::{Vertex, Way, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, DVec2, Domain, Hit, Ray, RayFilter, settings, unit};
 use crate::sampling::Draws;
@@ -14,18 +14,21 @@ settings! {
     /// The settings of Whitted's shader.
     pub struct Whitted {
         /// Light from everywhere, which nothing blocks, on surfaces that are neither mirrors nor clear.
-        ambient: Color, Domain::Color, usual Color::splat(0.25);
+        ambient: Color, Domain::Color, default Color::splat(0.25);
         /// Whether things cast shadows. They are hard, and clear things cast them too.
-        shadows: bool, Domain::Flag, usual true;
+        shadows: bool, Domain::Flag, default true;
         /// How many times a ray is reflected at most. To pass through clear surfaces does not count.
-        depth: u32, Domain::Whole(0, 64), usual 16;
+        depth: u32, Domain::Whole(0, 64), default 16;
         /// Rays that bring less than this share of their light end.
-        least: f64, Domain::From(0.0, 1.0), usual 1e-4;
+        least: f64, Domain::From(0.0, 1.0), default 1e-4;
     }
 }
 
 /// How many mirrors and clear surfaces a ray goes by at most.
 const MOST: u32 = 128;
+
+/// Into how many a ray is split at most: of more, those that bring the least end.
+const MOST_BRANCHES: usize = 64;
 
 /// A surface that was met, and how many times its ray was reflected.
 struct Seen {
@@ -33,12 +36,14 @@ struct Seen {
     reflections: u32,
 }
 
-/// A ray that goes on from a mirror or clear matter.
+/// A ray that goes on from a mirror, or through clear matter or a translucent surface.
 struct Branch {
     ray: Ray,
     filter: RayFilter,
     scattered: Scattered,
     throughput: Color,
+    /// What is taken away on its way, for each unit of length.
+    absorption: Color,
     sum: usize,
     reflections: u32,
 }
@@ -52,62 +57,91 @@ pub(super) fn shade(
     colors.fill(Color::ZERO);
     let mut seen = Vec::with_capacity(colors.len());
     for (k, surface) in points.surfaces.iter().enumerate() {
-        let vertex = met(settings, surface, (k, Color::ONE), colors);
+        let way = Way {
+            throughput: Color::ONE,
+            absorption: Color::ZERO,
+            length: surface.hit().t * surface.ray().direction.length(),
+        };
+        if !surface.is_unlit() {
+            colors[k] = surface.emitted();
+        }
+        let vertex = met(settings, surface, (k, way), colors);
         seen.extend(vertex.map(|vertex| Seen {
             vertex,
             reflections: 0,
         }));
     }
+    // Those that go on through translucent surfaces.
+    let mut through: Vec<Branch> = Vec::new();
     for _ in 0..MOST {
         add_light(settings, shading, &seen, colors);
-        let branches: Vec<Branch> = seen
-            .iter()
-            .flat_map(|seen| branches(settings, seen))
-            .collect();
+        let mut branches: Vec<Branch> = std::mem::take(&mut through);
+        branches.extend(seen.drain(..).flat_map(|seen| branches_of(settings, &seen)));
+        let branches = strongest(branches);
+        if branches.is_empty() {
+            return;
+        }
         let rays: Vec<Ray> = branches.iter().map(|branch| branch.ray).collect();
         let filters: Vec<RayFilter> = branches.iter().map(|branch| branch.filter).collect();
         let hits = first_hits(shading, &rays, &filters);
-        seen.clear();
         for (index, branch) in branches.iter().enumerate() {
-            let vertex = follow(settings, shading, branch, &hits.get(index), colors);
+            let (vertex, on) = follow(settings, shading, branch, &hits.get(index), colors);
             let reflections = branch.reflections;
             seen.extend(vertex.map(|vertex| Seen {
                 vertex,
                 reflections,
             }));
-        }
-        if seen.is_empty() {
-            return;
+            through.extend(on);
         }
     }
     add_light(settings, shading, &seen, colors);
+}
+
+/// As many branches of each sum as may go on: those that bring most.
+fn strongest(mut branches: Vec<Branch>) -> Vec<Branch> {
+    let strength = |branch: &Branch| branch.throughput.max_element();
+    // Stable, so that the order of equals does not depend on who else is in the batch.
+    branches.sort_by(|a, b| {
+        let by_strength = strength(b).total_cmp(&strength(a));
+        a.sum.cmp(&b.sum).then(by_strength)
+    });
+    let (mut last, mut count) = (usize::MAX, 0);
+    branches.retain(|branch| {
+        count = if branch.sum == last { count + 1 } else { 1 };
+        last = branch.sum;
+        count <= MOST_BRANCHES
+    });
+    branches
 }
 
 /// Adds what a surface shows by itself; returns the vertex there, unless its colour is known.
 fn met(
     settings: &Whitted,
     surface: &SurfaceInteraction<'_>,
-    (sum, throughput): (usize, Color),
+    (sum, way): (usize, Way),
     colors: &mut [Color],
 ) -> Option<Vertex> {
+    let vertex = Vertex::new(surface, sum, Draws::new(0, 0), way);
+    let throughput = vertex.as_ref().map_or(
+        way.throughput * transmittance(way.absorption, way.length),
+        |vertex| vertex.throughput,
+    );
     if surface.is_unlit() {
         colors[sum] += throughput * surface.color();
         return None;
     }
-    let vertex = Vertex::new(surface, sum, Draws::new(0, 0));
     let is_plain = (vertex.as_ref()).is_none_or(|v| v.scattering.branches().next().is_none());
     if is_plain {
         colors[sum] += throughput * settings.ambient * surface.color();
     }
-    let mut vertex = vertex?;
-    vertex.throughput = throughput;
-    Some(vertex)
+    vertex
 }
 
 /// Adds the light of lights, each by its middle.
 fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &mut [Color]) {
     let mut rays = ShadowRays::with_capacity(seen.len());
     for light in shading.scene.lights() {
+        let light = light.prepared();
         for Seen { vertex, .. } in seen {
             let arriving = light.arriving(vertex.position, DVec2::splat(0.5));
             let Some(arriving) = arriving else { continue };
@@ -124,13 +158,13 @@ fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &
 }
 
 /// The rays that go on from a vertex.
-fn branches(settings: &Whitted, seen: &Seen) -> impl Iterator<Item = Branch> {
+fn branches_of(settings: &Whitted, seen: &Seen) -> Vec<Branch> {
     let Whitted { least, depth, .. } = *settings;
     let Seen {
         vertex,
         reflections,
     } = seen;
-    vertex.scattering.branches().filter_map(move |scattered| {
+    let branch = |scattered: Scattered| {
         let throughput = vertex.throughput * scattered.weight;
         let is_reflected = scattered.towards.dot(vertex.scattering.geometric()) > 0.0;
         let reflections = reflections + u32::from(is_reflected);
@@ -140,30 +174,59 @@ fn branches(settings: &Whitted, seen: &Seen) -> impl Iterator<Item = Branch> {
             filter,
             scattered,
             throughput,
+            absorption: vertex.absorption_towards(scattered.towards),
             sum: vertex.sum,
             reflections,
         })
-    })
+    };
+    vertex.scattering.branches().filter_map(branch).collect()
 }
 
-/// Adds what a ray finds; returns the vertex where it meets a surface.
+/// Adds what a ray finds; returns the vertex where it meets a surface, and the ray that goes on through a translucent one.
 fn follow(
     settings: &Whitted,
     shading: &Shading<'_>,
     branch: &Branch,
     hit: &Hit,
     colors: &mut [Color],
-) -> Option<Vertex> {
-    let met_there = Found {
-        ray: branch.ray,
-        hit: *hit,
-        before: 0.0,
+) -> (Option<Vertex>, Option<Branch>) {
+    let search = Search {
+        ray: &branch.ray,
+        scattered: &branch.scattered,
+        is_straight: true,
+        finds_lights: true,
+        reach: f64::INFINITY,
+        occlusion: 1.0,
+        absorption: branch.absorption,
     };
-    let found = light_found(shading, (&branch.ray, &met_there), &branch.scattered, true);
-    let surface = shading.scene.interaction(&branch.ray, hit);
-    let behind = surface.as_ref().and_then(SurfaceInteraction::scattering);
-    let absorbed = behind.map_or(Color::ZERO, |scattering| scattering.behind() * hit.t);
-    let throughput = branch.throughput * absorbed.map(|x| libm::exp(-x));
-    colors[branch.sum] += throughput * found;
-    met(settings, &surface?, (branch.sum, throughput), colors)
+    let color = &mut colors[branch.sum];
+    *color += branch.throughput * search.lights(shading, hit.t);
+    let Some(surface) = shading.scene.interaction(&branch.ray, hit) else {
+        *color += branch.throughput * search.environment(shading);
+        return (None, None);
+    };
+    let opacity = surface.opacity();
+    let way = Way {
+        throughput: opacity * branch.throughput,
+        absorption: branch.absorption,
+        length: hit.t,
+    };
+    *color += way.throughput * search.emission(shading, &surface, hit.t);
+    let vertex = if opacity > 0.0 {
+        met(settings, &surface, (branch.sum, way), colors)
+    } else {
+        None
+    };
+    let left = transmittance(branch.absorption, hit.t);
+    let throughput = (1.0 - opacity) * left * branch.throughput;
+    let through = (throughput.max_element() > settings.least).then(|| {
+        let (ray, filter) = onwards(&surface);
+        Branch {
+            ray,
+            filter,
+            throughput,
+            ..*branch
+        }
+    });
+    (vertex, through)
 }

@@ -9,11 +9,11 @@ settings! {
     /// The settings of the X-ray shader.
     pub struct Xray {
         /// How much each scene unit inside of closed objects absorbs: of 1 there, exp(-1) is left.
-        density: f64, Domain::NonNegative, usual 0.0;
+        density: f64, Domain::NonNegative, default 0.0;
         /// How much each surface absorbs, as a skin does: more where the ray meets it aslant.
-        skin: f64, Domain::NonNegative, usual 0.15;
+        skin: f64, Domain::NonNegative, default 0.15;
         /// What is seen where everything is absorbed.
-        color: Color, Domain::Color, usual Color::new(0.8, 0.93, 1.0);
+        color: Color, Domain::Color, default Color::new(0.8, 0.93, 1.0);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Nodes, cameras, lights, extensions.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use firsthit::scene::{DirectionalLight, PointLight, SpotLight};
 use firsthit::shade::Lambert;
@@ -178,6 +178,25 @@ fn lights_are_where_their_nodes_are_and_a_white_surface_sends_back_one_part_in_p
             outer_angle: 0.5,
         })
     );
+}
+
+/// Pi / 2 as a float32 is above pi / 2, which is the most that a light may have.
+#[test]
+fn a_cone_of_a_quarter_turn_in_float32_is_one_of_a_quarter_turn() {
+    let quarter = f64::from(std::f32::consts::FRAC_PI_2);
+    assert!(quarter > FRAC_PI_2);
+    let mut builder = Builder::triangle();
+    builder.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "spot", "spot": {"outerConeAngle": quarter}},
+    ]}});
+    let at = json!({"KHR_lights_punctual": {"light": 0}});
+    builder.json["nodes"] = json!([{"mesh": 0, "children": [1]}, {"extensions": at}]);
+    let light = builder.load().unwrap().world.lights[0];
+    let Light::Spot(spot) = light else {
+        panic!("{light:?}");
+    };
+    assert_eq!(spot.outer_angle, FRAC_PI_2);
+    assert!(light.check().is_ok());
 }
 
 #[test]

@@ -8,10 +8,27 @@
 
 mod metamorphic;
 mod oracles;
+mod passage;
+mod shadows;
 
 use firsthit::shade::Samples;
 use firsthit::shoot::{First, trace};
-use firsthit::{Color, Ray, Scene, Shade, Shader, Shading};
+use firsthit::{Color, Material, Mesh, Object, Positions, Ray, Scene, Shade, Shader, Shading};
+
+fn matte(color: f64) -> Material {
+    Material::colored(Color::splat(color))
+}
+
+/// A level square in the middle, at that height, whose sides are twice as long as `half`. It faces up.
+fn quad(height: f64, half: f64) -> Object {
+    let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
+    let corners = corners.map(|[x, y]| [x, y, height]);
+    let mesh = Mesh::new(
+        Positions::compact(corners.to_vec()),
+        vec![[0, 1, 2], [0, 2, 3]],
+    );
+    Object::new(std::sync::Arc::new(mesh.unwrap()))
+}
 
 /// A shader by its name, with some settings.
 fn shader(name: &str, settings: &[(&str, f64)]) -> Shader {

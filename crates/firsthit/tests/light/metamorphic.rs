@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use firsthit::render::{Picture, Region};
 use firsthit::scene::{
-    DirectionalLight, Environment, Glass, Light, MetalRough, Model, PointLight, SphereLight,
-    Surroundings,
+    DirectionalLight, Environment, EnvironmentKind, Glass, Light, MetalRough, Model, PointLight,
+    SphereLight,
 };
 use firsthit::{
     Background, Camera, Color, Cuboid, DVec3, Material, Object, Plane, Scene, Shade, Shader,
@@ -226,7 +226,7 @@ fn a_mirror_shows_what_the_mirrored_camera_sees() {
 
 #[test]
 fn one_scattering_is_direct_light_on_average() {
-    let sky = Environment::new(Surroundings::Hemispheres {
+    let sky = Environment::new(EnvironmentKind::Hemispheres {
         above: Color::new(0.5, 0.6, 0.8),
         below: Color::splat(0.1),
         up: DVec3::Z,
@@ -253,7 +253,7 @@ fn one_scattering_is_direct_light_on_average() {
 fn occlusion_is_a_white_scene_under_a_white_sky_on_average() {
     let white = |object: Object| object.colored(Color::ONE);
     let scene = Scene::new(objects(1.0).into_iter().map(white).collect()).unwrap();
-    let sky = Environment::new(Surroundings::Uniform(Color::ONE));
+    let sky = Environment::new(EnvironmentKind::Uniform(Color::ONE));
     let scene = scene.with_environment(Some(Arc::new(sky)));
     let rays: Vec<_> = (0..24 * 32)
         .step_by(29)
@@ -272,7 +272,7 @@ fn occlusion_is_a_white_scene_under_a_white_sky_on_average() {
 
 #[test]
 fn bytes_are_the_same_for_any_threads_regions_and_splits_of_the_samples() {
-    let sky = Environment::new(Surroundings::Uniform(Color::splat(0.4)));
+    let sky = Environment::new(EnvironmentKind::Uniform(Color::splat(0.4)));
     let scene = lit(vec![lamp(1.0, 1.0), sun(1.0)]).with_environment(Some(Arc::new(sky)));
     let camera = camera(1.0);
     for name in ["direct", "path", "ao", "whitted"] {

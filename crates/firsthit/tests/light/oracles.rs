@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use firsthit::load::LoadSettings;
 use firsthit::scene::{
-    Background, DiscLight, Environment, Glass, Light, Matte, Model, RectangleLight, SphereLight,
-    Surroundings,
+    Background, DiscLight, Environment, EnvironmentKind, Glass, Light, Matte, Model,
+    RectangleLight, SphereLight,
 };
 use firsthit::{
     Color, Cuboid, DVec3, Disc, Material, Mesh, Object, Plane, Positions, Ray, Scene, Shading,
@@ -14,7 +14,7 @@ use firsthit::{
 };
 use serde_json::Value;
 
-use crate::{means, seen, shader};
+use crate::{matte, means, seen, shader};
 
 fn folder() -> PathBuf {
     [env!("CARGO_MANIFEST_DIR"), "../../../shared/light/public"]
@@ -70,10 +70,6 @@ impl Case {
             );
         }
     }
-}
-
-fn matte(color: f64) -> Material {
-    Material::colored(Color::splat(color))
 }
 
 #[test]
@@ -142,7 +138,7 @@ fn a_furnace_without_noise() {
     let case = case("05_furnace");
     let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
     let ball = Object::new(ball).colored(Color::new(0.2, 0.5, 0.9));
-    let white = Environment::new(Surroundings::Uniform(Color::ONE));
+    let white = Environment::new(EnvironmentKind::Uniform(Color::ONE));
     let scene = Scene::new(vec![ball])
         .unwrap()
         .with_environment(Some(Arc::new(white)));

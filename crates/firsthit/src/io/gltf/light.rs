@@ -88,8 +88,9 @@ fn at(
                 position,
                 direction,
                 intensity: color,
-                inner_angle: inner,
-                outer_angle: outer,
+                // Pi / 2 as a float32 is above it.
+                inner_angle: inner.min(FRAC_PI_2),
+                outer_angle: outer.min(FRAC_PI_2),
             }))
         }
         kind => {

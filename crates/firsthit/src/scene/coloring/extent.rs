@@ -1,4 +1,5 @@
-//! The least and the largest number that a scene has, seen or not: so a part of a picture has the colours of the whole.
+//! The least and the largest number that a scene has, in the picture or not, but for hidden objects: so a part of a picture has the
+//! colours of the whole.
 
 use std::collections::{BTreeSet, HashSet};
 use std::f64::consts::FRAC_PI_2;
@@ -31,9 +32,10 @@ impl ColorBy {
                 let got = format!("{} for {objects} objects", values.len());
                 return Err(Error::argument("values", "a number for each object", got));
             }
-            Self::Values(values) => extent(values.iter().copied()),
-            Self::Object => extent([0.0, objects.saturating_sub(1) as f64].into_iter()),
-            Self::Face => extent(scene.objects().iter().flat_map(faces)),
+            Self::Values(values) => extent(shown(scene).map(|(index, _)| values[index])),
+            // A scene in which nothing is shown has no number either, but needs no range.
+            Self::Object => extent(shown(scene).map(|(index, _)| index as f64)).or(Some([0.0; 2])),
+            Self::Face => extent(shown(scene).flat_map(|(_, object)| faces(object))),
             Self::Height => {
                 let up = unit(scene.up());
                 extent([-scene.support(-up), scene.support(up)].into_iter())
@@ -52,11 +54,17 @@ fn extent(numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     })
 }
 
+/// What is not hidden, each with its identifier.
+fn shown(scene: &Scene) -> impl Iterator<Item = (usize, &Object)> {
+    let objects = scene.objects().iter().enumerate();
+    objects.filter(|(_, object)| !object.is_hidden())
+}
+
 /// The meshes of what is not hidden, each once.
 fn meshes(scene: &Scene) -> Vec<&Mesh> {
     let mut known = HashSet::new();
-    let seen = scene.objects().iter().filter(|object| !object.is_hidden());
-    seen.filter_map(Object::mesh)
+    shown(scene)
+        .filter_map(|(_, object)| object.mesh())
         .filter(|mesh| known.insert(Arc::as_ptr(mesh)))
         .map(|mesh| &**mesh)
         .collect()

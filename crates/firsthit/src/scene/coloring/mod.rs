@@ -9,7 +9,7 @@ pub use by::ColorBy;
 
 use super::{Scene, SurfaceInteraction};
 use crate::error::{Error, Result};
-use crate::geometry::{Color, ColorMap, DVec3, unit};
+use crate::geometry::{Color, ColorMap, DVec3, fraction, unit};
 
 /// How surfaces are coloured by numbers, in the place of their own colours. Every shader sees these colours, and lights them as it does others.
 ///
@@ -32,8 +32,8 @@ pub struct Coloring {
     pub by: ColorBy,
     /// Which colours they get.
     pub map: ColorMap,
-    /// The numbers of the first and the last colour. If it is left open, those are the least and the largest of all that the scene has,
-    /// seen or not.
+    /// The numbers of the first and the last colour. If it is left open, those are the least and the largest of all objects but hidden
+    /// ones, in the picture or not.
     pub range: Option<[f64; 2]>,
     /// The colour of numbers below a given range. If it is left open, the first one of the map.
     pub below: Option<Color>,
@@ -46,7 +46,7 @@ pub struct Coloring {
 }
 
 impl Coloring {
-    /// With the usual map, over all numbers that there are.
+    /// With the default map, over all numbers that there are.
     pub fn new(by: ColorBy) -> Self {
         Self {
             by,
@@ -141,7 +141,7 @@ impl Colored {
         // Of all numbers that there are none is outside; some may seem so, by rounding.
         let own = |end: Option<Color>| end.filter(|_| given.is_some());
         let [low, high] = self.range;
-        let mapped = || map.color(share(number, low, high));
+        let mapped = || map.color(fraction(number, self.range));
         Some(if number < low {
             own(below).unwrap_or_else(mapped)
         } else if number > high {
@@ -150,13 +150,4 @@ impl Colored {
             mapped()
         })
     }
-}
-
-/// Where a number lies: 0 at the low end, 1 at the high end; 0 if both are the same.
-fn share(number: f64, low: f64, high: f64) -> f64 {
-    if low == high {
-        return 0.0;
-    }
-    // Halves, because the difference of two float64 may be infinite.
-    (number / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0)
 }

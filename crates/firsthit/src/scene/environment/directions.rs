@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-use crate::geometry::{Color, DVec2, DVec3, unit};
+use crate::geometry::{DVec2, DVec3, unit};
 use crate::sampling::distribution::{Cell, Distribution2d};
 
 /// Where a direction of any length is seen in the picture: from 0 at the left to 1 at the right, and from 0 at the top to 1 at the
@@ -26,11 +26,6 @@ fn direction_of(across: f64, height: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(TAU * (across - 0.5));
     let level = (1.0 - height * height).max(0.0).sqrt();
     DVec3::new(level * cos, height, level * sin)
-}
-
-/// The relative luminance of a linear colour.
-pub(super) fn luminance(color: Color) -> f64 {
-    color.dot(Color::new(0.2126, 0.7152, 0.0722))
 }
 
 /// How much the luminance has to vary, as its standard deviation over its mean, for directions to be worth drawing by it. Below,

@@ -1,15 +1,17 @@
 use rayon::prelude::*;
 
-use super::directions::{DirectionTable, luminance, place_of};
+use super::directions::{DirectionTable, place_of};
+use super::irradiance::IrradianceCache;
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
-use crate::geometry::{Color, DVec3};
+use crate::geometry::{Color, DVec3, luminance};
 use crate::memory::{self, Storage};
 
-/// A picture of all directions by longitude and latitude, in linear radiance, whose row 0 is up.
+/// An equirectangular (latitude-longitude) HDR map of incident radiance.
 ///
-/// In its own frame up is +y, its middle looks along +x, and to the right of that is +z. Each texel has its colour at its centre; between
-/// centres they are mixed, around the back as well, and beyond the first and the last row's centres those rows go on.
+/// Texels are linear, and row 0 is up. In its own frame up is +y, its middle looks along +x, and to the right of that is +z. Each texel
+/// has its colour at its centre; between centres they are mixed, around the back as well, and beyond the first and the last row's
+/// centres those rows go on.
 ///
 /// ```
 /// use firsthit::DVec3;
@@ -27,6 +29,7 @@ pub struct EnvironmentMap {
     texels: Storage<[f32; 3]>,
     /// `None` where the light is nearly the same from everywhere.
     table: Option<DirectionTable>,
+    irradiance: IrradianceCache,
 }
 
 summary!(EnvironmentMap, "EnvironmentMap", |map| "columns": map.columns, "rows": map.rows);
@@ -68,6 +71,7 @@ impl EnvironmentMap {
             rows,
             texels,
             table: None,
+            irradiance: IrradianceCache::default(),
         };
         map.table = map.tabulated(MOST_CELLS)?;
         Ok(map)
@@ -104,6 +108,10 @@ impl EnvironmentMap {
         above + down * (below - above)
     }
 
+    pub(super) fn irradiance_cache(&self) -> &IrradianceCache {
+        &self.irradiance
+    }
+
     pub(super) fn table(&self) -> Option<&DirectionTable> {
         self.table.as_ref()
     }
@@ -127,9 +135,15 @@ impl EnvironmentMap {
         color(self.texels[row * self.columns + column])
     }
 
-    /// The table to draw from: the mean luminance of each cell, by which nothing that shines is left out.
-    /// It has at most so many cells, or one row or column more.
+    /// The table to draw from; `most` is as in [`mean_luminances`](Self::mean_luminances).
     fn tabulated(&self, most: usize) -> Result<Option<DirectionTable>> {
+        let (columns, luminances) = self.mean_luminances(most)?;
+        Ok(DirectionTable::new(columns, luminances))
+    }
+
+    /// How many cells are in a row, and the mean luminance of each, by which nothing that shines is left out.
+    /// There are at most so many, or one row or column more.
+    fn mean_luminances(&self, most: usize) -> Result<(usize, Vec<f64>)> {
         // As few texels to a cell, across and down, as keep the table small.
         let step = (1..=self.texels.len()).find(|step| self.texels.len() / (step * step) <= most);
         let step = step.unwrap_or(1);
@@ -139,11 +153,17 @@ impl EnvironmentMap {
         let mut luminances = memory::filled(count, 0.0)?;
         let lines = luminances.par_chunks_mut(columns).enumerate();
         lines.for_each(|(row, cells)| {
-            for texel_row in covered(row, rows, self.rows) {
+            let texel_rows = covered(row, rows, self.rows);
+            let down = texel_rows.len() as f64;
+            for texel_row in texel_rows {
                 self.add_row(texel_row, cells);
             }
+            for (column, cell) in cells.iter_mut().enumerate() {
+                let across = covered(column, columns, self.columns).len() as f64;
+                *cell /= across * down;
+            }
         });
-        Ok(DirectionTable::new(columns, luminances))
+        Ok((columns, luminances))
     }
 
     /// Adds to each cell the mean luminances over its texels of a row, between whose centres colours are mixed.
@@ -289,6 +309,31 @@ mod tests {
                 }
             }
             assert!(seen > 100, "{seen}");
+        }
+    }
+
+    /// Cells at the border are of as many texels as others, or of one more.
+    #[test]
+    fn a_uniform_map_has_an_even_density_whatever_its_size() {
+        for (columns, rows, most) in [(61, 31, 200), (30, 15, 4), (64, 32, 128)] {
+            let grey = vec![[0.25; 3]; columns * rows];
+            let mut map = EnvironmentMap::new(columns, rows, grey).unwrap();
+            let (_, luminances) = map.mean_luminances(most).unwrap();
+            for luminance in luminances {
+                assert!((luminance - 0.25).abs() < 1e-12, "{columns} {luminance}");
+            }
+            // Below a bright row, for which directions are worth drawing.
+            let mut texels = map.texels().to_vec();
+            texels[..columns].fill([100.0; 3]);
+            map = EnvironmentMap::new(columns, rows, texels).unwrap();
+            let table = map.tabulated(most).unwrap().unwrap();
+            let density = table.density(DVec3::NEG_Y);
+            for k in 0..400 {
+                let below = 0.6 + 0.4 * f64::from(k / 20) / 20.0;
+                let direction = towards(f64::from(k % 20) / 20.0, below);
+                let ratio = table.density(direction) / density;
+                assert!((ratio - 1.0).abs() < 1e-9, "{columns} {direction} {ratio}");
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod daylight;
 mod directions;
+mod irradiance;
 mod map;
 
 use std::f64::consts::PI;
@@ -10,24 +11,26 @@ use std::sync::Arc;
 pub use daylight::Daylight;
 pub use map::EnvironmentMap;
 
-use super::light::Arriving;
+use super::light::{Arriving, Light};
 use crate::error::Result;
-use crate::geometry::{Color, DMat3, DVec2, DVec3, moderation, require, require_direction, unit};
+use crate::geometry::{
+    Color, DMat3, DVec2, DVec3, moderation, require, require_direction, unit, upright,
+};
 use directions::DirectionTable;
 
 /// Light from all around: what rays see that meet nothing, and what lights surfaces.
 ///
 /// ```
-/// use firsthit::scene::{Environment, Surroundings};
+/// use firsthit::scene::{Environment, EnvironmentKind};
 /// use firsthit::{Color, DVec3};
 ///
-/// let overcast = Environment::new(Surroundings::Uniform(Color::splat(0.8)));
+/// let overcast = Environment::new(EnvironmentKind::Uniform(Color::splat(0.8)));
 /// assert_eq!(overcast.radiance(DVec3::X), Color::splat(0.8));
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Environment {
     /// What there is to see.
-    pub surroundings: Surroundings,
+    pub kind: EnvironmentKind,
     /// What its radiance is multiplied by.
     pub strength: f64,
     /// Whether the camera sees it too, in place of the background.
@@ -36,7 +39,7 @@ pub struct Environment {
 
 /// What there is to see of an [`Environment`], by direction.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Surroundings {
+pub enum EnvironmentKind {
     /// The same radiance from everywhere.
     Uniform(Color),
     /// One radiance from above the horizon, and another from below.
@@ -70,26 +73,36 @@ pub enum Surroundings {
 
 impl Environment {
     /// As it is, and seen by the camera.
-    pub fn new(surroundings: Surroundings) -> Self {
+    pub fn new(kind: EnvironmentKind) -> Self {
         Self {
-            surroundings,
+            kind,
             strength: 1.0,
             is_seen: true,
         }
     }
 
-    /// The radiance from a direction of any length; black where there is none.
+    /// The radiance from a direction in the world, of any length; black where there is none.
     pub fn radiance(&self, direction: DVec3) -> Color {
-        self.strength * self.surroundings.radiance(direction)
+        self.strength * self.kind.radiance(direction)
     }
 
-    /// Light from a direction that a point of the unit square stands for, bright ones more often. `None` where surfaces choose
+    /// The sun of daylight, as strong as the sky. It is no part of the environment: a scene has it among its lights, or has none.
+    pub fn sun(&self) -> Option<Light> {
+        match &self.kind {
+            EnvironmentKind::Daylight(day) => {
+                Some(Light::from(day.sun_light()).scaled(self.strength))
+            }
+            _ => None,
+        }
+    }
+
+    /// Light from a direction in the world that a point of the unit square stands for, bright ones more often. `None` where surfaces choose
     /// directions as well: where the radiance is nearly the same from everywhere.
     ///
     /// What is dim is drawn seldom. So the mean over the square is all the light, but a noisy one, unless directions that surfaces choose
     /// count as well, each way by how [dense](Self::density) it is.
     pub fn arriving(&self, u: DVec2) -> Option<Arriving> {
-        let (table, world_from_own) = self.surroundings.table()?;
+        let (table, world_from_own) = self.kind.table()?;
         let (direction, density) = table.draw(u);
         let towards = *world_from_own * direction;
         Some(Arriving {
@@ -100,9 +113,10 @@ impl Environment {
         })
     }
 
-    /// How densely [`arriving`](Self::arriving) puts directions around this one, of length one, per steradian; 0 if it draws none.
+    /// How densely [`arriving`](Self::arriving) puts directions around this one, in the world and of length one, per steradian; 0 if it
+    /// draws none.
     pub fn density(&self, towards: DVec3) -> f64 {
-        let table = self.surroundings.table();
+        let table = self.kind.table();
         table.map_or(0.0, |(table, world_from_own)| {
             table.density(world_from_own.transpose() * towards)
         })
@@ -110,7 +124,7 @@ impl Environment {
 
     /// Whether [`arriving`](Self::arriving) draws directions.
     pub fn is_drawn(&self) -> bool {
-        self.surroundings.table().is_some()
+        self.kind.table().is_some()
     }
 
     /// Fails for numbers that make no sense.
@@ -121,11 +135,11 @@ impl Environment {
     pub fn check(&self) -> Result<()> {
         let fine = self.strength >= 0.0 && self.strength.is_finite();
         require("strength", "finite and not negative", fine, self.strength)?;
-        self.surroundings.check()
+        self.kind.check()
     }
 }
 
-impl Surroundings {
+impl EnvironmentKind {
     fn radiance(&self, direction: DVec3) -> Color {
         let height = |up: DVec3| unit(direction).dot(unit(up));
         match *self {
@@ -181,14 +195,14 @@ impl Surroundings {
     /// use std::sync::Arc;
     ///
     /// use firsthit::geometry::rotation;
-    /// use firsthit::scene::{Environment, EnvironmentMap, Surroundings};
+    /// use firsthit::scene::{Environment, EnvironmentMap, EnvironmentKind};
     /// use firsthit::{Color, DMat3, DVec3};
     ///
     /// // Four columns: the middle, between the second and the third, is +x.
     /// let texels = [1.0, 2.0, 3.0, 4.0].map(|x| [x; 3]).to_vec();
     /// let map = Arc::new(EnvironmentMap::new(4, 1, texels)?);
     /// let quarter = rotation(DVec3::Z, 90.0);
-    /// let seen = Environment::new(Surroundings::of_map(map, DVec3::Z, &quarter));
+    /// let seen = Environment::new(EnvironmentKind::of_map(map, DVec3::Z, &quarter));
     /// assert_eq!(seen.radiance(DVec3::Y), Color::splat(2.5));
     /// # Ok::<(), firsthit::Error>(())
     /// ```
@@ -227,53 +241,18 @@ impl Surroundings {
     }
 }
 
-/// The rotation that takes +y the shortest way to `up`; straight down it is half a turn about +x.
-fn upright(up: DVec3) -> DMat3 {
-    let up = unit(up);
-    let axis = DVec3::Y.cross(up);
-    let nearness = 1.0 + up.y;
-    if nearness <= 0.0 {
-        return DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
-    }
-    // Rodrigues' formula, in which the sine is the axis' length: 1 - cos = sin^2 / (1 + cos).
-    let across = DMat3::from_cols(
-        DVec3::new(0.0, axis.z, -axis.y),
-        DVec3::new(-axis.z, 0.0, axis.x),
-        DVec3::new(axis.y, -axis.x, 0.0),
-    );
-    DMat3::IDENTITY + across + across * across * (1.0 / nearness)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::rotation;
 
     #[test]
-    fn what_is_up_becomes_up_the_shortest_way() {
-        assert_eq!(upright(DVec3::Y), DMat3::IDENTITY);
-        let of_z = upright(3.0 * DVec3::Z);
-        assert_eq!(of_z, DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
-        for up in [
-            DVec3::NEG_Y,
-            DVec3::X,
-            DVec3::new(1.0, -2.0, 0.5),
-            DVec3::new(1e-9, -1.0, 0.0),
-        ] {
-            let turn = upright(up);
-            let axis = DVec3::Y.cross(unit(up));
-            assert!((turn * DVec3::Y - unit(up)).length() < 1e-6, "{up}");
-            assert!((turn * axis - axis).length() < 1e-6, "{up}");
-            assert!((turn.determinant() - 1.0).abs() < 1e-6, "{up}");
-        }
-    }
-
-    #[test]
     fn a_turned_map_is_seen_where_it_was_turned_to() {
         let texels = (0..8).map(|k| [k as f32; 3]).collect::<Vec<_>>();
         let map = Arc::new(EnvironmentMap::new(4, 2, texels).unwrap());
-        let seen =
-            |turn: &DMat3, up| Environment::new(Surroundings::of_map(Arc::clone(&map), up, turn));
+        let seen = |turn: &DMat3, up| {
+            Environment::new(EnvironmentKind::of_map(Arc::clone(&map), up, turn))
+        };
         let plain = seen(&DMat3::IDENTITY, DVec3::Y);
         let up = DVec3::new(0.2, 1.0, -0.4);
         let turn = rotation(DVec3::new(1.0, 2.0, -0.5), 77.0);
@@ -291,15 +270,15 @@ mod tests {
 
     #[test]
     fn numbers_that_make_no_sense_are_refused() {
-        let mut wrong = Environment::new(Surroundings::Uniform(Color::ONE));
+        let mut wrong = Environment::new(EnvironmentKind::Uniform(Color::ONE));
         assert!(wrong.check().is_ok());
         wrong.strength = -1.0;
         assert!(wrong.check().is_err());
-        let wrong = Environment::new(Surroundings::Uniform(Color::new(0.0, f64::NAN, 0.0)));
+        let wrong = Environment::new(EnvironmentKind::Uniform(Color::new(0.0, f64::NAN, 0.0)));
         assert!(wrong.check().is_err());
         let map = Arc::new(EnvironmentMap::new(1, 1, vec![[1.0; 3]]).unwrap());
         let squeezed = DMat3::from_diagonal(DVec3::new(1.0, 2.0, 1.0));
-        let wrong = Surroundings::of_map(map, DVec3::Y, &squeezed);
+        let wrong = EnvironmentKind::of_map(map, DVec3::Y, &squeezed);
         assert!(Environment::new(wrong).check().is_err());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::SurfaceInteraction;
 use crate::geometry::{Color, DVec2, DVec3, unit};
-use crate::scene::{MapRole, TextureMap, UvSet};
+use crate::scene::{AlphaMode, MapRole, TextureMap, UvSet};
 
 impl SurfaceInteraction<'_> {
     /// The texture coordinates that a map takes, where the mesh has them.
@@ -50,6 +50,16 @@ impl SurfaceInteraction<'_> {
         let [color, alpha] = [MapRole::Color, MapRole::Alpha].map(|role| material.maps.get(role));
         let uv = alpha.or(color).and_then(|map| self.uv_of(map));
         material.alpha_at(uv, own.unwrap_or(1.0))
+    }
+
+    /// How much of what is behind it the surface hides: its alpha, where the material's mode is [`AlphaMode::Blend`], and otherwise 1.
+    pub fn opacity(&self) -> f64 {
+        let mode = self.material().map(|material| material.alpha_mode);
+        if mode == Some(AlphaMode::Blend) {
+            self.alpha().clamp(0.0, 1.0)
+        } else {
+            1.0
+        }
     }
 
     /// How much of the light from all around reaches the surface, as far as the occlusion map says so.
@@ -111,14 +121,10 @@ impl SurfaceInteraction<'_> {
             UvSet::First => mesh.uvs(),
             UvSet::Second => mesh.second_uvs(),
         };
-        let [a, b, c] = mesh.corners(triangle);
-        let uvs = uvs?.of_triangle(triangle, mesh);
-        let [uv_a, uv_b, uv_c] = uvs.map(|uv| DVec2::from(uv.map(f64::from)));
-        let (b, c, uv_b, uv_c) = (b - a, c - a, uv_b - uv_a, uv_c - uv_a);
-        let area = uv_b.perp_dot(uv_c);
+        let (along, area) = mesh.along_columns(uvs?, triangle);
         let [[m, n, _], [o, p, _]] = map.picture_from_uv;
         // Rows run downwards: a picture that is not mirrored turns the other way round than its surface.
         let is_flipped = (area > 0.0) == (m * p - n * o > 0.0);
-        Some((area.signum() * (uv_c.y * b - uv_b.y * c), is_flipped))
+        Some((area.signum() * along, is_flipped))
     }
 }

@@ -8,9 +8,9 @@ settings! {
         /// Where the light goes, not where it comes from; of any length but zero.
         direction: DVec3, Domain::Direction, required DVec3::NEG_Z;
         /// What a white surface that faces the light takes.
-        color: Color, Domain::Light, usual Color::ONE;
+        color: Color, Domain::Light, default Color::ONE;
         /// The diameter of the sun as an angle, in degrees; that of Earth's sun is 0.53.
-        angle_degrees: f64, Domain::From(0.0, 180.0), usual 0.0;
+        angle_degrees: f64, Domain::From(0.0, 180.0), default 0.0;
     }
 }
 

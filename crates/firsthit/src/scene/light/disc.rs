@@ -12,9 +12,9 @@ settings! {
         /// The side that shines; any length but zero.
         normal: DVec3, Domain::Direction, required DVec3::NEG_Z;
         /// Its radius.
-        radius: f64, Domain::Positive, usual 1.0;
+        radius: f64, Domain::Positive, default 1.0;
         /// Its radiance: the colour that it has itself.
-        emission: Color, Domain::Light, usual Color::ONE;
+        emission: Color, Domain::Light, default Color::ONE;
     }
 }
 

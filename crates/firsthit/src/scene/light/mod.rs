@@ -30,7 +30,7 @@ pub struct Arriving {
     pub density: Option<f64>,
 }
 
-/// What a ray sees of a light that has a size.
+/// What a ray sees of a light that has a size, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Met {
     /// How far away it is, in lengths of the ray's direction; infinity for a sun.
@@ -119,13 +119,14 @@ macro_rules! lights {
         kinds!("light", Light { $($(#[doc = $about])* $name => $kind($light);)* });
 
         impl Light {
-            /// Light that arrives at a point from a direction that `u`, a point of the unit square, stands for: the mean over the
-            /// square is all its light. `None` where none arrives.
+            /// Light that arrives at a point of the world from a direction that `u`, a point of the unit square, stands for: the mean
+            /// over the square is all its light. `None` where none arrives.
             pub fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
                 match self { $(Self::$kind(light) => light.arriving(at, u),)* }
             }
 
-            /// What a ray from `at` sees of it, `towards` having length one. `None` for a miss, and for a light without a size.
+            /// What a ray from `at` sees of it, both in the world, `towards` having length one. `None` for a miss, and for a light without
+            /// a size.
             pub fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
                 match self { $(Self::$kind(light) => light.met(at, towards),)* }
             }

@@ -6,8 +6,9 @@ settings! {
     pub struct PointLight {
         /// Where the light is.
         position: DVec3, Domain::Position, required DVec3::ZERO;
-        /// What a white surface that faces the light takes at distance 1; it falls off with the square of the distance.
-        intensity: Color, Domain::Light, usual Color::ONE;
+        /// What a white surface that faces the light takes at distance 1, which is the radiant intensity over pi; it falls off with the
+        /// square of the distance.
+        intensity: Color, Domain::Light, default Color::ONE;
     }
 }
 

@@ -12,7 +12,7 @@ settings! {
         /// From another edge to the opposite one, not parallel to the first.
         edge_v: DVec3, Domain::Direction, required DVec3::X;
         /// Its radiance: the colour that it has itself.
-        emission: Color, Domain::Light, usual Color::ONE;
+        emission: Color, Domain::Light, default Color::ONE;
     }
 }
 

@@ -13,9 +13,9 @@ settings! {
         /// Its middle.
         center: DVec3, Domain::Position, required DVec3::ZERO;
         /// Its radius.
-        radius: f64, Domain::Positive, usual 1.0;
+        radius: f64, Domain::Positive, default 1.0;
         /// Its radiance: the colour that it has itself.
-        emission: Color, Domain::Light, usual Color::ONE;
+        emission: Color, Domain::Light, default Color::ONE;
     }
 }
 

@@ -11,12 +11,13 @@ settings! {
         position: DVec3, Domain::Position, required DVec3::ZERO;
         /// Where the middle of the cone goes; any length but zero.
         direction: DVec3, Domain::Direction, required DVec3::NEG_Z;
-        /// What a white surface that faces the light takes at distance 1, in the middle of the cone.
-        intensity: Color, Domain::Light, usual Color::ONE;
+        /// What a white surface that faces the light takes at distance 1 in the middle of the cone, which is the radiant intensity
+        /// there over pi.
+        intensity: Color, Domain::Light, default Color::ONE;
         /// Between the middle and the end of full light, in radians; less than the outer angle.
-        inner_angle: f64, Domain::From(0.0, FRAC_PI_2), usual 0.0;
+        inner_angle: f64, Domain::From(0.0, FRAC_PI_2), default 0.0;
         /// Between the middle and the end of all light, in radians; at most a quarter turn.
-        outer_angle: f64, Domain::From(0.0, FRAC_PI_2), usual FRAC_PI_4;
+        outer_angle: f64, Domain::From(0.0, FRAC_PI_2), default FRAC_PI_4;
     }
 }
 

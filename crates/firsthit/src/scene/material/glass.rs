@@ -9,10 +9,10 @@ settings! {
     /// material's colour.
     pub struct Glass {
         /// The index of refraction. Default: 1.5.
-        ior: f64, Domain::Positive, usual 1.5;
-        /// What is taken away inside for each unit of length: after a length d there is exp(-d times this) left. Default:
+        ior: f64, Domain::Positive, default 1.5;
+        /// What is taken away inside for each scene unit of length: after a length d there is exp(-d times this) left. Default:
         /// [0, 0, 0].
-        absorption: Color, Domain::Color, usual Color::ZERO;
+        absorption: Color, Domain::Color, default Color::ZERO;
     }
 }
 

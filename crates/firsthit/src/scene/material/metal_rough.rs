@@ -9,33 +9,33 @@ settings! {
     /// reflection, of the ground below another boundary, or of what passes through.
     pub struct MetalRough {
         /// From 0, no metal, to 1. Default: 0.
-        metallic: f64, Domain::From(0.0, 1.0), usual 0.0;
+        metallic: f64, Domain::From(0.0, 1.0), default 0.0;
         /// From 0, a mirror, to 1. Default: 0.5.
-        roughness: f64, Domain::From(0.0, 1.0), usual 0.5;
+        roughness: f64, Domain::From(0.0, 1.0), default 0.5;
         /// The index of refraction of what is no metal; 0 stands for infinity, as in glTF. Default: 1.5.
-        ior: f64, Domain::From(0.0, 100.0), usual 1.5;
+        ior: f64, Domain::From(0.0, 100.0), default 1.5;
         /// How much of its reflection there is, of what is no metal. Default: 1.
-        specular: f64, Domain::From(0.0, 1.0), usual 1.0;
+        specular: f64, Domain::From(0.0, 1.0), default 1.0;
         /// The colour of its reflection, of what is no metal. Default: [1, 1, 1].
-        specular_color: Color, Domain::Color, usual Color::ONE;
+        specular_color: Color, Domain::Color, default Color::ONE;
         /// How much of the light that is not reflected goes through. Default: 0.
-        transmission: f64, Domain::From(0.0, 1.0), usual 0.0;
+        transmission: f64, Domain::From(0.0, 1.0), default 0.0;
         /// Whether the surface is that of a solid, which refracts light. Default: false, it is a thin wall, as a soap bubble.
-        solid: bool, Domain::Flag, usual false;
+        solid: bool, Domain::Flag, default false;
         /// The colour of white light after the attenuation distance inside a solid. Default: [1, 1, 1].
-        attenuation_color: Color, Domain::Color, usual Color::ONE;
+        attenuation_color: Color, Domain::Color, default Color::ONE;
         /// The way on which light takes the attenuation colour. Default: infinite.
-        attenuation_distance: f64, Domain::Reach, usual f64::INFINITY;
+        attenuation_distance: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
         /// How much clear coat there is. Default: 0.
-        clearcoat: f64, Domain::From(0.0, 1.0), usual 0.0;
+        clearcoat: f64, Domain::From(0.0, 1.0), default 0.0;
         /// How rough the coat is, from 0, a mirror, to 1. Default: 0.
-        clearcoat_roughness: f64, Domain::From(0.0, 1.0), usual 0.0;
+        clearcoat_roughness: f64, Domain::From(0.0, 1.0), default 0.0;
         /// How steep the normal map of the coat is. Default: 1.
-        clearcoat_normal_scale: f64, Domain::From(-100.0, 100.0), usual 1.0;
+        clearcoat_normal_scale: f64, Domain::From(-100.0, 100.0), default 1.0;
         /// The colour of fibres, as of cloth. Default: [0, 0, 0].
-        sheen_color: Color, Domain::Color, usual Color::ZERO;
+        sheen_color: Color, Domain::Color, default Color::ZERO;
         /// How rough the fibres are, from 0 to 1. Default: 0.
-        sheen_roughness: f64, Domain::From(0.0, 1.0), usual 0.0;
+        sheen_roughness: f64, Domain::From(0.0, 1.0), default 0.0;
     }
 }
 

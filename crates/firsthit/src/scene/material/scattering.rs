@@ -197,14 +197,10 @@ impl Scattering {
         self.occlusion
     }
 
-    /// What is taken away from the light of the ray itself, for each unit of length, where it has come through the inside of this
-    /// surface: see [`beyond`](Self::beyond).
-    pub fn behind(&self) -> Color {
-        if self.is_front {
-            Color::ZERO
-        } else {
-            self.inside.unwrap_or(Color::ZERO)
-        }
+    /// What is taken away from the light of the ray itself, for each unit of length, where it has come through the inside of a clear solid
+    /// and meets its surface from there: see [`beyond`](Self::beyond).
+    pub fn behind(&self) -> Option<Color> {
+        self.inside.filter(|_| !self.is_front)
     }
 
     /// What is taken away for each unit of length from light that comes from a direction, where the ray gets into a clear solid or out

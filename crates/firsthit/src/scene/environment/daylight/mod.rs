@@ -5,10 +5,12 @@ mod sun;
 
 use std::sync::Arc;
 
-use super::directions::{DirectionTable, luminance};
-use super::upright;
+use super::directions::DirectionTable;
+use super::irradiance::IrradianceCache;
 use crate::error::Result;
-use crate::geometry::{Color, DMat3, DVec3, require, require_direction, rotation, unit};
+use crate::geometry::{
+    Color, DMat3, DVec3, luminance, require, require_direction, rotation, unit, upright,
+};
 use crate::scene::DirectionalLight;
 use perez::Sky;
 
@@ -18,12 +20,12 @@ use perez::Sky;
 /// [sun's](Self::sun_light), which is a light of its own. The ground sends back what it takes of both.
 ///
 /// ```
-/// use firsthit::scene::{Daylight, Environment, Surroundings};
+/// use firsthit::scene::{Daylight, Environment, EnvironmentKind};
 /// use firsthit::{Color, DVec3, Scene};
 ///
 /// let day = Daylight::new(DVec3::Z, 35.0, 120.0, 3.0, Color::splat(0.2))?;
 /// let sun = day.sun_light();
-/// let sky = Environment::new(Surroundings::Daylight(day));
+/// let sky = Environment::new(EnvironmentKind::Daylight(day));
 /// let scene = Scene::new(vec![])?.with_lights(vec![sun.into()]).with_environment(Some(sky.into()));
 /// # Ok::<(), firsthit::Error>(())
 /// ```
@@ -47,6 +49,7 @@ struct Made {
     ground: Color,
     sun: DirectionalLight,
     table: Option<DirectionTable>,
+    irradiance: IrradianceCache,
 }
 
 /// The sky as a grid, for sums over it and for the table to draw from.
@@ -152,6 +155,10 @@ impl Daylight {
         made.radiance(unit(made.world_from_own.transpose() * direction))
     }
 
+    pub(super) fn irradiance_cache(&self) -> &IrradianceCache {
+        &self.made.irradiance
+    }
+
     pub(super) fn table(&self) -> Option<(&DirectionTable, &DMat3)> {
         Some((self.made.table.as_ref()?, &self.made.world_from_own))
     }
@@ -176,6 +183,7 @@ impl Made {
                 angle_degrees: 0.53,
             },
             table: None,
+            irradiance: IrradianceCache::default(),
         };
         let cells = cells().map(|(direction, _)| luminance(made.radiance(direction)));
         made.table = DirectionTable::new(COLUMNS, cells.collect());
@@ -215,7 +223,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::DVec2;
-    use crate::scene::{Environment, Surroundings};
+    use crate::scene::{Environment, EnvironmentKind};
 
     fn day(up: DVec3, elevation: f64, azimuth: f64) -> Daylight {
         Daylight::new(up, elevation, azimuth, 3.0, Daylight::GROUND).unwrap()
@@ -265,7 +273,7 @@ mod tests {
 
     #[test]
     fn directions_are_drawn_with_the_density_that_is_said() {
-        let sky = Environment::new(Surroundings::Daylight(day(
+        let sky = Environment::new(EnvironmentKind::Daylight(day(
             DVec3::new(0.1, 0.2, 1.0),
             20.0,
             70.0,

@@ -73,6 +73,12 @@ impl Layered {
         layered
     }
 
+    /// Whether light that goes through has a single direction: where the surface is smooth, and where both sides have the same index, so that
+    /// no facet turns it.
+    pub(super) fn is_straight_through(&self) -> bool {
+        self.facets.is_smooth() || self.ior == Some(1.0)
+    }
+
     /// What clear matter does, thin or solid.
     fn clear(&self, cosine: f64) -> Split {
         match self.ior {
@@ -136,7 +142,7 @@ impl Layered {
     }
 
     fn transmitted(&self, into: DVec3) -> Color {
-        if self.facets.is_smooth() {
+        if self.is_straight_through() {
             return Color::ZERO;
         }
         if let Some(ior) = self.ior {

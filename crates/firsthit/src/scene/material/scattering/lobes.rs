@@ -67,7 +67,7 @@ impl Layered {
             };
             let coat = self.coat.map_or(0.0, |coat| coat.density(towards));
             shares.ground * into.z / PI + mirror + shares.coat * coat
-        } else if into.z < 0.0 && flat < 0.0 && !self.facets.is_smooth() {
+        } else if into.z < 0.0 && flat < 0.0 && !self.is_straight_through() {
             shares.through * self.density_through(into)
         } else {
             0.0
@@ -99,23 +99,17 @@ impl Layered {
             coat.sample(u)
         } else if is_chosen(shares.ground) {
             self.axes.world(warp::cosine_hemisphere(u))
-        } else if self.facets.is_smooth() {
-            let is_through = is_chosen(shares.through);
-            let one = if is_through {
-                self.straight(frame)
-            } else {
-                self.in_mirror(frame)
-            };
-            let share = if is_through {
-                shares.through
-            } else {
-                shares.mirror
-            };
-            return one.map(|one| one.drawn(share));
         } else {
+            let is_through = is_chosen(shares.through);
+            if is_through && self.is_straight_through() {
+                return (self.straight(frame)).map(|one| one.drawn(shares.through));
+            }
+            if self.facets.is_smooth() {
+                return (self.in_mirror(frame)).map(|one| one.drawn(shares.mirror));
+            }
             let facet = self.facets.sample(self.out, u);
             let mirrored = microfacet::mirrored(self.out, facet);
-            let into = match (is_chosen(shares.through), self.ior) {
+            let into = match (is_through, self.ior) {
                 (true, Some(ior)) => microfacet::through(self.out, facet, ior)?,
                 // What goes on below the surface is lost: light is reflected once.
                 _ if mirrored.z <= 0.0 => return None,
@@ -138,11 +132,14 @@ impl Layered {
     pub(super) fn branches(&self, frame: &Frame) -> [Option<Scattered>; 3] {
         let coat = self.coat.filter(|coat| coat.facets.is_smooth());
         let coat = coat.and_then(|_| self.of_coat(frame));
-        if self.facets.is_smooth() {
-            [self.in_mirror(frame), self.straight(frame), coat]
-        } else {
-            [None, None, coat]
-        }
+        let is_smooth = self.facets.is_smooth();
+        [
+            is_smooth.then(|| self.in_mirror(frame)).flatten(),
+            (self.is_straight_through())
+                .then(|| self.straight(frame))
+                .flatten(),
+            coat,
+        ]
     }
 
     fn in_mirror(&self, frame: &Frame) -> Option<Scattered> {

@@ -397,10 +397,10 @@ fn inside_of_glass_light_is_absorbed_and_outside_it_is_not() {
         is_front: false,
         ..Scattering::layered(frame(at(30.0)), false, &layers)
     };
-    assert_eq!(leaving.behind(), absorption);
+    assert_eq!(leaving.behind(), Some(absorption));
     assert_eq!(
         (leaving.beyond(DVec3::NEG_Z), entering.behind()),
-        (Some(Color::ZERO), Color::ZERO)
+        (Some(Color::ZERO), None)
     );
     let window = Layers {
         absorption: None,

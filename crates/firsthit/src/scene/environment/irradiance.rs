@@ -1,0 +1,164 @@
+//! How much light of an environment a surface takes that nothing hides it from.
+
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+use super::{Environment, EnvironmentKind};
+use crate::geometry::{Color, DVec3, unit};
+use crate::sampling::{Draws, warp};
+
+/// The irradiance of one normal, computed when it is first asked for: it takes milliseconds.
+#[derive(Debug, Default)]
+pub(super) struct IrradianceCache(OnceLock<(DVec3, Color)>);
+
+impl Clone for IrradianceCache {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+/// What is kept says nothing about the environment that is not known already.
+impl PartialEq for IrradianceCache {
+    fn eq(&self, _other: &Self) -> bool {
+        true
+    }
+}
+
+impl IrradianceCache {
+    fn get(&self, normal: DVec3, compute: impl Fn(DVec3) -> Color) -> Color {
+        let &(known, irradiance) = self.0.get_or_init(|| (normal, compute(normal)));
+        if known == normal {
+            irradiance
+        } else {
+            compute(normal)
+        }
+    }
+}
+
+impl Environment {
+    /// What a white matte surface takes that faces along `normal`, of length one, where nothing is in the way: the irradiance divided
+    /// by pi.
+    pub(crate) fn irradiance(&self, normal: DVec3) -> Color {
+        self.strength * self.kind_irradiance(normal)
+    }
+
+    fn kind_irradiance(&self, normal: DVec3) -> Color {
+        match &self.kind {
+            EnvironmentKind::Uniform(color) => *color,
+            EnvironmentKind::Hemispheres { above, below, up } => {
+                below.lerp(*above, normal.dot(unit(*up)).midpoint(1.0))
+            }
+            EnvironmentKind::Gradient {
+                horizon,
+                zenith,
+                up,
+            } => horizon.lerp(*zenith, both_cosines(normal.dot(unit(*up)))),
+            EnvironmentKind::Map { map, .. } => map
+                .irradiance_cache()
+                .get(normal, |normal| self.summed(normal)),
+            EnvironmentKind::Daylight(daylight) => daylight
+                .irradiance_cache()
+                .get(normal, |normal| self.summed(normal)),
+        }
+    }
+
+    /// The mean over many directions, half of them by the cosine and half by the table if there is one, each weighted by how likely
+    /// it is drawn in both ways (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH
+    /// 1995: the balance heuristic).
+    fn summed(&self, normal: DVec3) -> Color {
+        const COUNT: u32 = 1 << 14;
+        let own = Self {
+            strength: 1.0,
+            ..self.clone()
+        };
+        let brought = |towards: DVec3| {
+            let cosine = towards.dot(normal).max(0.0);
+            let density = cosine / PI + own.density(towards);
+            if density > 0.0 {
+                (cosine / (PI * density)) * own.radiance(towards)
+            } else {
+                Color::ZERO
+            }
+        };
+        let mut sum = Color::ZERO;
+        for sample in 0..COUNT {
+            let u = Draws::new(0, sample).two();
+            sum += brought(warp::around(normal, warp::cosine_hemisphere(u)));
+            if let Some(drawn) = own.arriving(u) {
+                sum += brought(unit(drawn.towards));
+            }
+        }
+        sum / f64::from(COUNT)
+    }
+}
+
+/// The integral over all directions of the product of two cosines, where both are positive, divided by pi: of those to two directions
+/// with this cosine between them (Cho and Saul, "Kernel Methods for Deep Learning", NIPS 2009, for three dimensions).
+fn both_cosines(cosine: f64) -> f64 {
+    let cosine = cosine.clamp(-1.0, 1.0);
+    let angle = libm::acos(cosine);
+    2.0 / (3.0 * PI) * (libm::sin(angle) + (PI - angle) * cosine)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::EnvironmentMap;
+    use super::*;
+    use crate::geometry::DMat3;
+
+    /// By the middles of even cells of the whole sphere, which know nothing of tables.
+    fn by_cells(environment: &Environment, normal: DVec3) -> Color {
+        const SIDE: u32 = 1024;
+        let mut sum = Color::ZERO;
+        for k in 0..SIDE * SIDE {
+            let [across, height] =
+                [k % SIDE, k / SIDE].map(|x| (f64::from(x) + 0.5) / f64::from(SIDE));
+            let y = 1.0 - 2.0 * height;
+            let (sin, cos) = libm::sincos(2.0 * PI * across);
+            let level = (1.0 - y * y).sqrt();
+            let towards = DVec3::new(level * cos, y, level * sin);
+            sum += towards.dot(normal).max(0.0) * environment.radiance(towards);
+        }
+        sum * (4.0 / f64::from(SIDE * SIDE))
+    }
+
+    #[test]
+    fn it_is_the_integral_over_all_directions() {
+        let (up, white) = (DVec3::new(0.3, 0.9, -0.2), Color::ONE);
+        let texels = (0..32).map(|k| [if k == 9 { 60.0 } else { 0.1 * k as f32 }; 3]);
+        let map = EnvironmentMap::new(8, 4, texels.collect::<Vec<_>>()).unwrap();
+        let kinds = [
+            EnvironmentKind::Uniform(Color::new(0.2, 0.4, 0.9)),
+            EnvironmentKind::Hemispheres {
+                above: white,
+                below: 0.2 * white,
+                up,
+            },
+            EnvironmentKind::Gradient {
+                horizon: 0.3 * white,
+                zenith: white,
+                up,
+            },
+            EnvironmentKind::of_map(Arc::new(map), up, &DMat3::IDENTITY),
+        ];
+        for kind in kinds {
+            let environment = Environment {
+                strength: 1.5,
+                ..Environment::new(kind)
+            };
+            for normal in [unit(up), DVec3::X, DVec3::NEG_Y] {
+                let (got, expected) = (
+                    environment.irradiance(normal),
+                    by_cells(&environment, normal),
+                );
+                assert!(
+                    (got - expected).abs().max_element() < 0.003 * expected.max_element(),
+                    "{environment:?} {normal}: {got} {expected}"
+                );
+                assert_eq!(got, environment.irradiance(normal));
+            }
+        }
+    }
+}
