@@ -7,7 +7,7 @@ use crate::error::{Error, escape_controls};
 use crate::geometry::{Color, DMat3, DVec3, rotation};
 use crate::io::fault::Checked;
 use crate::io::{Report, load_environment_part, read};
-use crate::scene::{Daylight, Environment, EnvironmentMap, Light, Surroundings};
+use crate::scene::{Daylight, Environment, EnvironmentKind, EnvironmentMap, Light};
 
 const COMMON: &[Key] = keys! {
     /// What its radiance is multiplied by. Default: 1.
@@ -104,35 +104,36 @@ pub(super) fn read(
     };
     let up = section.vector("up").unwrap_or(up);
     let color = |name| section.color(name).unwrap_or(Color::ZERO);
-    let mut sun = None;
-    let surroundings = if section.has("file") {
+    let mut has_sun = false;
+    let kind = if section.has("file") {
         let turn = turn(&section, up)?;
-        Surroundings::of_map(map(&section, report)?.into(), up, &turn)
+        EnvironmentKind::of_map(map(&section, report)?.into(), up, &turn)
     } else if section.has("color") {
-        Surroundings::Uniform(color("color"))
+        EnvironmentKind::Uniform(color("color"))
     } else if section.has("above") {
         let (above, below) = (color("above"), color("below"));
-        Surroundings::Hemispheres { above, below, up }
+        EnvironmentKind::Hemispheres { above, below, up }
     } else if section.has("horizon") {
         let (horizon, zenith) = (color("horizon"), color("zenith"));
-        Surroundings::Gradient {
+        EnvironmentKind::Gradient {
             horizon,
             zenith,
             up,
         }
     } else {
-        let (daylight, has_sun) = daylight(&section, up)?;
-        sun = has_sun.then(|| Light::from(daylight.sun_light()));
-        Surroundings::Daylight(daylight)
+        let (day, with_sun) = daylight(&section, up)?;
+        has_sun = with_sun;
+        EnvironmentKind::Daylight(day)
     };
     let strength = section.number("strength").unwrap_or(1.0);
     let environment = Environment {
-        surroundings,
+        kind,
         strength,
         is_seen: section.boolean("seen").unwrap_or(true),
     };
     section.checked(environment.check())?;
-    Ok(Some((environment, sun.map(|sun| sun.scaled(strength)))))
+    let sun = environment.sun().filter(|_| has_sun);
+    Ok(Some((environment, sun)))
 }
 
 fn turn(section: &Section<'_, '_>, up: DVec3) -> Checked<DMat3> {

@@ -21,10 +21,6 @@ pub(super) static LIGHT: Record = Record {
 
 pub(super) fn read(section: &Section<'_, '_>) -> Checked<Light> {
     let kind = section.tag().unwrap_or("directional");
-    let mut light = section.checked(Light::named(kind))?;
-    for (name, value) in settings::given(section, light.list()) {
-        section.checked(light.set(name, value))?;
-    }
-    section.checked(light.check())?;
-    Ok(light)
+    let given = settings::given(section, Light::KINDS, kind);
+    section.checked(Light::from_settings(kind, given))
 }

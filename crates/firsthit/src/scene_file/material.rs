@@ -28,17 +28,15 @@ pub(super) static MATERIAL: Record = Record {
 /// A material of this colour; without one it is white where light goes through, and neutral elsewhere.
 pub(super) fn read(section: &Section<'_, '_>, color: Option<Color>) -> Checked<Material> {
     let kind = section.tag().unwrap_or("matte");
-    let mut model = section.checked(Model::named(kind))?;
-    for (name, value) in settings::given(section, model.list()) {
-        section.checked(model.set(name, value))?;
-    }
-    let usual = match model {
+    let given = settings::given(section, Model::KINDS, kind);
+    let model = section.checked(Model::from_settings(kind, given))?;
+    let default = match model {
         Model::Glass(_) => Color::ONE,
         _ => Object::NEUTRAL,
     };
     Ok(Material {
         model,
         emission: section.color("emission").unwrap_or(Color::ZERO),
-        ..Material::colored(color.unwrap_or(usual))
+        ..Material::colored(color.unwrap_or(default))
     })
 }

@@ -50,7 +50,7 @@ pub(super) static SCENE: Record = Record {
             cameras: optional(Form::Named(&CAMERA)),
             /// What there is to see, in the order of the identifiers.
             objects: optional(Form::List(&OBJECT)),
-            /// What shines. Without any, one light over the camera's shoulder does.
+            /// What shines. Where nothing in the scene does, automatic lights do.
             lights: optional(Form::List(&LIGHT)),
             /// Light from all around, which is seen where nothing is hit, too.
             environment: optional(Form::Table(&ENVIRONMENT)),

@@ -7,7 +7,7 @@
 
 use super::section::Section;
 use super::table::{Form, Key, Pick, Variant, optional};
-use crate::geometry::{Domain, Setting, Value};
+use crate::geometry::{Domain, Kind, Setting, Value};
 
 /// Makes `VARIANTS`: a table's variants, one for each of these kinds, with its settings and the keys that all of them have. What
 /// picks a variant is made of the kind's name.
@@ -85,7 +85,7 @@ const fn form(domain: Domain) -> Form {
         Domain::Flag => Form::Boolean,
         Domain::From(least, most) => Form::From(least, most),
         Domain::NonNegative => Form::NonNegative,
-        Domain::Positive | Domain::Reach => Form::Positive,
+        Domain::Positive | Domain::PositiveOrInfinite => Form::Positive,
         Domain::Whole(least, most) => Form::Whole(least as i64, most as i64),
         Domain::Position => Form::Vector,
         Domain::Direction => Form::Direction,
@@ -93,11 +93,14 @@ const fn form(domain: Domain) -> Form {
     }
 }
 
-/// The settings that a table gives, of those in a list.
+/// The settings that a table gives, of those that the kind of this name has.
 pub(super) fn given(
     section: &Section<'_, '_>,
-    list: &'static [Setting],
+    kinds: &'static [Kind],
+    name: &str,
 ) -> Vec<(&'static str, Value)> {
+    let kind = kinds.iter().find(|kind| kind.name == name);
+    let list = kind.map_or(&[][..], |kind| kind.settings);
     let value = |setting: &Setting| {
         let name = setting.name;
         match setting.domain {

@@ -63,14 +63,13 @@ pub(super) struct Settings {
 
 pub(super) fn read(section: &Section<'_, '_>) -> Checked<Settings> {
     let name = section.text(SHADER);
-    let mut shader = section.checked(Shader::named(name.unwrap_or(UNNAMED)))?;
-    let given = settings::given(section, shader.list());
-    for &(name, value) in &given {
-        section.checked(shader.set(name, value))?;
-    }
+    let kind = name.unwrap_or(UNNAMED);
+    let given = settings::given(section, Shader::KINDS, kind);
+    let is_said = name.is_some() || !given.is_empty();
+    let shader = section.checked(Shader::from_settings(kind, given))?;
     let rig = section.text("light").map(str::parse).transpose();
     Ok(Settings {
-        shader: (name.is_some() || !given.is_empty()).then_some(shader),
+        shader: is_said.then_some(shader),
         samples: section.whole("samples"),
         rig: section.checked(rig)?,
         ground: section.boolean("ground"),
