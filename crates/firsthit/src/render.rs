@@ -15,12 +15,14 @@ pub use region::Region;
 pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};
 
+use std::borrow::Cow;
+
 use crate::camera::{Aim, Camera, Description, StandardView};
 use crate::channel::{Kind, still_camera};
 use crate::edge::{Edges, Lines, Subject};
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
-use crate::geometry::{DVec3, Side, Value, require};
+use crate::geometry::{DVec3, Digest, Side, Value, require};
 use crate::image::{Channel, ColorBar, Frame, Names, Origin, ShadingRecord};
 use crate::memory;
 use crate::scene::{Background, Scene};
@@ -150,12 +152,15 @@ impl<'a> Picture<'a> {
     ///
     /// Those of [`render()`], and [`Error::Argument`] for a region that is no part of the picture.
     pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
+        let mut origin = None;
         let mut whole: Vec<Channel> = Vec::new();
         let region = self.checked()?;
         let [rows, columns] = region.shape();
         let pixels = rows.saturating_mul(columns);
         self.render_to(watch, &mut |part: Frame| {
-            if whole.is_empty() {
+            if origin.is_none() {
+                // The first part begins where the whole does, and where a noise ends the samples there are no other parts.
+                origin = Some(part.origin().clone());
                 whole = part.into_channels();
                 return whole
                     .iter_mut()
@@ -166,7 +171,7 @@ impl<'a> Picture<'a> {
             }
             Ok(())
         })?;
-        let mut frame = self.frame(&region);
+        let mut frame = Frame::new(region.shape()).from_origin(origin.unwrap_or_default());
         for channel in whole {
             frame.push(channel)?;
         }
@@ -199,7 +204,7 @@ impl<'a> Picture<'a> {
         for first in region.rows.clone().step_by(height) {
             let rows = first..region.rows.end.min(first.saturating_add(height));
             let columns = region.columns.clone();
-            let mut slab = Slab::new(self, Region { rows, columns }, lines.as_ref())?;
+            let mut slab = Slab::new(self, Region { rows, columns }, lines.as_ref(), watch)?;
             let samples = if self.needs_samples() {
                 self.samples
             } else {
@@ -222,12 +227,15 @@ impl<'a> Picture<'a> {
     /// Those of [`Picture::render`].
     pub fn start(&'a self) -> Result<Progressive<'a>> {
         let region = self.checked()?;
+        if self.needs_samples() {
+            check_samples(self.sensor, self.samples)?;
+        }
         let lines = self.lines(&region, &())?;
-        let slab = Slab::new(self, region, lines.as_ref())?;
+        let slab = Slab::new(self, region, lines.as_ref(), &())?;
         Ok(Progressive { slab })
     }
 
-    /// Goes on with a picture that was left, from what [`Progressive::state`] gave. All must be as it was. Channels other than those of
+    /// Resumes a saved progressive render, from what [`Progressive::state`] gave. All must be as it was. Channels other than those of
     /// all samples are made with the first sample, so a picture that is gone on with has none of them.
     ///
     /// # Errors
@@ -235,13 +243,22 @@ impl<'a> Picture<'a> {
     /// Those of [`Picture::render`], and [`Error::Argument`] for the state of another picture, and for a channel
     /// that would be missing.
     pub fn resume(&'a self, state: &Frame) -> Result<Progressive<'a>> {
+        self.resume_checked(|_| Ok(Cow::Borrowed(state)))
+    }
+
+    /// Goes on from a state that is made or checked by what the new picture says of itself.
+    fn resume_checked<'s>(
+        &'a self,
+        state: impl FnOnce(&Frame) -> Result<Cow<'s, Frame>>,
+    ) -> Result<Progressive<'a>> {
         let is_lost = |kind: &&&Kind| !kind.needs_shade();
         if let Some(kind) = self.channels.iter().find(is_lost) {
             let expected = "color, alpha or samples of a picture that is gone on with";
             return Err(Error::argument("channel", expected, &*kind.name));
         }
         let mut progressive = self.start()?;
-        progressive.slab.resume(state)?;
+        let state = state(&progressive.state()?)?;
+        progressive.slab.resume(&state)?;
         Ok(progressive)
     }
 
@@ -271,6 +288,9 @@ impl<'a> Picture<'a> {
         require("noise", "a positive number", noise > 0.0, noise)?;
         let is_whole = self.noise.is_none() || self.region.is_none();
         require("region", "none where there is a noise", is_whole, "one")?;
+        let has_colors = self.noise.is_none() || self.has_color();
+        let expected = "left out without color, alpha or samples among the channels";
+        require("noise", expected, has_colors, noise)?;
         let shape = self.sensor.shape();
         let region = self.region.clone().unwrap_or_else(|| Region::all(shape));
         region.check(shape)?;
@@ -309,17 +329,28 @@ impl<'a> Picture<'a> {
         self.channels.iter().any(|kind| kind.needs_samples())
     }
 
-    /// An empty frame of a region that says where it comes from.
-    fn frame(&self, region: &Region) -> Frame {
+    /// A recipe whose digest knows which side of surfaces the sensor's rays pass through.
+    fn culled(&self, recipe: Recipe) -> Recipe {
+        let Some(side) = self.cull else { return recipe };
+        let mut digest = Digest::default();
+        digest.word("firsthit culled shading 1");
+        digest.word(&recipe.digest);
+        digest.word(match side {
+            Side::Front => "front",
+            Side::Back => "back",
+        });
+        Recipe {
+            digest: digest.name(),
+            ..recipe
+        }
+    }
+
+    /// An empty frame of a region that says where it comes from; `samples` is the most that a pixel has.
+    fn frame(&self, region: &Region, samples: u32) -> Frame {
         let first_pixel = [region.rows.start as u64, region.columns.start as u64];
-        let origin = origin(
-            self.scene,
-            Some(self.sensor),
-            Some(self.samples),
-            self.channels,
-        );
+        let origin = origin(self.scene, Some(self.sensor), Some(samples), self.channels);
         Frame::new(region.shape()).from_origin(Origin {
-            shading: self.shade.recipe().map(record),
+            shading: (self.shade.recipe()).map(|recipe| record(self.culled(recipe))),
             first_pixel,
             ..origin
         })

@@ -449,7 +449,10 @@ fn threads_engines_and_samples_one_by_one_make_the_same_bytes() {
     let kinds: Vec<&Kind> = vec![kind("color").unwrap()];
     let shade = Shader::default().on(&scene);
     let at_once = render(&scene, &camera, &shade, &kinds, 5, &()).unwrap();
-    let picture = Picture::new(&scene, &camera, &shade, &kinds);
+    let picture = Picture {
+        samples: 5,
+        ..Picture::new(&scene, &camera, &shade, &kinds)
+    };
     let mut progressive = picture.start().unwrap();
     for _ in 0..5 {
         progressive.add_sample(&()).unwrap();

@@ -6,7 +6,7 @@ use super::{BACKGROUND, RANDOM_SAMPLES, SAMPLES};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::{Color, DVec3, Value, unit};
-use crate::scene::{Background, Coloring, Environment, Light, Scene, Surroundings};
+use crate::scene::{Background, Coloring, Environment, EnvironmentKind, Light, Scene};
 use crate::shade::{Direct, Ground, Lambert, LightRig, Lighting, Shader, Shading};
 use crate::shoot::Engine;
 
@@ -16,7 +16,7 @@ pub struct Appearance {
     /// How hits get their colour. By default [`Direct`]; with the light [`LightRig::Shoulder`], [`Lambert`].
     pub shader: Option<Shader>,
     /// Lights that go with the camera, in place of the scene's. By default there are some where nothing shines:
-    /// [`Shader::usual_rig`].
+    /// [`Shader::default_rig`].
     pub rig: Option<LightRig>,
     /// What misses see, unless that is the scene's environment.
     pub background: Option<Background>,
@@ -75,7 +75,7 @@ impl Appearance {
         let up = world_up(scene, camera);
         let is_dark = scene.is_unlit();
         let rig = self.rig.or_else(|| {
-            let usual = (self.shader.as_ref()).map_or(Some(LightRig::Auto), Shader::usual_rig);
+            let usual = (self.shader.as_ref()).map_or(Some(LightRig::Auto), Shader::default_rig);
             usual.filter(|_| is_dark)
         });
         let is_rig_guessed = rig.is_some() && self.rig.is_none();
@@ -141,9 +141,9 @@ impl Appearance {
         &self,
         (scene, up): (&Scene, DVec3),
         camera: Option<&Camera>,
-        is_usual: bool,
+        is_default: bool,
     ) -> Option<Ground> {
-        if !self.ground.unwrap_or(is_usual) {
+        if !self.ground.unwrap_or(is_default) {
             return None;
         }
         let ground = Ground::under(scene, up)?;
@@ -204,6 +204,6 @@ fn borrowing(scene: &Scene, lights: Vec<Light>, environment: Option<Arc<Environm
 fn fill(color: Color) -> Arc<Environment> {
     Arc::new(Environment {
         is_seen: false,
-        ..Environment::new(Surroundings::Uniform(color))
+        ..Environment::new(EnvironmentKind::Uniform(color))
     })
 }

@@ -52,10 +52,11 @@ impl<'a> Slab<'a> {
         picture: &'a Picture<'a>,
         region: Region,
         lines: Option<&Lines>,
+        watch: &dyn Watch,
     ) -> Result<Self> {
         let covered = lines.map(|lines| {
             let Region { rows, columns } = region.clone();
-            lines.coverage(rows, columns)
+            lines.coverage(rows, columns, watch)
         });
         let covered = covered.transpose()?.unwrap_or_default();
         let part = Part::new(picture.sensor, region);
@@ -90,13 +91,20 @@ impl<'a> Slab<'a> {
     /// Goes on where a picture was left, of which all samples but the channels of the first are known.
     pub(super) fn resume(&mut self, state: &Frame) -> Result<()> {
         self.known = Accumulation::taken_from(state, self.part.len())?;
-        self.samples = self.known.counts.iter().copied().max().unwrap_or(0);
+        let counts = &self.known.counts;
+        self.samples = counts.iter().copied().max().unwrap_or(0);
+        let is_even = counts.iter().all(|&count| count == self.samples);
+        if self.picture.noise.is_none() && !is_even {
+            let expected = "that of a picture without a noise, as this one";
+            let got = "one whose samples ended where it was quiet";
+            return Err(Error::argument("state", expected, got));
+        }
         Ok(())
     }
 
     /// What [`resume`](Self::resume) takes.
     pub(super) fn state(&self) -> Result<Frame> {
-        let mut state = self.picture.frame(&self.part.region);
+        let mut state = self.picture.frame(&self.part.region, self.samples);
         self.known.put_into(&mut state)?;
         Ok(state)
     }
@@ -226,7 +234,12 @@ impl<'a> Slab<'a> {
     fn frame_with(&self, plain: Vec<Channel>) -> Result<Frame> {
         let mut plain = plain.into_iter();
         let mut mattes = self.mattes.iter();
-        let mut frame = self.picture.frame(&self.part.region);
+        let samples = if self.picture.needs_samples() && self.samples > 0 {
+            self.samples
+        } else {
+            self.picture.samples
+        };
+        let mut frame = self.picture.frame(&self.part.region, samples);
         for kind in self.picture.channels {
             frame.push(if kind.matte().is_some() {
                 let mattes = mattes.next().expect("there are some for each such kind");

@@ -1,5 +1,6 @@
 //! The state of a picture in a file, to go on with it another time.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::{Picture, Progressive};
@@ -9,28 +10,24 @@ use crate::image::{
 };
 
 impl<'a> Picture<'a> {
-    /// Goes on with a picture whose state is in a file that [`Frame::save`] wrote of [`Progressive::state`], as [`Picture::resume`] does.
+    /// Resumes a progressive render whose state is in a file that [`Frame::save`] wrote of [`Progressive::state`], as [`Picture::resume`] does.
     ///
     /// # Errors
     ///
     /// Those of [`Picture::resume`] and of [`image::read`], and [`Error::Argument`] for the state of another scene, camera or shading.
     pub fn resume_from(&'a self, path: &Path) -> Result<Progressive<'a>> {
-        let output = image::read(path)?;
-        let own = self.start()?.state()?.metadata();
-        let other = output.metadata.as_ref();
-        if let Some(what) = difference(&own, other) {
-            let got = format!("{}, which has {what}", crate::error::escaped(path));
-            return Err(Error::argument("state", "that of this picture", got));
-        }
-        let shape = own
-            .shape
-            .iter()
-            .map(|&side| usize::try_from(side).unwrap_or(usize::MAX));
-        let mut state = Frame::new(shape.collect::<Vec<usize>>());
-        for array in output.arrays {
-            state.push(channel(array)?)?;
-        }
-        self.resume(&state)
+        self.resume_checked(|own| {
+            let output = image::read(path)?;
+            if let Some(what) = difference(&own.metadata(), output.metadata.as_ref()) {
+                let got = format!("{}, which has {what}", crate::error::escaped(path));
+                return Err(Error::argument("state", "that of this picture", got));
+            }
+            let mut state = Frame::new(own.shape().to_vec());
+            for array in output.arrays {
+                state.push(channel(array)?)?;
+            }
+            Ok(Cow::Owned(state))
+        })
     }
 }
 
@@ -47,6 +44,8 @@ fn difference(own: &Metadata, other: Option<&Metadata>) -> Option<&'static str> 
         Some("another part of the picture")
     } else if other.shading != own.shading {
         Some("another shader, other light, or another background")
+    } else if other.colors != own.colors {
+        Some("other colours by numbers")
     } else {
         None
     }

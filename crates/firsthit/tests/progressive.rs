@@ -1,0 +1,301 @@
+//! Pictures that are gone on with, and pictures that end where they are quiet.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test may panic, and its numbers are small"
+)]
+
+use firsthit::channel::{Kind, kind};
+use firsthit::image::{Data, Frame};
+use firsthit::render::{Picture, Region};
+use firsthit::scene::{ColorBy, Coloring};
+use firsthit::shade::Samples;
+use firsthit::{
+    Camera, Color, DVec3, Hit, Object, Scene, Shade, Shader, Shading, Side, Sphere, example,
+};
+
+const ROWS: usize = 12;
+const COLUMNS: usize = 16;
+
+fn kinds(names: &[&str]) -> Vec<&'static Kind> {
+    names.iter().map(|name| kind(name).unwrap()).collect()
+}
+
+/// All that can be gone on with.
+fn shaded() -> Vec<&'static Kind> {
+    kinds(&["color", "alpha", "samples"])
+}
+
+/// All values as bits, and the metadata.
+fn said(frame: &Frame) -> (Vec<u64>, String) {
+    let channels = frame.channels().iter();
+    let values = channels.flat_map(|channel| {
+        (0..channel.data.len()).map(|index| channel.data.value(index).to_bits())
+    });
+    (values.collect(), frame.metadata().to_json())
+}
+
+/// The picture by so many samples each time, its state going through a file in between.
+fn in_steps(picture: &Picture<'_>, steps: &[u32]) -> Frame {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("state.npz");
+    for (run, &step) in steps.iter().enumerate() {
+        let mut going_on = if run == 0 {
+            picture.start().unwrap()
+        } else {
+            picture.resume_from(&file).unwrap()
+        };
+        for _ in 0..step {
+            going_on.add_sample(&()).unwrap();
+        }
+        going_on.state().unwrap().save(&file).unwrap();
+    }
+    let last = picture.resume_from(&file).unwrap();
+    assert_eq!(last.samples(), steps.iter().sum::<u32>());
+    last.frame().unwrap()
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.unwrap().install(work)
+}
+
+#[test]
+fn any_split_of_the_samples_has_the_bytes_of_all_at_once() {
+    let (scene, camera) = (
+        example::scene().unwrap(),
+        example::camera(ROWS, COLUMNS).unwrap(),
+    );
+    let camera = camera.thin_lens(0.2, 8.0).unwrap();
+    let shade = Shader::named("direct").unwrap().on(&scene);
+    let channels = shaded();
+    let picture = Picture {
+        samples: 5,
+        ..Picture::new(&scene, &camera, &shade, &channels)
+    };
+    let at_once = said(&picture.render(&()).unwrap());
+    for threads in [1, 3] {
+        for steps in [
+            &[1, 4][..],
+            &[2, 3],
+            &[3, 2],
+            &[4, 1],
+            &[5],
+            &[1, 1, 1, 1, 1],
+        ] {
+            let whole = on_threads(threads, || said(&in_steps(&picture, steps)));
+            assert!(whole == at_once, "{threads} {steps:?}");
+        }
+    }
+}
+
+/// Black but for the pixel of a number, which is black and white in turn.
+struct OneLoud(u64);
+
+impl Shade for OneLoud {
+    fn shade(&self, _: f64, _: DVec3, _: DVec3, _: &Hit) -> Color {
+        Color::ZERO
+    }
+
+    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], _coverage: &mut [f64]) {
+        let is_bright = samples.sample.is_multiple_of(2);
+        for (color, &pixel) in colors.iter_mut().zip(samples.pixels) {
+            *color = Color::splat(f64::from(u8::from(is_bright && pixel == self.0)));
+        }
+    }
+}
+
+fn counts(frame: &Frame) -> &[i32] {
+    match &frame.channel("samples").unwrap().data {
+        Data::Int32(counts) => counts,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_noise_ends_the_samples_where_tiles_and_their_neighbours_are_quiet() {
+    let scene = Scene::new(vec![]).unwrap();
+    let camera = example::camera(16, 80).unwrap();
+    let shade = OneLoud(3 * 80 + 70);
+    let channels = shaded();
+    let picture = |noise, samples| Picture {
+        samples,
+        noise,
+        ..Picture::new(&scene, &camera, &shade, &channels)
+    };
+    let frame = picture(Some(0.01), 70).render(&()).unwrap();
+    for (pixel, &count) in counts(&frame).iter().enumerate() {
+        // The loud pixel is in the last of five tiles.
+        let expected = if pixel % 80 < 48 { 32 } else { 70 };
+        assert_eq!(count, expected, "{pixel}");
+    }
+    assert_eq!(frame.metadata().samples, Some(70));
+    for samples in [20, 32] {
+        let with = picture(Some(0.01), samples).render(&()).unwrap();
+        assert_eq!(
+            said(&with),
+            said(&picture(None, samples).render(&()).unwrap())
+        );
+    }
+    let steps: [&[u32]; 3] = [&[31, 39], &[32, 38], &[33, 1, 36]];
+    for steps in steps {
+        let picture = picture(Some(0.01), 70);
+        assert!(
+            said(&in_steps(&picture, steps)) == said(&frame),
+            "{steps:?}"
+        );
+    }
+}
+
+/// Metadata said that colours were the mean of 70.
+#[test]
+fn metadata_say_how_many_samples_there_are_where_a_noise_ends_them_all() {
+    let scene = Scene::new(vec![]).unwrap();
+    let camera = example::camera(16, 40).unwrap();
+    let shade = OneLoud(u64::MAX);
+    let channels = kinds(&["color", "crypto_object"]);
+    let picture = Picture {
+        samples: 70,
+        noise: Some(0.5),
+        ..Picture::new(&scene, &camera, &shade, &channels)
+    };
+    assert_eq!(picture.render(&()).unwrap().metadata().samples, Some(32));
+    let color = kinds(&["color"]);
+    let picture = Picture {
+        samples: 4,
+        noise: None,
+        channels: &color,
+        ..picture
+    };
+    let mut going_on = picture.start().unwrap();
+    for _ in 0..3 {
+        going_on.add_sample(&()).unwrap();
+    }
+    let frame = going_on.frame().unwrap();
+    assert_eq!(frame.metadata().samples, Some(3));
+}
+
+#[test]
+fn a_state_of_another_picture_is_refused() {
+    let ball = |radius| Object::new(Sphere::new(DVec3::ZERO, radius).unwrap());
+    let scene = Scene::new(vec![ball(1.0)]).unwrap();
+    let other_scene = Scene::new(vec![ball(1.5)]).unwrap();
+    let by_height = Some(Coloring::new(ColorBy::Height));
+    let colored = scene.clone().with_coloring(by_height).unwrap();
+    let camera = |at: f64| {
+        let eye = DVec3::new(0.0, at, 2.0);
+        Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 45.0, ROWS, COLUMNS).unwrap()
+    };
+    let (camera, other_camera) = (camera(-5.0), camera(-6.0));
+    let on = |scene| -> Shading<'_> { Shader::named("matcap").unwrap().on(scene) };
+    let (shade, other_shade) = (on(&scene), Shader::named("unlit").unwrap().on(&scene));
+    let (on_other, on_colored) = (on(&other_scene), on(&colored));
+    let channels = shaded();
+    let picture = Picture {
+        samples: 2,
+        ..Picture::new(&scene, &camera, &shade, &channels)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("state.npz");
+    let mut begun = picture.start().unwrap();
+    begun.add_sample(&()).unwrap();
+    begun.state().unwrap().save(&file).unwrap();
+    let with_scene = |scene, shade| Picture {
+        scene,
+        shade,
+        ..picture.clone()
+    };
+    let [mut moved, mut culled, mut part] = [(); 3].map(|()| picture.clone());
+    moved.sensor = &other_camera;
+    culled.cull = Some(Side::Back);
+    part.region = Some(Region {
+        rows: 0..4,
+        columns: 0..COLUMNS,
+    });
+    let others = [
+        ("scene", with_scene(&other_scene, &on_other)),
+        ("colours by numbers", with_scene(&colored, &on_colored)),
+        ("shader", with_scene(&scene, &other_shade)),
+        ("camera", moved),
+        ("light, or another background", culled),
+        ("part of the picture", part),
+    ];
+    assert_eq!(picture.resume_from(&file).unwrap().samples(), 1);
+    for (what, other) in &others {
+        let error = other.resume_from(&file).err().unwrap().to_string();
+        assert!(
+            error.starts_with("state must be that of this picture, got ") && error.contains(what),
+            "{what}: {error}"
+        );
+    }
+}
+
+#[test]
+fn a_state_in_memory_is_refused_for_another_size_and_for_channels_that_would_be_missing() {
+    let (scene, shade) = (Scene::new(vec![]).unwrap(), OneLoud(0));
+    let camera = example::camera(ROWS, COLUMNS).unwrap();
+    let (channels, plain) = (shaded(), kinds(&["color", "t"]));
+    let picture = Picture::new(&scene, &camera, &shade, &channels);
+    let state = picture.start().unwrap().state().unwrap();
+    let refused = |picture: Picture<'_>| picture.resume(&state).err().unwrap().to_string();
+    let region = Some(Region {
+        rows: 0..4,
+        columns: 0..COLUMNS,
+    });
+    let part = refused(Picture {
+        region,
+        ..picture.clone()
+    });
+    assert!(part.contains("another size"), "{part}");
+    let more = refused(Picture {
+        channels: &plain,
+        ..picture
+    });
+    assert!(more.contains("got t"), "{more}");
+}
+
+/// Pixels that had ended went on, with the numbers of samples that others had.
+#[test]
+fn a_state_that_a_noise_ended_is_refused_without_one() {
+    let scene = Scene::new(vec![]).unwrap();
+    let camera = example::camera(16, 80).unwrap();
+    let shade = OneLoud(0);
+    let channels = shaded();
+    let picture = Picture {
+        samples: 40,
+        noise: Some(0.01),
+        ..Picture::new(&scene, &camera, &shade, &channels)
+    };
+    let mut going_on = picture.start().unwrap();
+    for _ in 0..40 {
+        going_on.add_sample(&()).unwrap();
+    }
+    let state = going_on.state().unwrap();
+    assert_eq!(picture.resume(&state).unwrap().samples(), 40);
+    let without = Picture {
+        noise: None,
+        ..picture
+    };
+    let error = without.resume(&state).err().unwrap().to_string();
+    assert!(error.contains("without a noise"), "{error}");
+}
+
+/// A picture that was begun and had one sample was a pinhole's.
+#[test]
+fn a_single_sample_of_a_lens_is_refused_before_it_is_begun() {
+    let scene = example::scene().unwrap();
+    let camera = example::camera(ROWS, COLUMNS).unwrap();
+    let camera = camera.thin_lens(0.2, 8.0).unwrap();
+    let shade = Shader::default().on(&scene);
+    let channels = shaded();
+    let picture = Picture::new(&scene, &camera, &shade, &channels);
+    let error = picture.start().err().unwrap().to_string();
+    assert!(error.starts_with("samples must be at least 2"), "{error}");
+    let plain = kinds(&["t"]);
+    let plain = Picture {
+        channels: &plain,
+        ..picture
+    };
+    assert!(plain.start().is_ok());
+}
