@@ -5,13 +5,12 @@ use std::sync::Arc;
 
 use firsthit::geometry::rotation;
 use firsthit::load::{LoadSettings, load_environment};
-use firsthit::scene::{Daylight, Environment, Surroundings};
-use firsthit::{DVec3, Light, Scene};
+use firsthit::scene::{Daylight, Environment, EnvironmentKind};
+use firsthit::{DVec3, Scene};
 
 use crate::args::{LightingArgs, LoadArgs};
 use crate::console::warn;
 use crate::failure::Failure;
-use crate::values::LightArg;
 
 /// A picture of all directions, or the sky of a day.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,17 +55,7 @@ pub(crate) fn lit(
     let Some(given) = &args.environment else {
         return Ok(scene);
     };
-    if args
-        .light
-        .iter()
-        .any(|light| matches!(light, LightArg::LightRig(_)))
-    {
-        let what = "--environment and the name of a set of lights (--light) exclude each other";
-        return Err(Failure::usage(what));
-    }
-    let strength = args.environment_strength.unwrap_or(1.0);
-    let mut lights = scene.lights().to_vec();
-    let surroundings = match given {
+    let kind = match given {
         EnvironmentArg::File { path, degrees } => {
             let settings = LoadSettings {
                 max_memory: load.max_memory,
@@ -75,19 +64,25 @@ pub(crate) fn lit(
             };
             let (map, warnings) = load_environment(path, &settings)?;
             warn(&warnings);
-            Surroundings::of_map(map.into(), up, &rotation(up, *degrees))
+            EnvironmentKind::of_map(map.into(), up, &rotation(up, *degrees))
         }
         &EnvironmentArg::Daylight { elevation, azimuth } => {
-            let day = Daylight::new(up, elevation, azimuth, Daylight::CLEAR, Daylight::GROUND)?;
-            lights.push(Light::from(day.sun_light()).scaled(strength));
-            Surroundings::Daylight(day)
+            let ground = Daylight::GROUND;
+            let day = Daylight::new(up, elevation, azimuth, Daylight::CLEAR, ground)?;
+            EnvironmentKind::Daylight(day)
         }
     };
     let environment = Environment {
-        surroundings,
-        strength,
+        kind,
+        strength: args.environment_strength.unwrap_or(1.0),
         is_seen: !args.environment_hidden,
     };
+    let mut lights = scene.lights().to_vec();
+    // The sun of a sky goes with it.
+    if let Some(gone) = scene.environment().and_then(Environment::sun) {
+        lights.retain(|light| *light != gone);
+    }
+    lights.extend(environment.sun());
     let scene = scene.with_lights(lights);
     Ok(scene.with_environment(Some(Arc::new(environment))))
 }

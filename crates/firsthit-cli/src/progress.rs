@@ -9,7 +9,7 @@ use std::time::Duration;
 use firsthit::watch::Watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::console::say_interrupted;
+use crate::console::{say, say_interrupted};
 use crate::failure::INTERRUPTED;
 
 /// How long a computation gets to notice that it is interrupted.
@@ -31,6 +31,15 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
         };
         let after_grace = move || {
             std::thread::sleep(GRACE);
+            if IS_KEEPING.load(Ordering::SeqCst) {
+                say(
+                    "firsthit: note: what is done is kept after this sample; Ctrl-C again ends at once",
+                );
+                while IS_KEEPING.load(Ordering::SeqCst) {
+                    std::thread::sleep(GRACE / 10);
+                }
+                std::thread::sleep(GRACE);
+            }
             end();
         };
         if std::thread::Builder::new().spawn(after_grace).is_err() {
@@ -38,6 +47,25 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
         }
     });
     interrupted
+}
+
+/// Whether somebody keeps what is done before it ends.
+static IS_KEEPING: AtomicBool = AtomicBool::new(false);
+
+/// While it lives, the first Ctrl-C leaves the time that it takes to keep what is done.
+pub(crate) struct Keeping(());
+
+impl Keeping {
+    pub(crate) fn begin() -> Self {
+        IS_KEEPING.store(true, Ordering::SeqCst);
+        Self(())
+    }
+}
+
+impl Drop for Keeping {
+    fn drop(&mut self) {
+        IS_KEEPING.store(false, Ordering::SeqCst);
+    }
 }
 
 /// The flag of Ctrl-C alone, for what is not counted in rays.

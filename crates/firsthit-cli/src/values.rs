@@ -312,9 +312,9 @@ pub(crate) fn edge_kinds(text: &str) -> Result<EdgeKinds, String> {
 
 /// The lengths of dashes and gaps.
 pub(crate) fn dash(text: &str) -> Result<Dash, String> {
-    let form = "two positive numbers of pixels, such as 6,4";
+    let form = "two numbers of pixels, 0.1 at least, such as 6,4";
     let [on, off] = numbers::<2>(text, ',', form)?;
-    let fine = on > 0.0 && off > 0.0;
+    let fine = on >= Dash::SHORTEST && off >= Dash::SHORTEST;
     fine.then_some(Dash { on, off })
         .ok_or_else(|| format!("expected {form}"))
 }

@@ -88,6 +88,7 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         "instruction_set": Cpu::default().instruction_set().name(),
         "cameras": looks.cameras_as_json(most),
         "lights": looks.lights_as_json(most),
+        "environment": looks.environment_as_json(),
         "materials": looks.materials_as_json(most),
         "textures": looks.textures_as_json(most),
         "counts": {

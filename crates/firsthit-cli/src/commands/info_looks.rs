@@ -1,15 +1,16 @@
-//! What a file says beside its shapes: cameras, lights, materials, textures.
+//! What a file says beside its shapes: cameras, lights, what is around, materials, textures.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
 use firsthit::geometry::Value as Setting;
-use firsthit::scene::MapRole;
+use firsthit::scene::{Environment, MapRole};
 use firsthit::world::{NamedCamera, World};
-use firsthit::{AlphaMode, Lens, Light, Material, Scene, Texture};
+use firsthit::{AlphaMode, DVec3, Lens, Light, Material, Scene, Texture};
 use serde_json::{Map, Value, json};
 
+use super::info_environment;
 use super::listing::listed;
 use crate::camera::labelled;
 use crate::hints::{number, triple};
@@ -18,6 +19,8 @@ use crate::hints::{number, triple};
 pub(super) struct Looks<'a> {
     pub(super) cameras: &'a [NamedCamera],
     pub(super) lights: &'a [Light],
+    environment: Option<&'a Environment>,
+    up: DVec3,
     pub(super) materials: Vec<&'a Material>,
     pub(super) textures: Vec<&'a Arc<Texture>>,
 }
@@ -28,6 +31,8 @@ impl<'a> Looks<'a> {
         Self {
             cameras: &model.cameras,
             lights: &model.lights,
+            environment: model.environment.as_deref(),
+            up: model.up_in(scene),
             textures: textures(&materials),
             materials,
         }
@@ -65,6 +70,12 @@ impl<'a> Looks<'a> {
             Value::Object(entries)
         };
         self.lights.iter().take(most).map(light).collect()
+    }
+
+    /// The light from all around; null if there is none.
+    pub(super) fn environment_as_json(&self) -> Value {
+        let environment = |environment| info_environment::as_json(environment, self.up);
+        self.environment.map_or(Value::Null, environment)
     }
 
     /// The first `most` materials.
@@ -106,6 +117,8 @@ impl<'a> Looks<'a> {
         let lights = self.lights.iter().enumerate();
         let lights = lights.map(|(k, light)| light_line(k, light));
         list("lights", most, lights, &mut lines);
+        let environment = self.environment.into_iter();
+        lines.extend(environment.map(|one| info_environment::line(one, self.up)));
         let textures = self.textures.iter().enumerate();
         let textures = textures
             .map(|(k, texture)| format!("{k}  {} x {} texels", texture.columns(), texture.rows()));

@@ -3,12 +3,12 @@
 use crate::failure::Failure;
 
 pub(crate) mod build;
-mod coloring;
 pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod diff;
 pub(crate) mod in_python;
 pub(crate) mod info;
+mod info_environment;
 pub(crate) mod info_looks;
 mod info_output;
 pub(crate) mod inside;

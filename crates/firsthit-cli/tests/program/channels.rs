@@ -1,6 +1,6 @@
 //! What is in the files, number by number.
 
-use crate::support::{ABOVE, Array, Lab, array};
+use crate::support::{ABOVE, Array, Lab, SQUARE, array};
 
 const COLUMNS: usize = 33;
 const ROWS: usize = 25;
@@ -106,7 +106,7 @@ fn arrays_have_the_types_and_shapes_that_are_documented() {
 fn row_0_is_the_top() {
     let lab = Lab::new();
     // Only the upper half of the square: y from 0 to 1.
-    let upper = crate::support::SQUARE.replace("-1 -1 0\n1 -1 0\n", "-1 0 0\n1 0 0\n");
+    let upper = SQUARE.replace("-1 -1 0\n1 -1 0\n", "-1 0 0\n1 0 0\n");
     lab.write("upper.ply", upper);
     lab.ok("render upper.ply --position 0,0,3 --aim 0,0,-1 --up 0,1,0 --fov 30 --size 9x8 --channels object -o o.npy");
     let object = array(&lab.read("o.npy"));
@@ -159,6 +159,46 @@ fn a_channel_asked_for_twice_is_there_once() {
     let lab = Lab::with_square();
     lab.ok("render square.ply --size 8x6 --channels t,z,depth,t -o d.npz");
     assert_eq!(lab.npz("d.npz").len(), 2);
+}
+
+/// The program knew no length, and of two lengths it would have made the first.
+#[test]
+fn ambient_occlusion_has_a_length() {
+    let lab = Lab::with_square();
+    let wall = "-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n-1 1 1\n1 1 1\n4 0 1 2 3\n4 3 2 5 4\n";
+    let corner = SQUARE
+        .replace("vertex 4", "vertex 6")
+        .replace("face 1", "face 2");
+    let (head, _) = corner.split_once("end_header\n").unwrap();
+    lab.write("corner.ply", format!("{head}end_header\n{wall}"));
+    let mean = |channel: &str| {
+        lab.ok(&format!(
+            "render corner.ply {ABOVE} --samples 16 --channels {channel} -o a.npz"
+        ));
+        let values = lab.npz("a.npz").remove("ao").unwrap().values;
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    let [near, far] = ["ao:0.1", "ao"].map(mean);
+    assert!(far < near && near < 1.0, "{far} {near}");
+    let words = "--channels: two channels would both be called ao";
+    lab.fails("render corner.ply --channels ao:1,ao -o b.npz", 2, words);
+    lab.fails("render corner.ply --channels ao:-1 -o b.npz", 2, "ao:-1");
+}
+
+/// The second file got the numbers of the first.
+#[test]
+fn two_outputs_of_a_file_cannot_have_other_channels_of_one_name() {
+    let lab = Lab::with_square();
+    let output = |name: &str, channel: &str| {
+        format!("[[outputs]]\nfile = \"{name}.npz\"\nchannels = [\"{channel}\"]\n")
+    };
+    let outputs = output("c", "attribute:a b") + &output("d", "attribute:a_b");
+    lab.write(
+        "a.toml",
+        format!("[[objects]]\nfile = \"square.ply\"\n{outputs}"),
+    );
+    let words = "two attributes would both be called attribute:a_b";
+    lab.fails("render a.toml", 3, words);
 }
 
 #[test]
@@ -255,8 +295,7 @@ fn a_misspelt_channel_is_told_which_is_meant() {
 #[test]
 fn numbers_in_sentences_have_at_most_six_digits() {
     let lab = Lab::new();
-    let third =
-        crate::support::SQUARE.replace("-1 -1 0", "-1.23456789 -1.000000123 0.333333333333");
+    let third = SQUARE.replace("-1 -1 0", "-1.23456789 -1.000000123 0.333333333333");
     lab.write("square.ply", third);
     let longest = |text: &str| -> usize {
         let pieces = text.split(|c: char| !c.is_ascii_digit() && c != '.');

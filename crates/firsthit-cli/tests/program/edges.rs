@@ -108,6 +108,34 @@ fn options_that_do_nothing_are_told() {
     assert!(!fine.stderr.contains("does nothing"), "{}", fine.stderr);
 }
 
+/// There was no way to do without them.
+#[test]
+fn the_file_s_lines_can_be_left_out() {
+    let lab = Lab::with_square();
+    let object = "[[objects]]\nfile = \"square.ply\"\n";
+    lab.write("plain.toml", object);
+    lab.write("lines.toml", format!("[edges]\nwidth = 3\n{object}"));
+    let colors = |file: &str, options: &str| {
+        lab.ok(&format!("render {file} {ABOVE} -o a.npz {options}"));
+        lab.npz("a.npz").remove("color").unwrap()
+    };
+    let plain = colors("plain.toml", "");
+    assert!(colors("lines.toml", "") != plain);
+    assert!(colors("lines.toml", "--no-edges") == plain);
+    lab.fails(
+        "render lines.toml --no-edges --edge-color red",
+        2,
+        "cannot be used with",
+    );
+    let idle = lab.ok("render lines.toml --size 8x8 --channels t --no-edges");
+    assert!(
+        idle.stderr
+            .contains("--no-edges does nothing without color or edge"),
+        "{}",
+        idle.stderr
+    );
+}
+
 #[test]
 fn what_cannot_be_drawn_is_refused() {
     let lab = Lab::with_square();
@@ -121,11 +149,11 @@ fn what_cannot_be_drawn_is_refused() {
         ),
         (
             "--hidden-edges=3",
-            "two positive numbers of pixels, such as 6,4",
+            "two numbers of pixels, 0.1 at least, such as 6,4",
         ),
         (
             "--hidden-edges=3,0",
-            "two positive numbers of pixels, such as 6,4",
+            "two numbers of pixels, 0.1 at least, such as 6,4",
         ),
     ] {
         lab.fails(&format!("render square.ply {options}"), 2, words);

@@ -150,6 +150,106 @@ fn the_environment_chooses_the_instruction_set() {
     assert_eq!(unknown.stderr.lines().count(), 1, "{}", unknown.stderr);
 }
 
+/// What JSON and text say of the environment of a scene file.
+fn environment_of(lab: &Lab, text: &str) -> (Value, String) {
+    lab.write("around.toml", text);
+    let line = |said: &str| {
+        let mut lines = said.lines();
+        lines.find_map(|line| line.strip_prefix("environment ").map(str::to_owned))
+    };
+    let said = lab.ok("info around.toml");
+    let listed = info(lab, "around.toml")["environment"].take();
+    (listed, line(said.text()).unwrap_or_default())
+}
+
+#[test]
+fn a_map_is_told_with_its_size_and_by_how_much_it_is_turned() {
+    let lab = Lab::new();
+    lab.write(
+        "a.hdr",
+        b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x80\x80\x80\x80",
+    );
+    let about = |direction: [f64; 3], degrees: f64| json!({"axis": direction, "degrees": degrees});
+    for (keys, rotate, words) in [
+        ("", about([0.0, 0.0, 1.0], 0.0), ""),
+        (
+            "rotate = 30",
+            about([0.0, 0.0, 1.0], 30.0),
+            ", turned by 30 degrees",
+        ),
+        (
+            "rotate = 270",
+            about([0.0, 0.0, 1.0], -90.0),
+            ", turned by -90 degrees",
+        ),
+        (
+            "rotate = { axis = [0, -2, 0], degrees = 20 }",
+            about([0.0, -1.0, 0.0], 20.0),
+            ", turned by 20 degrees about 0,-1,0",
+        ),
+    ] {
+        let text = format!("[environment]\nfile = 'a.hdr'\nstrength = 2.5\nseen = false\n{keys}\n");
+        let (listed, line) = environment_of(&lab, &text);
+        assert_eq!(
+            line,
+            format!("map, 2 x 1 texels{words}, strength 2.5, not seen")
+        );
+        let numbers = |value: &Value| -> Vec<f64> {
+            let axis = value["axis"].as_array().unwrap().iter();
+            axis.chain([&value["degrees"]])
+                .map(|x| x.as_f64().unwrap())
+                .collect()
+        };
+        for (got, expected) in numbers(&listed["rotate"]).into_iter().zip(numbers(&rotate)) {
+            assert!((got - expected).abs() < 1e-9, "{keys}: {listed}");
+        }
+        assert_eq!(
+            (&listed["kind"], &listed["seen"]),
+            (&json!("map"), &json!(false))
+        );
+        assert_eq!(
+            (&listed["columns"], &listed["rows"]),
+            (&json!(2), &json!(1))
+        );
+        assert_eq!(listed["strength"], json!(2.5));
+    }
+    lab.ok("build around.toml -o around.fhs");
+    let built = info(&lab, "around.fhs");
+    assert_eq!(built["environment"]["columns"], json!(2));
+    assert_eq!(built["environment"]["strength"], json!(2.5));
+}
+
+#[test]
+fn other_environments_are_told_by_their_colours_and_their_sun_is_a_light() {
+    let lab = Lab::new();
+    let (listed, line) = environment_of(&lab, "[environment]\ncolor = [1, 2, 3]\n");
+    assert_eq!(line, "uniform, 1,2,3, strength 1");
+    let color = json!([1.0, 2.0, 3.0]);
+    assert_eq!(
+        listed,
+        json!({"kind": "uniform", "color": color, "strength": 1.0, "seen": true})
+    );
+    let (listed, line) = environment_of(&lab, "[environment]\nabove = 'white'\nbelow = 'black'\n");
+    assert_eq!(line, "hemispheres, above 1,1,1, below 0,0,0, strength 1");
+    assert_eq!(listed["up"], json!([0.0, 0.0, 1.0]));
+    let (listed, line) =
+        environment_of(&lab, "[environment]\nhorizon = 'white'\nzenith = 'blue'\n");
+    assert_eq!(line, "gradient, horizon 1,1,1, zenith 0,0,1, strength 1");
+    assert_eq!(listed["zenith"], json!([0.0, 0.0, 1.0]));
+    let (listed, line) = environment_of(&lab, "[environment]\ndaylight = { elevation = 35 }\n");
+    assert_eq!(
+        line,
+        "daylight, elevation 35, azimuth 0, turbidity 3, strength 1"
+    );
+    assert_eq!(listed["elevation"], json!(35.0));
+    assert_eq!(
+        info(&lab, "around.toml")["lights"][0]["kind"],
+        "directional"
+    );
+    let (listed, line) = environment_of(&lab, "");
+    assert_eq!((listed, &*line), (Value::Null, ""));
+}
+
 /// `count` triangles, each an object.
 fn crowd(count: usize) -> String {
     (0..count).fold(String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n"), |text, k| {

@@ -70,6 +70,25 @@ fn ctrl_c_at_any_moment_leaves_no_other_file() {
     }
 }
 
+/// A run shorter than the time between two states lost everything.
+#[test]
+fn ctrl_c_keeps_the_samples_that_are_done() {
+    let lab = Lab::with_square();
+    let render = "render square.ply --size 48x32 --shader unlit --resume s.npz";
+    let outcome = interrupt(lab.start(&format!("{render} -o a.png --samples 65536")));
+    assert_eq!(outcome.code, 130, "{}", outcome.stderr);
+    let said = outcome.stderr.trim_end().lines().last();
+    assert_eq!(said, Some("firsthit: error: interrupted"));
+    assert_eq!(lab.names(), ["s.npz", "square.ply"]);
+    let counts = lab.npz("s.npz").remove("samples").unwrap().values;
+    let count = counts[0];
+    assert!(count >= 1.0 && counts.iter().all(|&other| other == count));
+    let render = format!("{render} --samples {}", count + 2.0);
+    lab.ok(&format!("{render} -o a.npz"));
+    lab.ok(&format!("{render} -o b.npz").replace("--resume s.npz", ""));
+    assert!(lab.read("a.npz") == lab.read("b.npz"), "{count}");
+}
+
 #[test]
 fn a_killed_run_leaves_a_whole_picture() {
     let lab = Lab::new();

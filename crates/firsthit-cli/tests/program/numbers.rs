@@ -101,7 +101,11 @@ fn what_makes_no_sense_is_refused_or_said() {
     let unranged = "render a.ply --color-by object --color-below red";
     lab.fails(unranged, 2, "needs --color-range");
     let tiny = "render a.ply --color-by object --color-bar --size 30x20";
-    lab.fails(tiny, 2, "so small a picture");
+    lab.fails(
+        tiny,
+        2,
+        "--color-bar does not fit a picture of 30 x 20 pixels",
+    );
     let idle = lab.ok("render a.ply --size 30x20 --shader xray --color-by object");
     assert!(
         idle.stderr

@@ -90,6 +90,32 @@ fn help_names_every_channel() {
     }
 }
 
+/// Those of the last months were missing.
+#[test]
+fn the_option_for_channels_names_every_channel_too() {
+    let help = Lab::new().ok("render --help");
+    let (_, after) = help.text().split_once("--channels <NAMES>").unwrap();
+    let (about, _) = after.split_once("\n      --").unwrap();
+    let words: Vec<&str> = (about.split(|c: char| !c.is_alphanumeric() && c != '_')).collect();
+    for kind in firsthit::channel::KINDS {
+        assert!(words.contains(&&*kind.name), "{}", kind.name);
+    }
+}
+
+#[test]
+fn the_option_for_lights_names_every_kind_and_set() {
+    let help = Lab::new().ok("render --help");
+    let (_, after) = help.text().split_once("--light <").unwrap();
+    let (about, _) = after.split_once("\n      --").unwrap();
+    let words: Vec<&str> = (about.split(|c: char| !c.is_alphanumeric())).collect();
+    let names = firsthit::Light::NAMES
+        .iter()
+        .chain(firsthit::shade::LightRig::NAMES);
+    for name in names {
+        assert!(words.contains(name), "{name}");
+    }
+}
+
 #[test]
 fn the_version_is_the_package_s() {
     let outcome = Lab::new().ok("--version");

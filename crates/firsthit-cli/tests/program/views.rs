@@ -104,11 +104,8 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
         let told = said.split_once("; guessed: ").map(|(_, told)| told.trim());
         assert_eq!(told, guessed.as_deref(), "{options}: {said}");
     }
-    assert!(
-        lab.ok("render square.ply --size 40x30 --quiet")
-            .stderr
-            .is_empty()
-    );
+    let quiet = lab.ok("render square.ply --size 40x30 --quiet");
+    assert!(quiet.stderr.is_empty());
 }
 
 #[test]

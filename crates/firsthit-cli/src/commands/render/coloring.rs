@@ -1,6 +1,5 @@
 //! Colours by numbers, as the command line and the file ask for them.
 
-use firsthit::Shader;
 use firsthit::scene::Coloring;
 
 use crate::args::ColorsArgs;
@@ -20,8 +19,9 @@ pub(super) fn coloring(
         None => of_file,
     };
     let Some(base) = base else {
-        return match given(args).next() {
-            Some(option) => Err(Failure::usage(format!("{option} needs --color-by"))),
+        let mut given = args.given().into_iter();
+        return match given.find(|(_, is_given)| *is_given) {
+            Some((option, _)) => Err(Failure::usage(format!("{option} needs --color-by"))),
             None => Ok(None),
         };
     };
@@ -46,27 +46,4 @@ pub(super) fn coloring(
         }
     }
     Ok(Some(coloring))
-}
-
-/// The options that are given.
-pub(super) fn given(args: &ColorsArgs) -> impl Iterator<Item = &'static str> {
-    let given = [
-        ("--color-by", args.color_by.is_some()),
-        ("--color-map", args.color_map.is_some()),
-        ("--color-range", args.color_range.is_some()),
-        ("--color-below", args.color_below.is_some()),
-        ("--color-above", args.color_above.is_some()),
-        ("--color-missing", args.color_missing.is_some()),
-        ("--color-bar", args.color_bar),
-    ];
-    let given = given.into_iter().filter(|(_, is_given)| *is_given);
-    given.map(|(option, _)| option)
-}
-
-/// Says of options that they do nothing, with a shader that looks at no colours, or `why` else.
-pub(super) fn idle(args: &ColorsArgs, shader: &Shader, why: Option<&str>) -> Vec<String> {
-    let with_shader = format!("with --shader {}", shader.name());
-    let why = why.or_else(|| (!shader.takes_color()).then_some(&*with_shader));
-    let line = |why| move |option| format!("{option} does nothing {why}");
-    why.map_or_else(Vec::new, |why| given(args).map(line(why)).collect())
 }

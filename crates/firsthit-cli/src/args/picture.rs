@@ -1,0 +1,125 @@
+//! What makes a picture, and where it goes.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use firsthit::ToneMap;
+
+use super::{
+    CameraArgs, ColorsArgs, CulledSide, EdgeArgs, LightingArgs, LoadArgs, PickArgs, RunArgs,
+};
+use crate::completion::ChannelNames;
+use crate::help;
+use crate::output::Source;
+use crate::values;
+
+#[derive(Debug, Args)]
+#[command(after_help = help::render())]
+pub(crate) struct RenderArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+    #[command(flatten)]
+    pub(crate) light: LightingArgs,
+    #[command(flatten)]
+    pub(crate) colors: ColorsArgs,
+    #[command(flatten)]
+    pub(crate) edges: EdgeArgs,
+    /// The side of surfaces that the camera's rays pass through: with back, into a room through its walls. The front is where the
+    /// normal points. Shadows are cast all the same
+    #[arg(long, value_name = "SIDE")]
+    pub(crate) cull: Option<CulledSide>,
+    #[command(flatten)]
+    pub(crate) pick: PickArgs,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct PictureArgs {
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point cloud); may be given
+    /// several times. {channel} in the name makes a file of each channel [default: what a scene file asks for, else the
+    /// file's name with .png]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// The channels to compute, with commas between: color, t, range, z (or depth), object, primitive, face,
+    /// node, mesh, material, normal, incidence, position, barycentric, uv, base_color, front, valid (whether the lens sees
+    /// anything), edge, alpha, ao[:LENGTH] (ambient occlusion, of what is up to LENGTH away), samples, crypto_object, crypto_material,
+    /// and attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position, normal, color, object]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(Source::Camera), hide_possible_values = true)]
+    pub(crate) channels: Vec<String>,
+    /// Write a table that explains a picture of the channel object: the number of each object, its name, its colour in the
+    /// picture (sRGB) and its count of pixels, as .csv or .json
+    #[arg(long, value_name = "FILE")]
+    pub(crate) legend: Option<PathBuf>,
+    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
+    /// miss. Otherwise a PNG of distances is in false colours, to look at
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) png_scale: Option<f64>,
+    /// Antialiasing: the colour is the mean of this many points of a pixel. They are the first ones of a fixed
+    /// low-discrepancy sequence; 1 is the pixel's centre [default: the file's, else 256 with --noise, else 16 where the shader draws
+    /// random numbers or there is a ground, else 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    pub(crate) samples: Option<u32>,
+    /// Stop sampling where the standard error of a pixel's brightness (1 is white) is below LEVEL. First checked after 32 samples.
+    /// 0.005 is about a level of 255 [default: all samples everywhere]
+    #[arg(long, value_name = "LEVEL", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) noise: Option<f64>,
+    /// Save the state of the picture to FILE (.npz), and continue from it if it exists. Several runs give the same bytes as one run.
+    /// Ctrl-C saves it too
+    #[arg(long, value_name = "FILE")]
+    pub(crate) resume: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
+}
+
+/// How PNGs show colours.
+#[derive(Debug, Args)]
+pub(crate) struct DisplayArgs {
+    /// Make the colours of a .png brighter by so many stops: each is twice as bright; negative ones are darker. All other files
+    /// keep the colours as they are [default: 0, or the file's]
+    #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
+    pub(crate) exposure: Option<f64>,
+    /// Bring bright colours into a .png, after --exposure: none shows what is above 1 as 1, neutral is Khronos PBR Neutral
+    /// [default: none, or the file's]
+    #[arg(long, value_name = "NAME", value_parser = values::tone_map())]
+    pub(crate) tone_map: Option<ToneMap>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = help::DEMO_EXAMPLES)]
+pub(crate) struct DemoArgs {
+    /// Columns and rows of pixels
+    #[arg(long, value_name = "WxH", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
+    pub(crate) size: (usize, usize),
+    /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point cloud); may be given
+    /// several times. {channel} in the name makes a file of each channel [default: demo.png]
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<PathBuf>,
+    /// The channels to compute, with commas between; see firsthit render --help [default: color]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        value_parser = ChannelNames(Source::Camera),
+        hide_possible_values = true
+    )]
+    pub(crate) channels: Vec<String>,
+    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
+    /// miss. Otherwise a PNG of distances is in false colours, to look at
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) png_scale: Option<f64>,
+    /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
+    pub(crate) samples: Option<u32>,
+    #[command(flatten)]
+    pub(crate) display: DisplayArgs,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
+}

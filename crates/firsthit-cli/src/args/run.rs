@@ -1,0 +1,65 @@
+//! What several commands take: how a file is read, what of it, and how the program works.
+
+use clap::{Args, ValueEnum};
+use firsthit::Side;
+
+use crate::values;
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "General")]
+pub(crate) struct LoadArgs {
+    /// Fail where there would be a warning for unusable triangles, which are left out (a corner is NaN, infinite or
+    /// enormous), or for a text file that seems to be truncated
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// The memory that the file's content may take once it is unpacked, in bytes, or with K, M, G or T for powers of
+    /// 1024. What the content describes may take 256 times its size, plus 1/256 of this limit
+    #[arg(long, value_name = "SIZE", value_parser = values::memory, default_value = "8G", allow_hyphen_values = true)]
+    pub(crate) max_memory: u64,
+    /// The largest width and height of a texture, in texels. The texture may take SIDE x SIDE bytes in all, at four
+    /// bytes a texel
+    #[arg(long, value_name = "SIDE", value_parser = clap::value_parser!(u32).range(1..=1 << 20), default_value = "16384", allow_hyphen_values = true)]
+    pub(crate) max_texture: u32,
+}
+
+/// Which objects are there.
+#[derive(Debug, Args)]
+pub(crate) struct PickArgs {
+    /// Hide the objects with this name, or else with this identifier; may be given several times. Nothing meets them, and
+    /// the others keep their identifiers
+    #[arg(long, value_name = "OBJECT")]
+    pub(crate) hide: Vec<String>,
+    /// Hide all objects but those with this name, or else with this identifier; may be given several times
+    #[arg(long, value_name = "OBJECT")]
+    pub(crate) only: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "General")]
+pub(crate) struct RunArgs {
+    /// The number of threads; the result is the same for any [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    pub(crate) threads: Option<u16>,
+    /// Print only warnings and errors
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+    /// Report the run and its warnings as one JSON object: on standard output, or on standard error if the results go to
+    /// standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CulledSide {
+    Front,
+    Back,
+}
+
+impl From<CulledSide> for Side {
+    fn from(side: CulledSide) -> Self {
+        match side {
+            CulledSide::Front => Self::Front,
+            CulledSide::Back => Self::Back,
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! A picture to be made: from a scene with its look to files.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use firsthit::channel::Kind;
+use firsthit::edge::Edges;
+use firsthit::image::{Data, Frame, WriteSettings};
+use firsthit::render::{Picture, work};
+use firsthit::{Camera, DisplayTransform, Scene, Shading, Side};
+use serde_json::{Value, json};
+
+use super::idle::do_nothing;
+use super::resume;
+use crate::args::{DisplayArgs, RunArgs};
+use crate::console::{counted, end_report, say, warn};
+use crate::failure::Failure;
+use crate::legend;
+use crate::output::{self, Order};
+use crate::progress::Progress;
+
+/// A picture to be made.
+pub(crate) struct Job<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) camera: &'a Camera,
+    pub(crate) shade: &'a Shading<'a>,
+    pub(crate) samples: u32,
+    /// The noise at which no more samples are taken.
+    pub(crate) noise: Option<f64>,
+    /// The file of the state, to go on with.
+    pub(crate) resume: Option<&'a Path>,
+    pub(crate) settings: WriteSettings,
+    /// What was guessed, in words, each with the option that says otherwise.
+    pub(crate) guessed: &'a [String],
+    /// The file of `--legend`.
+    pub(crate) legend: Option<&'a Path>,
+    /// The side of surfaces that the camera's rays pass through.
+    pub(crate) cull: Option<Side>,
+    /// Lines along edges.
+    pub(crate) edges: Option<Edges>,
+}
+
+/// How files are written; says so where the scale, the exposure or the tone map does nothing. Colours are shown as the command line
+/// says, the rest as the file says.
+pub(crate) fn settings(
+    png_scale: Option<f64>,
+    (args, of_file): (&DisplayArgs, DisplayTransform),
+    orders: &[Order],
+) -> WriteSettings {
+    if !orders.iter().any(output::takes_scale) {
+        let scale = [("--png-scale", png_scale.is_some())];
+        warn(&do_nothing(scale, "without t, range or z in a .png"));
+    }
+    let for_color = [
+        ("--exposure", args.exposure.is_some()),
+        ("--tone-map", args.tone_map.is_some()),
+    ];
+    if !orders.iter().any(output::shows_colors) {
+        warn(&do_nothing(for_color, "without color in a .png"));
+    }
+    let display = DisplayTransform {
+        exposure: args.exposure.unwrap_or(of_file.exposure),
+        tone_map: args.tone_map.unwrap_or(of_file.tone_map),
+    };
+    WriteSettings { png_scale, display }
+}
+
+/// Makes a picture, writes it, and says so in one line.
+pub(crate) fn picture(
+    job: &Job<'_>,
+    orders: &[Order],
+    args: &RunArgs,
+    interrupted: &AtomicBool,
+) -> Result<(), Failure> {
+    let started = Instant::now();
+    let &Job {
+        scene,
+        camera,
+        shade,
+        samples,
+        noise,
+        resume,
+        settings,
+        legend,
+        cull,
+        edges,
+        ..
+    } = job;
+    let kinds = all_kinds(orders)?;
+    let total = work(camera.pixels(), &kinds, samples);
+    let progress = Progress::new(total, args.quiet || args.json, interrupted);
+    let picture = Picture {
+        samples,
+        noise,
+        cull,
+        edges,
+        ..Picture::new(scene, camera, shade, &kinds)
+    };
+    let mut whole = match resume {
+        Some(path) => resume::resumed(&picture, path, &progress)?,
+        None => picture.render(&progress)?,
+    };
+    let objects = match whole.channel("object").map(|channel| &channel.data) {
+        Some(Data::Int32(objects)) => objects.as_slice(),
+        _ => &[],
+    };
+    let samples = whole.origin().samples.unwrap_or(samples);
+    let hit = objects.iter().filter(|&&object| object >= 0).count();
+    let rows = legend.map(|_| legend::rows(scene, objects));
+    let legends = write_all(&mut whole, orders, settings, interrupted)?;
+    if let (Some(path), Some(rows)) = (legend, rows) {
+        legend::write(path, &rows, interrupted)?;
+    }
+    drop(progress);
+    warn(&crate::hints::hints(scene, camera, hit));
+    let seconds = started.elapsed().as_secs_f64();
+    tell(job, (orders, &legends), args, (hit, samples, seconds))
+}
+
+/// Says that a picture is made.
+fn tell(
+    job: &Job<'_>,
+    (orders, legends): (&[Order], &[Vec<Option<String>>]),
+    args: &RunArgs,
+    (hit, samples, seconds): (usize, u32, f64),
+) -> Result<(), Failure> {
+    let &Job {
+        scene,
+        camera,
+        guessed,
+        ..
+    } = job;
+    let pixels = camera.pixels() as u64;
+    if args.json {
+        let done = done(job, orders, legends, (hit, samples, seconds));
+        end_report(done).map_err(|error| Failure::stdout(&error))?;
+    } else if !args.quiet {
+        let guessed = if guessed.is_empty() {
+            String::new()
+        } else {
+            format!("; guessed: {}", guessed.join(", "))
+        };
+        say(format_args!(
+            "{}: {} x {} pixels, {:.1} % hit, {}, {}, {:.2} s{guessed}",
+            output::names(orders.iter().flat_map(|order| &order.targets)),
+            camera.columns(),
+            camera.rows(),
+            100.0 * hit as f64 / pixels as f64,
+            counted(scene.objects().len() as u64, "object"),
+            counted(scene.triangles(), "triangle"),
+            seconds,
+        ));
+        for (order, legends) in orders.iter().zip(legends) {
+            output::say_legends(&order.targets, legends);
+        }
+    }
+    Ok(())
+}
+
+/// Writes each output its channels of the picture, which are taken out where no later one has them; returns their legends.
+fn write_all(
+    picture: &mut Frame,
+    orders: &[Order],
+    settings: WriteSettings,
+    interrupted: &AtomicBool,
+) -> Result<Vec<Vec<Option<String>>>, Failure> {
+    let mut legends = Vec::new();
+    for (number, Order { kinds, targets }) in (1..).zip(orders) {
+        let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
+        let later = orders[number..].iter().flat_map(|order| &order.kinds);
+        let is_last = |name: &str| !later.clone().any(|kind| kind.name == name);
+        let frame = picture.select(&names, is_last)?;
+        legends.push(output::write(&frame, targets, settings, interrupted)?);
+    }
+    Ok(legends)
+}
+
+/// The kinds of all outputs, each once, and the object, from which it is known what was hit.
+fn all_kinds(orders: &[Order]) -> Result<Vec<&'static Kind>, Failure> {
+    let mut kinds: Vec<&'static Kind> = vec![firsthit::channel::kind("object")?];
+    for kind in orders.iter().flat_map(|order| &order.kinds) {
+        if !output::has(&kinds, kind)? {
+            kinds.push(kind);
+        }
+    }
+    Ok(kinds)
+}
+
+/// What `--json` says of a picture.
+fn done(
+    job: &Job<'_>,
+    orders: &[Order],
+    legends: &[Vec<Option<String>>],
+    (hits, samples, seconds): (usize, u32, f64),
+) -> Value {
+    let of_order = |(order, legends): (&Order, &Vec<Option<String>>)| {
+        output::as_json(&order.targets, &order.kinds, legends)
+    };
+    let outputs = orders.iter().zip(legends).flat_map(of_order);
+    json!({
+        "outputs": outputs.collect::<Vec<_>>(),
+        "legend_file": job.legend.map(Path::to_string_lossy),
+        "columns": job.camera.columns(),
+        "rows": job.camera.rows(),
+        "hits": hits,
+        "samples": samples,
+        "guessed": job.guessed,
+        "objects": job.scene.objects().len(),
+        "triangles": job.scene.triangles(),
+        "seconds": seconds,
+    })
+}
+
+pub(crate) fn needs_samples(order: &Order) -> bool {
+    order.kinds.iter().any(|kind| kind.needs_samples())
+}
+
+pub(super) fn needs_shade(order: &Order) -> bool {
+    order.kinds.iter().any(|kind| kind.needs_shade())
+}

@@ -1,0 +1,97 @@
+//! Writing, and saying how to read it back.
+
+use std::io::{self, Write};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use firsthit::channel::Kind;
+use firsthit::error::escaped;
+use firsthit::image::{self, Display, Frame, WriteSettings, short_legend, write_whole};
+use serde_json::{Value, json};
+
+use super::targets::{Target, is_png};
+use crate::console::say;
+use crate::failure::Failure;
+use crate::hits_csv::write_csv;
+use crate::progress::Interrupt;
+
+/// What `--json` says of files: their names, what is in them, and how to read a picture back.
+pub(crate) fn as_json(
+    targets: &[Target],
+    kinds: &[&Kind],
+    legends: &[Option<String>],
+) -> Vec<Value> {
+    let one = |(target, legend): (&Target, &Option<String>)| {
+        let channels: Vec<&str> = match target.channel {
+            Some(name) => vec![name],
+            None => kinds.iter().map(|kind| &*kind.name).collect(),
+        };
+        json!({
+            "file": target.path.to_string_lossy(),
+            "channels": channels,
+            "legend": legend,
+        })
+    };
+    let legends = legends.iter().chain(std::iter::repeat(&None));
+    targets.iter().zip(legends).map(one).collect()
+}
+
+/// Writes all files, each whole or not at all; returns how to read each back, where that takes words.
+pub(crate) fn write(
+    frame: &Frame,
+    targets: &[Target],
+    settings: WriteSettings,
+    interrupted: &AtomicBool,
+) -> Result<Vec<Option<String>>, Failure> {
+    let watch = Interrupt(interrupted);
+    let mut legends = Vec::new();
+    // All of them, or none because of what one cannot hold.
+    for target in targets {
+        if let Some(format) = target.format {
+            format.check(frame, target.channel, settings)?;
+        }
+    }
+    for target in targets {
+        let Target {
+            path,
+            format,
+            channel,
+        } = target;
+        match format {
+            Some(format) => format.write(frame, *channel, settings, path, &watch)?,
+            None => write_whole(path, &watch, |out| write_csv(frame, out))?,
+        }
+        let shown = channel.filter(|_| is_png(target));
+        let shown = shown.and_then(|name| frame.channel(name));
+        legends.push(shown.and_then(|channel| legend(channel, settings)));
+    }
+    Ok(legends)
+}
+
+/// How to read a picture back.
+fn legend(channel: &image::Channel, settings: WriteSettings) -> Option<String> {
+    match settings.png_scale {
+        Some(scale) if channel.display == Display::Distance => {
+            let name = &channel.name;
+            Some(format!("{name} in steps of {scale}, 16 bits; misses 0"))
+        }
+        _ => short_legend(channel),
+    }
+}
+
+/// Says how to read pictures back.
+pub(crate) fn say_legends(targets: &[Target], legends: &[Option<String>]) {
+    for (target, legend) in targets.iter().zip(legends) {
+        if let Some(legend) = legend {
+            say(format_args!("{}: {legend}", escaped(&target.path)));
+        }
+    }
+}
+
+/// Writes all channels to standard output.
+pub(crate) fn stream(frame: &Frame, format: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    let (settings, name) = (WriteSettings::default(), Path::new("standard output"));
+    image::format_named(format)?.encode(frame, None, settings, &mut out, name)?;
+    out.flush().map_err(|error| Failure::stdout(&error))
+}
