@@ -48,7 +48,7 @@ from ._moving import Pushbroom, RollingShutter
 from ._nearest import ClosestPoints
 from ._object import Object
 from ._ray_sensor import RaySensor
-from ._render import render
+from ._render import render, render_progressively
 from ._rig import Rig
 from ._scene import Scene
 from ._section import Polyline, Section
@@ -135,6 +135,7 @@ __all__ = [
     "read_metadata",
     "render",
     "render_many",
+    "render_progressively",
     "shoot_many",
     "visible_many",
 ]

@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 class Environment:
     """Light from all around, from infinitely far away: a picture of all directions. Immutable.
 
-    It lights a scene, and is what pictures show where nothing is hit: see `Scene.environment`. The
-    class methods make other ones: of one colour, of two, of a gradient, of an array, and daylight.
+    It lights a scene, and is what pictures show where nothing is hit: see `Scene.environment`, and
+    `render` for one picture's own. The class methods make other ones: of one colour, of two, of a
+    gradient, of an array, and daylight.
 
     The picture shows longitude across and latitude down. Its middle looks along +x where +y or +z
     is up; to the right of that is +z where +y is up, and -y where +z is.
@@ -293,11 +294,9 @@ class Environment:
         ValueError
             For an environment that is no daylight.
         """
-        light = _firsthit.sun_of(self._native(), vector("up", up))
-        if light is None:
+        sun = self._sun(up)
+        if sun is None:
             raise ValueError("only daylight has a sun")
-        sun = light_of(*light)
-        assert isinstance(sun, DirectionalLight)
         return sun
 
     def radiance(
@@ -321,6 +320,13 @@ class Environment:
         rows = given.reshape(-1, 3).astype(np.float64).tolist()
         found = _firsthit.environment_radiance(self._native(), vector("up", up), rows)
         return found.reshape(given.shape)
+
+    def _sun(self, up: npt.ArrayLike) -> DirectionalLight | None:
+        """Return its sun, if it has one."""
+        light = _firsthit.sun_of(self._native(), vector("up", up))
+        sun = None if light is None else light_of(*light)
+        assert isinstance(sun, DirectionalLight | None)
+        return sun
 
     @classmethod
     def _of(cls, *parts: Any) -> Environment:

@@ -22,6 +22,7 @@ from ._types import (
 )
 
 __all__ = [
+    "Accumulated",
     "Camera",
     "EnvironmentMap",
     "Lint",
@@ -69,11 +70,13 @@ __all__ = [
     "png",
     "read",
     "render",
+    "render_more",
     "render_work",
     "resolve",
     "rotation",
     "rules",
     "run_program",
+    "sampling",
     "save",
     "shader_settings",
     "shoot",
@@ -491,6 +494,7 @@ class Scene:
         hidden: list[tuple[int, bool]],
     ) -> Scene: ...
     def seen_by(self, mask: int, only: list[int] | None) -> Scene: ...
+    def lit_by(self, environment: _Environment, up: _Vector) -> Scene: ...
 
 @final
 class Section:
@@ -648,6 +652,31 @@ def render(
     threads: int,
     report: _Report | None,
 ) -> tuple[list[npt.NDArray[Any]], str]: ...
+
+#: What a picture looks like: the shading, the background, which way is up, samples, the region, the
+#: side that is passed through, and lines.
+_Picture = tuple[
+    _Shading,
+    list[_Vector] | None,
+    _Vector,
+    int,
+    tuple[int, int, int, int],
+    Side | None,
+    EdgesTuple | None,
+]
+
+@final
+class Accumulated: ...
+
+def render_more(
+    scene: Scene,
+    camera: Camera | Sensor,
+    channels: Sequence[str],
+    picture: _Picture,
+    known: Accumulated | None,
+    how: tuple[int, _Report | None],
+) -> tuple[list[npt.NDArray[Any]], Accumulated]: ...
+def sampling(channels: Sequence[str]) -> list[str]: ...
 def resolve(
     scene: Scene, camera: Camera | Sensor, shading: _Shading, up: _Vector
 ) -> tuple[int, list[str]]: ...

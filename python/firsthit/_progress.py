@@ -22,9 +22,16 @@ class _Bar(Protocol):
     def close(self) -> object: ...
 
 
+def check(progress: Progress | None) -> None:
+    """Refuse what nobody can follow."""
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        raise TypeError(f"progress must be True or a function of two numbers, got {progress!r}")
+
+
 @contextmanager
 def following(progress: Progress | None, total: int) -> Iterator[Report | None]:
     """Yield the report for ``progress`` out of ``total``; ``None`` if none is wanted."""
+    check(progress)
     if progress is None or progress is False:
         yield None
     elif progress is True:
@@ -33,10 +40,8 @@ def following(progress: Progress | None, total: int) -> Iterator[Report | None]:
             yield bar.to
         finally:
             bar.close()
-    elif callable(progress):
-        yield lambda done: progress(done, total)
     else:
-        raise TypeError(f"progress must be True or a function of two numbers, got {progress!r}")
+        yield lambda done: progress(done, total)
 
 
 def later(report: Report | None, before: int) -> Report | None:

@@ -2,42 +2,25 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from . import _firsthit
-from ._arrays import threads_or_all
-from ._camera import Camera
-from ._colors import Colors, colors_of
-from ._draws import Draws, takes_draws
-from ._edges import Edges
-from ._files import distinct, matte_of
-from ._filters import Filters
-from ._frame import Frame
-from ._lights import Sky, background_native
-from ._progress import following, later
-from ._queries import shoot_camera, shoot_rays
-from ._rays import Rays
-from ._scene import Scene
-from ._sensor import Sensor
-from ._shading import SAMPLES, Shader, Shading, shader_of
-from ._source import Source
+from ._picture import Picture
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Iterator, Sequence
 
     import numpy.typing as npt
 
-    from ._hits import Hits
-    from ._progress import Report
-    from ._traceable import Built
+    from ._colors import Colors
+    from ._edges import Edges
+    from ._environment import Environment
+    from ._frame import Frame
+    from ._lights import Sky
+    from ._scene import Scene
+    from ._sensor import Sensor
+    from ._shading import Shader
     from ._types import Asked, Selection, Side
     from .typing import ColorMapName, LightName, OwnShade, Progress, ShaderName
-
-#: About how many rays an own shader sees at a time when there are several samples.
-_BATCH = 1 << 18
 
 
 def render(
@@ -46,6 +29,7 @@ def render(
     *,
     channels: Asked | Sequence[Asked] = ("color",),
     background: Sky | npt.ArrayLike | None = None,
+    environment: Environment | None = None,
     samples: int | None = None,
     region: tuple[slice, slice] | None = None,
     cull: Side | None = None,
@@ -85,6 +69,11 @@ def render(
         The colour of misses: a `Sky`, linear numbers, sRGB as ``"#rrggbb"``, a CSS name, or
         ``"transparent"``. If left out, `Scene.background`, or a dark blue grey where that is
         ``None``.
+    environment : Environment, optional
+        Light from all around in place of `Scene.environment`, which it is if left out. As there,
+        `Scene.up` is up in it where it does not say so itself. Of `Environment.daylight` the sun
+        shines, too, beside the scene's lights. It excludes ``light``, and that of `Scene.shading`
+        does not count then.
     samples : int, optional
         The number of points of a pixel whose mean is its colour. They are the first ``samples``
         points of a fixed low-discrepancy sequence, the same in every pixel; the first is the
@@ -114,8 +103,9 @@ def render(
         shape (..., 3); ``shade(hits, draws)`` gets numbers to draw too, see `Draws`. It may shoot
         rays of its own at the scene, all together. With one sample it is called once; with
         several it is called for each sample, and for parts of large pictures. It only sees the
-        pixels of the region. ``background``, ``light``, ``ground``, ``ambient`` and ``shadows``
-        cannot be given with it. If left out, it is ``"direct"``; see docs/shading.md for all.
+        pixels of the region. ``background``, ``environment``, ``light``, ``ground``, ``ambient``,
+        ``shadows`` and colours by numbers cannot be given with it. If left out, it is
+        ``"direct"``; see docs/shading.md for all.
     light : {"auto", "studio", "overcast", "sun", "headlight", "shoulder"}, optional
         Lights that go with the camera, in place of the scene's. If left out, ``"auto"`` where
         nothing shines.
@@ -148,10 +138,11 @@ def render(
     ------
     ValueError
         For no channel, an unknown channel, attribute or shader, a value out of range, one sample of
-        a camera with an aperture (its colours would be a pinhole's), a region
-        without pixels or with steps, and colours of a wrong shape from ``shade``.
+        a camera with an aperture (its colours would be a pinhole's), an environment beside a
+        ``light``, a region without pixels or with steps, and colours of a wrong shape from
+        ``shade``.
     TypeError
-        For a scene, a camera, a region, a shader or a flag of another type.
+        For a scene, a camera, an environment, a region, a shader or a flag of another type.
     MemoryError
         If the picture does not fit into memory.
 
@@ -210,176 +201,128 @@ def render(
     >>> float(frame["z"][1, 1])
     4.0
     """
-    if not isinstance(scene, Scene) or not isinstance(camera, Sensor | None):
-        raise TypeError("render takes a Scene and a Camera or another sensor")
-    names, said = _names(channels), scene.shading
-    own = None if shade is None or isinstance(shade, str | Shader) else shade
-    if own is not None and not callable(own):
-        raise TypeError(f"shade must be the name of a shader or a function, got {own!r}")
-    given: dict[str, Any] = {"background": background, "light": light, "ground": ground}
-    given |= {"ambient": ambient, "shadows": shadows, "color_by": color_by}
-    given |= {"color_map": color_map, "color_range": color_range, "color_bar": color_bar}
-    if own is not None:
-        for name, value in given.items():
-            if value is not None:
-                raise ValueError(f"{name} does nothing with a shade of one's own; leave it out")
-    shader = shade if isinstance(shade, str | Shader) else said.shade
-    if ambient is not None and said.shade is None and shade is None:
-        shader = "lambert"
-    shader = shader_of(shader, {"ambient": ambient, "shadows": shadows})
-    numbers = {"map": color_map, "range": color_range, "bar": color_bar}
-    colors = colors_of(said.colors, color_by, **numbers)
-    look = said._but(shade=shader, samples=samples, light=light, ground=ground, colors=colors)
-    use = threads_or_all(threads)
-    background = scene.background if background is None else background
-    back = None if background is None else background_native(background)
-    if own is not None:
-        samples = SAMPLES if look.samples is None else look.samples
-        look = Shading("unlit", samples=samples, ground=False)
-    usual = scene.edges if camera is None or isinstance(camera, Camera) else None
-    lines = Edges._of(usual if edges is None else edges)
-    asked = [name for name in names if own is None or name != "color"]
-    # The library draws over its own colours alone.
-    if own is not None and lines is not None and "color" in names and "edge" not in asked:
-        asked.append("edge")
-    camera = scene._view() if camera is None else camera
-    built, filters = scene._seen(scene._ready(), None, objects), Filters.of(None, cull, None)
-    how = look._native(), scene.up
-    samples, _guessed = _firsthit.resolve(built.native, camera._native, *how)
-    if own is not None and "color" in names:
-        _firsthit.check_samples(camera._native, samples)
-    part = _Region.of(region, (camera.rows, camera.columns))
-    pixels = math.prod(part.shape)
-    work = _firsthit.render_work(pixels, asked, samples)
-    owned = pixels * samples if own is not None and "color" in names else 0
-    side = None if filters is None else filters.cull
-    with following(progress, work + owned) as report:
-        drawn = None if lines is None else lines._native()
-        settings = look._native(), back, scene.up, samples, part, side, drawn, use
-        arrays, origin = _firsthit.render(built.native, camera._native, asked, *settings, report)
-        made = {name: _shaped(array, part) for name, array in zip(asked, arrays, strict=True)}
-        if own is not None and "color" in names:
-            job = _OwnShading(built, filters, camera, part, own, use)
-            told = later(report, work)
-            made["color"] = job.centres(told) if samples == 1 else job.means(samples, told)
-            if lines is not None:
-                made["color"] = _under(made["edge"], lines, made["color"])
-    held = {matte_of(name) or name: made[name] for name in names}
-    return Frame._of(part.shape, held, origin, display=scene.display)
+    picture = Picture.of(
+        scene,
+        camera,
+        channels,
+        background=background,
+        environment=environment,
+        samples=samples,
+        region=region,
+        cull=cull,
+        edges=edges,
+        objects=objects,
+        shade=shade,
+        light=light,
+        ground=ground,
+        ambient=ambient,
+        shadows=shadows,
+        color_by=color_by,
+        color_map=color_map,
+        color_range=color_range,
+        color_bar=color_bar,
+        threads=threads,
+    )
+    return picture.frame(progress)
 
 
-def _names(channels: str | Sequence[str]) -> list[str]:
-    known: list[str] = [name for name, _ in _firsthit.channel_names()]
-    return distinct(channels, known)
+def render_progressively(
+    scene: Scene,
+    camera: Sensor | None = None,
+    *,
+    channels: Asked | Sequence[Asked] = ("color",),
+    background: Sky | npt.ArrayLike | None = None,
+    environment: Environment | None = None,
+    samples: int | None = None,
+    region: tuple[slice, slice] | None = None,
+    cull: Side | None = None,
+    edges: Edges | float | None = None,
+    objects: Selection | None = None,
+    shade: ShaderName | Shader | OwnShade | None = None,
+    light: LightName | None = None,
+    ground: bool | None = None,
+    ambient: npt.ArrayLike | None = None,
+    shadows: bool | None = None,
+    color_by: str | npt.ArrayLike | Colors | None = None,
+    color_map: ColorMapName | None = None,
+    color_range: tuple[float, float] | None = None,
+    color_bar: bool | None = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Iterator[Frame]:
+    """Make a picture that gets better: frames with 1, 2, 4, ... samples, up to all of them.
 
+    The last frame has the bytes of the one that `render` makes. A frame goes on from the one
+    before: all together take about as long as the last alone. Whoever has seen enough stops.
 
-def _under(
-    covered: npt.NDArray[np.float32], lines: Edges, color: npt.NDArray[np.float32]
-) -> npt.NDArray[np.float32]:
-    """Return colours with lines over them."""
-    share = covered[..., np.newaxis].astype(np.float64)
-    mixed: npt.NDArray[np.float64] = (1 - share) * color + share * np.asarray(lines.color)
-    return mixed.astype(np.float32)
+    Parameters
+    ----------
+    scene, camera, channels, background, environment, samples, region, cull, edges, objects, shade
+        As for `render`. ``samples`` are those of the last frame. With a camera that has an aperture
+        the first frame has 2. A function is called for each sample; with one it is called once.
+    light, ground, ambient, shadows, color_by, color_map, color_range, color_bar, threads
+        As for `render`.
+    progress : bool or callable, optional
+        As for `Scene.shoot`; what all frames take counts together.
 
+    Returns
+    -------
+    iterator of Frame
+        Each is made when it is asked for, and is nobody else's: none changes afterwards. They are
+        of the scene as it is at the call, whatever becomes of it. Where no channel depends on
+        samples, there is one frame.
 
-def _shaped(array: npt.NDArray[Any], part: _Region) -> npt.NDArray[Any]:
-    components = array.size // max(math.prod(part.shape), 1)
-    return array.reshape(part.shape if components == 1 else (*part.shape, components))
+    Raises
+    ------
+    ValueError, TypeError
+        As `render`, at the call, before anything but one pixel is made.
+    MemoryError
+        If the picture does not fit into memory, with 44 bytes for each pixel beside it.
 
+    Notes
+    -----
+    Ctrl-C ends a step at once. An iterator that was interrupted has ended; the frames that it gave
+    stay as they are.
 
-class _Region(NamedTuple):
-    """A part of a picture: its first row and the one behind its last, and likewise its columns."""
+    ``ao`` and Cryptomattes are made anew for each frame, which takes twice as long in all. Channels
+    of pixels' centres are made once, and are the same in all frames.
 
-    top: int
-    bottom: int
-    left: int
-    right: int
-
-    @classmethod
-    def of(cls, region: object, shape: tuple[int, int]) -> _Region:
-        """Check what a user gave, for pictures of a shape."""
-        if region is None:
-            return cls(0, shape[0], 0, shape[1])
-        slices = tuple(region) if isinstance(region, tuple | list) else (region,)
-        if len(slices) != 2 or not all(isinstance(each, slice) for each in slices):
-            raise TypeError(f"region must be two slices, of rows and of columns, got {region!r}")
-        try:
-            ends = [each.indices(length) for each, length in zip(slices, shape, strict=True)]
-        except (TypeError, ValueError) as error:
-            raise type(error)(f"region must be two slices of int: {error}") from None
-        if any(step != 1 or first >= last for first, last, step in ends):
-            raise ValueError(f"region must have pixels, and no steps, got {region!r}")
-        (top, bottom, _), (left, right, _) = ends
-        return cls(top, bottom, left, right)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(rows, columns)."""
-        return self.bottom - self.top, self.right - self.left
-
-
-class _OwnShading(NamedTuple):
-    """The colours that a user's function gives to the pixels of a region."""
-
-    built: Built
-    filters: Filters | None
-    camera: Sensor
-    region: _Region
-    shade: OwnShade
-    threads: int
-
-    def centres(self, report: Report | None) -> npt.NDArray[np.float32]:
-        """Return the colours of the pixels' centres."""
-        camera = self.camera
-        is_whole = self.region == _Region(0, camera.rows, 0, camera.columns)
-        if is_whole and self.filters is None:
-            hits = shoot_camera(self.built, camera, self.threads, report)
-        else:
-            source = Source(camera, self._pixels(self.region.top, self.region.bottom).reshape(-1))
-            grids = (array.reshape(*self.region.shape, 3) for array in source.both())
-            rays = Rays.of(*grids, filters=self.filters)
-            hits = shoot_rays(self.built, rays, self.threads, report, source)
-        pixels = self._pixels(self.region.top, self.region.bottom)
-        return np.ascontiguousarray(self._colors(hits, pixels, 0), np.float32)
-
-    def means(self, samples: int, report: Report | None) -> npt.NDArray[np.float32]:
-        """Return the means of the colours at so many points of each pixel."""
-        (top, bottom, left, right), camera = self.region, self.camera
-        colors = np.empty((*self.region.shape, 3), np.float32)
-        # The rays of whole rows are made, of which those of the region are shot.
-        step = max(1, _BATCH // camera.columns)
-        done = 0
-        for row in range(top, bottom, step):
-            last = min(row + step, bottom)
-            pixels = self._pixels(row, last)
-            total = np.zeros((*pixels.shape, 3))
-            for sample in range(samples):
-                both = camera._native.rays((row, last), sample)
-                grids = (array.reshape(last - row, camera.columns, 3) for array in both)
-                grids = (grid[:, left:right] for grid in grids)
-                rays = Rays.of(*grids, filters=self.filters)
-                source = Source(camera, pixels.reshape(-1), rays)
-                told = later(report, done)
-                hits = shoot_rays(self.built, rays, self.threads, told, source)
-                total += self._colors(hits, pixels, sample)
-                done += rays.length
-            colors[row - top : last - top] = total / samples
-        return colors
-
-    def _pixels(self, row: int, last: int) -> npt.NDArray[np.int64]:
-        """Return the numbers of the region's pixels in some rows."""
-        columns = np.arange(self.region.left, self.region.right)
-        return np.arange(row, last)[:, None] * self.camera.columns + columns
-
-    def _colors(
-        self, hits: Hits, pixels: npt.NDArray[np.int64], sample: int
-    ) -> npt.NDArray[np.float64]:
-        shade: Callable[..., npt.ArrayLike] = self.shade
-        given = shade(hits, Draws(pixels, sample)) if takes_draws(shade) else shade(hits)
-        colors = np.asarray(given)
-        wanted = (*hits.shape, 3)
-        if colors.dtype.kind not in "fiub":
-            raise ValueError(f"shade must return real numbers, got dtype {colors.dtype}")
-        if colors.shape != wanted:
-            raise ValueError(f"shade must return colours of shape {wanted}, got {colors.shape}")
-        return colors.astype(np.float64, copy=False)
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+    0
+    >>> camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, rows=3, columns=3)
+    >>> for frame in fh.render_progressively(scene, camera, samples=6):
+    ...     print(frame.metadata["samples"])
+    1
+    2
+    4
+    6
+    >>> bool((frame["color"] == fh.render(scene, camera, samples=6)["color"]).all())
+    True
+    """
+    picture = Picture.of(
+        scene,
+        camera,
+        channels,
+        background=background,
+        environment=environment,
+        samples=samples,
+        region=region,
+        cull=cull,
+        edges=edges,
+        objects=objects,
+        shade=shade,
+        light=light,
+        ground=ground,
+        ambient=ambient,
+        shadows=shadows,
+        color_by=color_by,
+        color_map=color_map,
+        color_range=color_range,
+        color_bar=color_bar,
+        threads=threads,
+    )
+    return picture.frames(progress)

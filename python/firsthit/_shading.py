@@ -174,6 +174,10 @@ class Shading:
             **(own | {key: value for key, value in changes.items() if value is not None})
         )
 
+    def _without_light(self) -> Shading:
+        """Return the same for a picture that has an environment of its own."""
+        return Shading(self.shade, samples=self.samples, ground=self.ground, colors=self.colors)
+
 
 def shader_of(shade: ShaderName | Shader | None, settings: dict[str, Any]) -> Shader | None:
     """Return a shader with some of its settings replaced by those that are not ``None``."""

@@ -43,6 +43,8 @@ class Built:
         self.objects, self.lights, self.around = objects, lights, around
         #: What rays of one mask, or of some objects, were last shot at.
         self._seen: _Seen | None = None
+        #: The environment that it was last lit by, which way is up there, and what that is.
+        self._lit: tuple[Environment, Vector, _firsthit.Scene] | None = None
         environment, up, is_guessed = around
         self.native = native or _firsthit.Scene(
             [made._native() for made in objects],
@@ -84,6 +86,16 @@ class Built:
             # The last one alone is kept: it is asked for again and again, or never.
             self._seen = last
         return last
+
+    def lit_by(self, environment: Environment, up: Vector) -> _firsthit.Scene:
+        """Return what pictures in another environment are of, with its sun if it has one."""
+        last = self._lit
+        if last is None or last[0] is not environment or last[1] != up:
+            native = self.native.lit_by(environment._native(), up)
+            last = environment, up, native
+            # The last one alone is kept: many pictures are of the same.
+            self._lit = last
+        return last[2]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Built, (self.objects, self.lights, self.around)

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use firsthit::geometry::rotation;
 use firsthit::load::{LoadSettings, load_environment};
-use firsthit::scene::{Daylight, Surroundings};
+use firsthit::scene::{Daylight, EnvironmentKind};
 use firsthit::{Color, DMat3, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -100,10 +100,10 @@ pub(crate) fn environment_in(
     up: DVec3,
 ) -> PyResult<firsthit::scene::Environment> {
     let &EnvironmentIn(.., strength, is_seen, own_up) = environment;
-    let surroundings = surroundings(environment, own_up.map_or(up, DVec3::from));
-    let made = surroundings.and_then(|surroundings| {
+    let kind = kind(environment, own_up.map_or(up, DVec3::from));
+    let made = kind.and_then(|kind| {
         let environment = firsthit::scene::Environment {
-            surroundings,
+            kind,
             strength,
             is_seen,
         };
@@ -112,33 +112,33 @@ pub(crate) fn environment_in(
     made.map_err(|error| raise(py, &error))
 }
 
-fn surroundings(
+fn kind(
     EnvironmentIn(kind, vectors, numbers, map, ..): &EnvironmentIn<'_>,
     up: DVec3,
-) -> firsthit::Result<Surroundings> {
+) -> firsthit::Result<EnvironmentKind> {
     let vectors: Vec<DVec3> = vectors.iter().copied().map(DVec3::from).collect();
     let map = map.as_ref().map(|map| Arc::clone(&map.0));
     Ok(match (&**kind, &*vectors, &**numbers, map) {
-        ("uniform", &[color], [], None) => Surroundings::Uniform(color),
+        ("uniform", &[color], [], None) => EnvironmentKind::Uniform(color),
         ("hemispheres", &[above, below], [], None) => {
-            Surroundings::Hemispheres { above, below, up }
+            EnvironmentKind::Hemispheres { above, below, up }
         }
-        ("gradient", &[horizon, zenith], [], None) => Surroundings::Gradient {
+        ("gradient", &[horizon, zenith], [], None) => EnvironmentKind::Gradient {
             horizon,
             zenith,
             up,
         },
         ("map", axis, &[degrees], Some(map)) => {
             let axis = axis.first().copied().unwrap_or(up);
-            Surroundings::of_map(map, up, &rotation(axis, degrees))
+            EnvironmentKind::of_map(map, up, &rotation(axis, degrees))
         }
-        ("placed", &[x, y, z], [], Some(map)) => Surroundings::Map {
+        ("placed", &[x, y, z], [], Some(map)) => EnvironmentKind::Map {
             map,
             world_from_map: DMat3::from_cols(x, y, z),
         },
         ("daylight", &[ground], &[elevation, azimuth, turbidity], None) => {
             let day = Daylight::new(up, elevation, azimuth, turbidity, ground)?;
-            Surroundings::Daylight(day)
+            EnvironmentKind::Daylight(day)
         }
         _ => {
             let expected = "one that the package makes";
@@ -150,17 +150,17 @@ fn surroundings(
 pub(crate) fn environment_out(environment: &firsthit::scene::Environment) -> EnvironmentOut {
     let triples = |vectors: &[DVec3]| vectors.iter().map(|&vector| vector.into()).collect();
     let (mut numbers, mut held) = (Vec::new(), None);
-    let (kind, vectors, up) = match &environment.surroundings {
-        Surroundings::Uniform(color) => ("uniform", triples(&[*color]), None),
-        Surroundings::Hemispheres { above, below, up } => {
+    let (kind, vectors, up) = match &environment.kind {
+        EnvironmentKind::Uniform(color) => ("uniform", triples(&[*color]), None),
+        EnvironmentKind::Hemispheres { above, below, up } => {
             ("hemispheres", triples(&[*above, *below]), Some(*up))
         }
-        Surroundings::Gradient {
+        EnvironmentKind::Gradient {
             horizon,
             zenith,
             up,
         } => ("gradient", triples(&[*horizon, *zenith]), Some(*up)),
-        Surroundings::Map {
+        EnvironmentKind::Map {
             map,
             world_from_map,
         } => {
@@ -168,7 +168,7 @@ pub(crate) fn environment_out(environment: &firsthit::scene::Environment) -> Env
             let columns = [0, 1, 2].map(|axis| world_from_map.col(axis));
             ("placed", triples(&columns), None)
         }
-        Surroundings::Daylight(day) => {
+        EnvironmentKind::Daylight(day) => {
             let [elevation, azimuth] = [day.elevation_degrees(), day.azimuth_degrees()];
             numbers = vec![elevation, azimuth, day.turbidity()];
             ("daylight", triples(&[day.ground()]), Some(day.up()))
@@ -193,11 +193,7 @@ pub(crate) fn sun_of(
     up: [f64; 3],
 ) -> PyResult<Option<LightOut>> {
     let environment = environment_in(py, &environment, up.into())?;
-    let Surroundings::Daylight(day) = &environment.surroundings else {
-        return Ok(None);
-    };
-    let sun = firsthit::Light::from(day.sun_light()).scaled(environment.strength);
-    Ok(Some(light_out(&sun)))
+    Ok(environment.sun().as_ref().map(light_out))
 }
 
 /// The radiance from directions, one after the other.

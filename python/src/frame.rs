@@ -18,7 +18,7 @@ use crate::arrays::{copied, not_contiguous};
 use crate::edges::EdgesIn;
 use crate::errors::raise;
 use crate::load::background_out;
-use crate::run::{run, run_reported};
+use crate::run::{Stop, run, run_reported};
 use crate::scene::Scene;
 use crate::sensor::SensorIn;
 use crate::shading::ShadingIn;
@@ -67,6 +67,59 @@ pub(crate) fn defaults() -> (u32, Vec<[f64; 3]>) {
     (SAMPLES, background_out(BACKGROUND))
 }
 
+/// What a picture looks like, and what is made of it: the shading; the background (see [`background_in`]); which way is up; the samples of a
+/// pixel; the first row, the one behind the last, and likewise columns; the side that rays pass through; and the lines along edges.
+#[derive(FromPyObject)]
+pub(crate) struct PictureIn(
+    ShadingIn,
+    Option<Vec<[f64; 3]>>,
+    [f64; 3],
+    u32,
+    [usize; 4],
+    Option<String>,
+    Option<EdgesIn>,
+);
+
+/// With how many threads, and who is told of the rays that are done.
+type HowIn<'py> = (usize, Option<Bound<'py, PyAny>>);
+
+impl PictureIn {
+    /// Does `work` with the picture, which ends when it is stopped.
+    fn with<T: Send>(
+        &self,
+        py: Python<'_>,
+        (scene, sensor): (&firsthit::Scene, &SensorIn<'_>),
+        channels: &[String],
+        (threads, report): &HowIn<'_>,
+        work: impl FnOnce(&Picture<'_>, &Stop) -> firsthit::Result<T> + Send,
+    ) -> PyResult<T> {
+        let Self(shading, background, up, samples, region, cull, edges) = self;
+        let kinds = kinds(py, channels)?;
+        let kinds = references(&kinds);
+        let sensor = sensor.sensor();
+        // Kept by the scene, of which the next picture may be.
+        let resolved = run(py, *threads, |_| {
+            scene.fingerprint();
+            shading.resolve(scene, sensor.camera(), background.as_deref(), *up)
+        })?;
+        let shade = resolved.shading(Cpu::shared());
+        let &[top, bottom, left, right] = region;
+        let edges = edges.as_ref().map(EdgesIn::edges).transpose();
+        let edges = edges.map_err(|error| raise(py, &error))?;
+        let picture = Picture {
+            samples: *samples,
+            cull: cull.as_deref().and_then(Side::from_name),
+            edges,
+            region: Some(Region {
+                rows: top..bottom,
+                columns: left..right,
+            }),
+            ..Picture::new(&resolved.scene, sensor, &shade, &kinds)
+        };
+        run_reported(py, *threads, report.as_ref(), |stop| work(&picture, stop))
+    }
+}
+
 /// Renders channels: a flat array for each, in their order, and the JSON of where they come from.
 #[pyfunction]
 #[expect(
@@ -88,35 +141,61 @@ pub(crate) fn render<'py>(
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
-    let kinds = kinds(py, &channels)?;
-    let kinds = references(&kinds);
-    // Kept by the scene, of which the next picture may be.
-    let (built, sensor) = (&scene.0, camera.sensor());
-    let resolved = run(py, threads, |_| {
-        built.fingerprint();
-        shading.resolve(built, sensor.camera(), background.as_deref(), up)
+    let picture = PictureIn(shading, background, up, samples, region, cull, edges);
+    let (seen, how) = ((&scene.0, &camera), (threads, report));
+    let frame = picture.with(py, seen, &channels, &how, |picture, stop| {
+        picture.render(stop)
     })?;
-    let shade = resolved.shading(Cpu::shared());
-    let [top, bottom, left, right] = region;
-    let cull = cull.as_deref().and_then(Side::from_name);
-    let edges = edges.as_ref().map(EdgesIn::edges).transpose();
-    let edges = edges.map_err(|error| raise(py, &error))?;
-    let picture = Picture {
-        samples,
-        cull,
-        edges,
-        region: Some(Region {
-            rows: top..bottom,
-            columns: left..right,
-        }),
-        ..Picture::new(&resolved.scene, sensor, &shade, &kinds)
-    };
-    let frame = run_reported(py, threads, report.as_ref(), |stop| picture.render(stop))?;
     let origin = serde_json::to_string(frame.origin());
     let origin = origin.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    Ok((arrays(py, frame), origin))
+}
+
+/// What is known of the pixels of a picture that goes on.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Accumulated(Frame);
+
+/// Goes on with a picture until it has all its samples, from what is known of it, if anything: a flat array for each channel, in their
+/// order, and what is known then. The channels are those that are `accumulated`, see [`sampling`].
+#[pyfunction]
+pub(crate) fn render_more<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    camera: SensorIn<'py>,
+    channels: Vec<String>,
+    picture: PictureIn,
+    known: Option<PyRef<'py, Accumulated>>,
+    how: HowIn<'py>,
+) -> PyResult<(Vec<Bound<'py, PyAny>>, Accumulated)> {
+    let (seen, known) = ((&scene.0, &camera), known.as_deref());
+    let (frame, known) = picture.with(py, seen, &channels, &how, |picture, stop| {
+        let mut going_on = match known {
+            Some(Accumulated(state)) => picture.resume(state)?,
+            None => picture.start()?,
+        };
+        while going_on.samples() < picture.samples && going_on.add_sample(stop)? {}
+        Ok((going_on.frame()?, going_on.state()?))
+    })?;
+    Ok((arrays(py, frame), Accumulated(known)))
+}
+
+/// What of a pixel's samples each channel is made of: `accumulated`, of all, and a picture that goes on adds to it; `all`, of all at
+/// once; or `centre`, of the pixel's centre alone.
+#[pyfunction]
+pub(crate) fn sampling(py: Python<'_>, channels: Vec<String>) -> PyResult<Vec<&'static str>> {
+    let kinds = kinds(py, &channels)?;
+    let made_of = |kind: &Cow<'static, Kind>| match (kind.needs_shade(), kind.needs_samples()) {
+        (true, _) => "accumulated",
+        (false, true) => "all",
+        (false, false) => "centre",
+    };
+    Ok(kinds.iter().map(made_of).collect())
+}
+
+/// The channels of a frame as flat arrays, not copied.
+fn arrays(py: Python<'_>, frame: Frame) -> Vec<Bound<'_, PyAny>> {
     let channels = frame.into_channels().into_iter();
-    let arrays = channels.map(|channel| array(py, channel.data)).collect();
-    Ok((arrays, origin))
+    channels.map(|channel| array(py, channel.data)).collect()
 }
 
 /// A background: nothing if transparent; a colour; or horizon, zenith and up.

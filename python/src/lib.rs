@@ -52,8 +52,8 @@ mod _firsthit {
     use crate::filters::visible;
     #[pymodule_export]
     use crate::frame::{
-        check_samples, defaults, matte_id, metadata, origin, png, read, render, render_work, write,
-        write_bytes,
+        Accumulated, check_samples, defaults, matte_id, metadata, origin, png, read, render,
+        render_more, render_work, sampling, write, write_bytes,
     };
     #[pymodule_export]
     use crate::lint::{Lint, lint_kinds};

@@ -157,6 +157,25 @@ impl Scene {
         run(py, 0, |_| seen()).map(Self)
     }
 
+    /// The same scene in another environment, with the sun of a sky; `up` is the scene's.
+    fn lit_by(
+        &self,
+        py: Python<'_>,
+        environment: EnvironmentIn<'_>,
+        up: [f64; 3],
+    ) -> PyResult<Self> {
+        let environment = environment_in(py, &environment, up.into())?;
+        let lit = || {
+            let scene = self.0.try_clone()?;
+            let lights = scene.lights().iter().copied().chain(environment.sun());
+            let lights = lights.collect();
+            let scene = scene.with_lights(lights);
+            Ok(scene.with_environment(Some(Arc::new(environment))))
+        };
+        let lit = guarded(|| py.detach(lit))?;
+        lit.map(Self).map_err(|error| raise(py, &error))
+    }
+
     /// The names of what the identifiers of a channel stand for: objects, nodes, meshes or materials.
     fn names(&self, py: Python<'_>, channel: &str) -> PyResult<Vec<String>> {
         let catalog = guarded(|| py.detach(|| self.0.catalog()))?;

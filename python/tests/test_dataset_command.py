@@ -183,10 +183,16 @@ def test_the_lines_of_the_document_run(tmp_path, monkeypatch):
     told = {}
     exec(script, told)
     assert told["made"].missing == 0
-    (short,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    short, look = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
     (tmp_path / "short.toml").write_text(short)
     assert fh.Plan.load("short.toml").frames == 1000
     assert fh.dataset("short.toml", "short", part=(1, 500)).made == 2
+    assert look.startswith("[output]\n")
+    (tmp_path / "look.toml").write_text(short.split("[output]")[0] + look)
+    (tmp_path / "studio.hdr").write_bytes(b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80\x80")
+    said = fh.Plan.load("look.toml")._output.look.said
+    assert (said["samples"], said["shade"]["depth"]) == (64, 4.0)
+    assert not said["environment"].seen
     # The line that the document shows is that of such a mistake.
     wrong = (PLANS / "robot.toml").read_text().replace("columns = 160", "colums = 160", 1)
     (tmp_path / "robot.toml").write_text(wrong)

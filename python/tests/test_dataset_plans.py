@@ -524,8 +524,10 @@ def test_a_plan_s_camera_has_its_numbers_and_its_thin_lens():
 READERS = (
     "_cameras",
     "_chance",
+    "_environment",
     "_given",
     "_lidars",
+    "_look",
     "_output",
     "_output_formats",
     "_plan",

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 UP_Y = (0.0, 1.0, 0.0)
@@ -128,6 +129,98 @@ def test_scene_files_have_one(tmp_path: Path) -> None:
     assert around is not None
     np.testing.assert_array_equal(around.radiance((1, 2, 3)), [3.0, 1.5, 0.75])
     assert not around.seen
+
+
+def still() -> tuple[fh.Scene, fh.Camera]:
+    """A ball, and a camera that looks at it and past it."""
+    scene = fh.Scene()
+    scene.add(fh.Sphere(center=(0, 0, 0), radius=1), color=(0.5, 0.25, 1.0))
+    return scene, fh.Camera.look_at((0, -9, 0), (0, 0, 0), (0, 0, 1), 30, 9, 9)
+
+
+def assert_same(one: fh.Frame, other: fh.Frame) -> None:
+    np.testing.assert_array_equal(one["color"], other["color"])
+    assert one.metadata == other.metadata
+
+
+@pytest.mark.parametrize("objects", [None, "ball"])
+def test_a_picture_may_have_its_own_in_place_of_the_scene_s(objects: str | None) -> None:
+    scene, camera = still()
+    scene.add(fh.Sphere(center=(2, 0, 0), radius=0.5), name="ball")
+    own = fh.Environment.from_array(columns(), rotate=20)
+    scene.environment = fh.Environment.uniform("red")
+    before = fh.render(scene, camera, objects=objects, samples=2)
+    made = fh.render(scene, camera, environment=own, objects=objects, samples=2)
+    assert_same(fh.render(scene, camera, objects=objects, samples=2), before)
+    again = fh.render(scene, camera, environment=own, objects=objects, samples=2)
+    scene.environment = own
+    expected = fh.render(scene, camera, objects=objects, samples=2)
+    assert_same(made, expected)
+    assert_same(again, expected)
+    assert not np.array_equal(expected["color"], before["color"])
+
+
+def test_a_picture_s_own_lies_by_the_scene_s_up_and_is_of_moved_objects() -> None:
+    scene, camera = still()
+    own = fh.Environment.hemispheres("white", "black")
+    for up in ((0.0, 0.0, 1.0), UP_Y):
+        scene.up = up
+        scene.move(0, np.diag([1.0, 1.0, 1.0 + up[2], 1.0]))
+        made = fh.render(scene, camera, environment=own)
+        lit, _ = still()
+        lit.up = up
+        lit.move(0, np.diag([1.0, 1.0, 1.0 + up[2], 1.0]))
+        lit.environment = own
+        np.testing.assert_array_equal(made["color"], fh.render(lit, camera)["color"])
+
+
+def test_a_picture_s_own_daylight_has_its_sun_beside_the_scene_s_lights() -> None:
+    scene, camera = still()
+    lamp = fh.PointLight((0, -5, 5), intensity=(3, 3, 3))
+    scene.add_light(lamp)
+    sky = fh.Environment.daylight(elevation=30, azimuth=200, strength=0.5)
+    made = fh.render(scene, camera, environment=sky)
+    assert scene.lights == (lamp,)
+    scene.environment = sky
+    without = fh.render(scene, camera)
+    scene.add_light(sky.sun(scene.up))
+    assert_same(made, fh.render(scene, camera))
+    assert not np.array_equal(made["color"], without["color"])
+
+
+def test_a_picture_s_own_is_that_of_the_command_line(
+    tmp_path: Path, firsthit: Callable[..., tuple[int, str, str]]
+) -> None:
+    around = hdr(tmp_path / "a.hdr", [[k, 99, 2 * k, 128] for k in range(1, 5)])
+    file, out = tmp_path / "ball.toml", tmp_path / "a.npz"
+    ball = 'shape = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'
+    rig = '[shading]\nlight = "studio"\n'
+    file.write_text(f"up = [0, 1, 0]\n[[objects]]\n{ball}{rig}")
+    turned = fh.Environment(around, rotate=30, strength=2.0, seen=False)
+    day = fh.Environment.daylight(40, 100)
+    for option, more, own in (
+        (f"{around}@30", ("--environment-strength", 2, "--environment-hidden"), turned),
+        ("daylight:40,100", (), day),
+    ):
+        size = "--size", "16x12", "--samples", 4, "--channels", "color", "-o", out, "--quiet"
+        code, _, said = firsthit("render", file, "--environment", option, *more, *size)
+        assert (code, said) == (0, "")
+        scene = fh.load(file)
+        camera = fh.Camera.framing(scene, rows=12, columns=16)
+        made = fh.render(scene, camera, samples=4, environment=own)
+        np.testing.assert_array_equal(fh.Frame.load(out)["color"], made["color"])
+        assert fh.read_metadata(out)["shading"] == made.metadata["shading"]
+
+
+def test_a_picture_s_own_that_would_do_nothing_is_refused() -> None:
+    scene, camera = still()
+    sky = fh.Environment.uniform("white")
+    with pytest.raises(ValueError, match="environment and light exclude each other"):
+        fh.render(scene, camera, environment=sky, light="studio")
+    with pytest.raises(ValueError, match="environment does nothing with a shade of one's own"):
+        fh.render(scene, camera, environment=sky, shade=lambda hits: np.zeros((*hits.shape, 3)))
+    with pytest.raises(TypeError, match="environment must be an Environment or None"):
+        fh.render(scene, camera, environment="a.hdr")  # type: ignore[arg-type]
 
 
 def test_doubtful_texels_are_a_warning_and_wrong_ones_an_error(tmp_path: Path) -> None:

@@ -131,6 +131,89 @@ def test_cameras_by_name_and_looks_are_those_of_render(tmp_path):
         fh.render_many(scene(), {"front": view}, tmp_path, **{**look, "samples": 1})
 
 
+LOOKS = {
+    "samples": 2,
+    "shade": fh.Shader("phong", shininess=9),
+    "edges": fh.Edges(1.5, kinds="silhouette"),
+    "ground": True,
+    "color_by": np.array([3.0, 1.0]),
+    "color_map": "turbo",
+    "color_range": (0, np.float64(4)),
+}
+
+
+@pytest.mark.parametrize(
+    "look",
+    [LOOKS | {"light": "studio"}, LOOKS | {"environment": fh.Environment.daylight(20, 70)}],
+    ids=["light", "environment"],
+)
+def test_all_looks_are_those_of_render(look, tmp_path):
+    on, views = fh.many.processes(1), cameras(2)
+    made = fh.render_many(scene(), views, tmp_path, on=on, **look)
+    for k, view in enumerate(views):
+        path = tmp_path / "parts" / f"{k:06d}" / f"{k:06d}.npz"
+        expected = fh.render(scene(), view, **look)
+        np.testing.assert_array_equal(fh.Frame.load(path)["color"], expected["color"])
+        said = fh.read_metadata(path)
+        for name in ("scene", "shading", "colors"):
+            assert said[name] == expected.metadata[name]
+    again = fh.render_many(scene(), views, tmp_path, **look)
+    assert (again.kept, again.digest) == (2, made.digest)
+    for name, value in {"edges": 1.0, "ground": False, "color_by": [3.0, 2.0]}.items():
+        with pytest.raises(fh.FileWriteError, match="another job's: its look"):
+            fh.render_many(scene(), views, tmp_path, **{**look, name: value})
+    if "environment" in look:
+        other = {**look, "environment": fh.Environment.daylight(21, 70)}
+        with pytest.raises(fh.FileWriteError, match="another job's"):
+            fh.render_many(scene(), views, tmp_path, **other)
+
+
+def test_an_environment_goes_with_the_file_of_a_scene(tmp_path):
+    lit = scene()
+    lit.shading = fh.Shading(light="studio")
+    lit.save(tmp_path / "a.fhs")
+    (view,), sky = cameras(1), fh.Environment.gradient("white", "blue")
+    how = {"on": fh.many.processes(1), "environment": sky, "samples": 2}
+    fh.render_many(tmp_path / "a.fhs", {"a": view}, tmp_path / "out", **how)
+    read = fh.Frame.load(tmp_path / "out" / "parts" / "000000" / "a.npz")
+    expected = fh.render(fh.open(tmp_path / "a.fhs"), view, environment=sky, samples=2)
+    np.testing.assert_array_equal(read["color"], expected["color"])
+    assert fh.open(tmp_path / "a.fhs").environment is None
+
+
+def test_lines_of_the_scene_are_part_of_a_job(tmp_path):
+    drawn = scene()
+    fh.render_many(drawn, cameras(1), tmp_path)
+    drawn.edges = fh.Edges(2)
+    with pytest.raises(fh.FileWriteError, match="another job's"):
+        fh.render_many(drawn, cameras(1), tmp_path)
+
+
+def test_numbers_that_json_has_not_are_part_of_a_job(tmp_path):
+    endless = scene()
+    endless.shading = fh.Shading("direct", colors=fh.Colors([np.nan, 2.0], missing="red"))
+    assert endless.shading.shade["reach"] == np.inf
+    look = {"shade": fh.Shader("lambert", depth_far=np.inf)}
+    for kept in (0, 1):
+        assert fh.render_many(endless, cameras(1), tmp_path, **look).kept == kept
+    endless.shading = fh.Shading("direct", reach=3.0, colors=endless.shading.colors)
+    with pytest.raises(fh.FileWriteError, match="another job's"):
+        fh.render_many(endless, cameras(1), tmp_path, **look)
+
+
+def test_exposure_and_tone_map_are_those_of_save(tmp_path):
+    (view,), how = cameras(1), {"exposure": -1, "tone_map": "agx"}
+    fh.render_many(scene(), {"a": view}, tmp_path / "out", save=[".png", ".npz"], **how)
+    frame = fh.render(scene(), view)
+    frame.save(tmp_path / "a.png", **how)
+    made = tmp_path / "out" / "parts" / "000000"
+    assert (made / "a.png").read_bytes() == (tmp_path / "a.png").read_bytes()
+    np.testing.assert_array_equal(fh.Frame.load(made / "a.npz")["color"], frame["color"])
+    other = {**how, "exposure": -2}
+    with pytest.raises(fh.FileWriteError, match="another job's: its exposure"):
+        fh.render_many(scene(), {"a": view}, tmp_path / "out", save=[".png", ".npz"], **other)
+
+
 def test_hits_are_those_of_shoot(hits):
     origins, directions = rays()
     found = scene().shoot(origins, directions)
@@ -815,6 +898,36 @@ def test_cameras_are_drawn_as_they_are_needed(tmp_path):
         (lambda out: fh.render_many(scene(), cameras(1), out, channels="x"), ValueError, "channel"),
         (lambda out: fh.render_many(scene(), cameras(1), out, on=3), TypeError, "on must be"),
         (lambda out: fh.render_many(3, cameras(1), out), TypeError, "PathLike"),
+        (lambda out: fh.render_many(scene(), cameras(1), out, exposure=1), ValueError, "exposure"),
+        (
+            lambda out: fh.render_many(
+                scene(), cameras(1), out, channels="z", save=".png", tone_map="agx"
+            ),
+            ValueError,
+            "tone_map does nothing",
+        ),
+        (
+            lambda out: fh.render_many(scene(), cameras(1), out, save=".png", tone_map="film"),
+            ValueError,
+            "tone_map must be one of",
+        ),
+        (
+            lambda out: fh.render_many(scene(), cameras(1), out, color_by="heat"),
+            ValueError,
+            "heat",
+        ),
+        (
+            lambda out: fh.render_many(
+                scene(), cameras(1), out, light="sun", environment=fh.Environment.uniform("red")
+            ),
+            ValueError,
+            "exclude each other",
+        ),
+        (
+            lambda out: fh.render_many(scene(), cameras(1), out, environment="sky.hdr"),
+            TypeError,
+            "environment must be",
+        ),
         (lambda out: fh.shoot_many(scene(), 3, out), TypeError, "rays must be"),
         (lambda out: fh.shoot_many(scene(), ([1, 2], [3]), out), ValueError, "origins must have"),
         (lambda out: fh.shoot_many(scene(), {"origins": 1}, out), ValueError, "rays must have"),

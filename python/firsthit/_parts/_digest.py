@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -52,6 +53,15 @@ class Digests:
 def of_json(value: Any) -> str:
     """Return the sha256 of a value as `canonical` has it."""
     return hashlib.sha256(canonical(value)).hexdigest()
+
+
+def finite(value: Any) -> Any:
+    """Return a value in which infinities and NaN are texts, since JSON has no such numbers."""
+    if isinstance(value, dict):
+        return {name: finite(each) for name, each in value.items()}
+    if isinstance(value, tuple | list):
+        return [finite(each) for each in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def of_file(path: Path) -> str:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
 from firsthit._camera import Camera
 from firsthit._lights import background_native
 
-from ._digest import of_json
+from ._digest import finite, of_json
 
 if TYPE_CHECKING:
     from firsthit._scene import Scene
@@ -24,7 +24,7 @@ class Mark(NamedTuple):
         Of its objects and lights, as the metadata of pictures have it.
     setting : str
         The sha256 of what that leaves out, and frames depend on: names, up, background, shading,
-        display.
+        display, and edges if there are any.
     """
 
     fingerprint: str
@@ -39,4 +39,7 @@ def mark_of(scene: Scene) -> Mark:
     look, background = scene.shading._native(), scene.background
     back = None if background is None else background_native(background)
     names = [(made.name, made.node, made.mesh_name) for made in scene.objects]
-    return Mark(fingerprint, of_json([list(scene.up), back, look, scene.display._native, names]))
+    said: list[Any] = [list(scene.up), back, look, scene.display._native, names]
+    if scene.edges is not None:
+        said.append(scene.edges._native())
+    return Mark(fingerprint, of_json(finite(said)))

@@ -91,8 +91,9 @@ class FrameMaker:
             sensor.at(place),
             channels=output.channels,  # type: ignore[arg-type] # checked by the plan
             threads=self._threads,
-            **output.look,
+            **output.look.told(scene),
         )
+        made.display = made.display._but(**output.look.display)
         for form in output.frames:
             made.save(folder / f"{sensor.name}.{form}")
         for channel in output.pictures:

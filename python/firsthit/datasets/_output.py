@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, NamedTuple
 
 from firsthit import _firsthit
 from firsthit._channel_hints import hint
 from firsthit._files import attribute_of, in_path
 from firsthit._lidar_scan import LidarScan
-from firsthit._lights import background_native
 from firsthit._project import plane
-from firsthit._shading import Shader
-from firsthit._types import ShaderName
 
 from ._lidars import LidarSensor
+from ._look import LOOK, NO_LOOK, Look, look, refuse
 from ._output_formats import KINDS, Merged, merged
 from ._sensors import CameraSensor
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ._sensors import PictureSensor, PlannedSensor
     from ._table import Table
 
@@ -42,8 +42,8 @@ class Output(NamedTuple):
         The channels that have a PNG each.
     png_scale : float or None
         The step of the numbers in PNGs of distances, in scene units.
-    look : dict
-        What `render` is told of colours.
+    look : Look
+        How colours are made and shown.
     clouds : tuple of str
         The formats of scans.
     masks : tuple of str
@@ -56,7 +56,7 @@ class Output(NamedTuple):
     frames: tuple[str, ...]
     pictures: tuple[str, ...]
     png_scale: float | None
-    look: dict[str, Any]
+    look: Look
     clouds: tuple[str, ...]
     masks: tuple[str, ...]
     merged: Merged
@@ -67,27 +67,27 @@ class Output(NamedTuple):
         return bool(self.masks) or bool(self.merged.kinds)
 
 
-def output(table: Table, sensors: tuple[PlannedSensor, ...]) -> Output:
-    """Return what a table of a plan asks for."""
+def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Output:
+    """Return what a table of a plan asks for; files that it names are in a folder or below."""
     lidars = [one for one in sensors if isinstance(one, LidarSensor)]
-    of_cameras = ("channels", "frames", "pictures", "png_scale", *_LOOK)
+    of_cameras = ("channels", "frames", "pictures", "png_scale", *LOOK)
     if len(lidars) == len(sensors):
-        _refuse(table, of_cameras, "no sensor makes pictures")
+        refuse(table, of_cameras, "no sensor makes pictures")
         channels: list[str] = []
         frames: list[str] = []
         pictures: list[str] = []
-        scale, look = None, {}
+        scale, shown = None, NO_LOOK
     else:
         channels, frames, pictures, scale = _pictures(table, sensors)
-        look = _look(table, channels)
+        shown = look(table, channels, pictures, sensors, folder)
     if not lidars:
-        _refuse(table, ("clouds",), "no sensor is a lidar")
+        refuse(table, ("clouds",), "no sensor is a lidar")
     clouds = table.texts("clouds", ["npz"], CLOUDS) if lidars else []
     if lidars and not clouds:
         raise table.refused("clouds", "`clouds` must be one format or several, got none")
     if not _annotated(sensors):
         why = 'annotations are of sensors with kind = "camera", or with `annotate = true`'
-        _refuse(table, ("masks", *KINDS), why)
+        refuse(table, ("masks", *KINDS), why)
     masks = table.texts("masks", [], ("visible", "amodal"))
     joined = merged(table)
     if joined.kinds and not (pictures or frames):
@@ -98,7 +98,7 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...]) -> Output:
         tuple(frames),
         tuple(pictures),
         scale,
-        look,
+        shown,
         tuple(clouds),
         tuple(masks),
         joined,
@@ -161,7 +161,7 @@ def _pictures(
     if needs_scale and "png_scale" not in table:
         raise table.refused("pictures", "pictures of distances need `png_scale`, their step")
     if not needs_scale:
-        _refuse(table, ("png_scale",), "`pictures` has no distance (t, range or z)")
+        refuse(table, ("png_scale",), "`pictures` has no distance (t, range or z)")
     return channels, frames, pictures, table.number("png_scale", None, above=0.0)
 
 
@@ -173,37 +173,3 @@ def _channels(table: Table, key: str, default: list[str], known: list[str]) -> l
             meant = hint(name, known)
             raise table.refused(key, f"`{key}` must be among {there}, got {name!r}{meant}")
     return names
-
-
-#: How colours are made.
-_LOOK = ("samples", "shade", "background", "ambient", "shadows")
-
-
-def _look(table: Table, channels: list[str]) -> dict[str, Any]:
-    if "color" not in channels:
-        _refuse(table, _LOOK, "`channels` has no color")
-        return {}
-    made: dict[str, Any] = {
-        "samples": table.whole("samples", None, least=1, most=65_536),
-        "shade": table.text("shade", None, get_args(ShaderName)),
-        "background": _color(table, "background"),
-        "ambient": _color(table, "ambient"),
-        "shadows": table.flag("shadows", None),
-    }
-    with table.blaming():
-        if made["background"] is not None:
-            background_native(made["background"])
-        if made["ambient"] is not None:
-            Shader("lambert", ambient=made["ambient"])
-    return {name: value for name, value in made.items() if value is not None}
-
-
-def _color(table: Table, key: str) -> Any:
-    return table.text(key, None) if table.is_text(key) else table.numbers(key, None)
-
-
-def _refuse(table: Table, keys: tuple[str, ...], why: str) -> None:
-    """Refuse keys that would do nothing."""
-    for key in keys:
-        if key in table:
-            raise table.refused(key, f"`{key}` does nothing here: {why}")

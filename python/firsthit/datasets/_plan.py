@@ -135,9 +135,8 @@ class Plan:
                 raise given.refused("kind", why)
         if isinstance(plan._poses, Path):
             plan._poses.refuse_beyond(given, plan._sensors)
-        plan._output = output(
-            table.table("output", Table(document, ("output",), {})), plan._sensors
-        )
+        written = table.table("output", Table(document, ("output",), {}))
+        plan._output = output(written, plan._sensors, document.folder)
         table.finish()
         plan._digest = plan._digested(document)
         return plan
@@ -149,7 +148,8 @@ class Plan:
         """
         said = hashlib.sha256(json.dumps(document.data, sort_keys=True).encode())
         beams = [one.file for one in self._sensors if isinstance(one, LidarSensor)]
-        for path in (*self._poses.files, *(file for file in beams if file is not None)):
+        named = (file for file in beams if file is not None)
+        for path in (*self._poses.files, *named, *self._output.look.files):
             said.update(hashlib.sha256(path.read_bytes()).digest())
         return said.hexdigest()
 

@@ -222,6 +222,14 @@ class Table:
         """Tell whether a value is a text, where another form is possible, too."""
         return isinstance(self._data.get(key), str)
 
+    def is_flag(self, key: str) -> bool:
+        """Tell whether a value is a truth value, where another form is possible, too."""
+        return isinstance(self._data.get(key), bool)
+
+    def is_table(self, key: str) -> bool:
+        """Tell whether a value is a table, where another form is possible, too."""
+        return isinstance(self._data.get(key), dict)
+
     def is_false(self, key: str) -> bool:
         """Tell whether a value is ``false``, which stands for none."""
         return self._data.get(key) is False

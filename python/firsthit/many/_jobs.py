@@ -38,6 +38,7 @@ from ._made import Made
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from firsthit._environment import Environment
     from firsthit._parts._drive import Maker
     from firsthit._parts._engine import On
     from firsthit._types import Progress, Selection
@@ -93,6 +94,16 @@ def shared(scene: Scene | str | os.PathLike[str]) -> SharedScene:
     path = Path(scene).absolute()
     opened = read(path)
     return SharedScene(run, path, mark_of(opened), opened)
+
+
+def lit(share: SharedScene, environment: Environment) -> SharedScene:
+    """Return a scene for workers in an environment, as `render` takes one."""
+    kept = copy.copy(share.get())
+    kept.environment, kept.shading = environment, kept.shading._without_light()
+    sun = environment._sun(kept.up)
+    if sun is not None:
+        kept.add_light(sun)
+    return SharedScene(share.run, None, mark_of(kept), kept)
 
 
 def settled(objects: Selection | None) -> Selection | None:

@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
 from firsthit._arrays import color_of, count, number
+from firsthit._colors import Colors
+from firsthit._display import Display
+from firsthit._edges import Edges
 from firsthit._files import distinct, files, in_path
 from firsthit._lights import background_native
-from firsthit._parts._digest import of_arrays, of_json
+from firsthit._parts._digest import finite, of_arrays, of_json
 from firsthit._parts._part import name_of
 from firsthit._render import render
+from firsthit._shading import Shader
 from firsthit.datasets._output import DISTANCES
 
-from ._jobs import How, Job, listed, settled, shared
+from ._jobs import How, Job, listed, lit, settled, shared
 from ._names import file_name, identity
 from ._sensors import digest_of
 
@@ -25,6 +29,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from firsthit._environment import Environment
     from firsthit._frame import Frame
     from firsthit._lights import Sky
     from firsthit._parts._engine import On, Task
@@ -32,7 +37,7 @@ if TYPE_CHECKING:
     from firsthit._scene import Scene
     from firsthit._sensor import Sensor
     from firsthit._types import Asked, Progress, Selection, Side
-    from firsthit.typing import OwnShade, ShaderName
+    from firsthit.typing import ColorMapName, LightName, OwnShade, ShaderName, ToneMapName
 
     from ._made import Made
 
@@ -50,12 +55,22 @@ def render_many(
     png_scale: float | None = None,
     part_size: int = 1,
     background: Sky | npt.ArrayLike | None = None,
+    environment: Environment | None = None,
     samples: int | None = None,
     cull: Side | None = None,
+    edges: Edges | float | None = None,
     objects: Selection | None = None,
-    shade: ShaderName | OwnShade | None = None,
+    shade: ShaderName | Shader | OwnShade | None = None,
+    light: LightName | None = None,
+    ground: bool | None = None,
     ambient: npt.ArrayLike | None = None,
     shadows: bool | None = None,
+    color_by: str | npt.ArrayLike | Colors | None = None,
+    color_map: ColorMapName | None = None,
+    color_range: tuple[float, float] | None = None,
+    color_bar: bool | None = None,
+    exposure: float | None = None,
+    tone_map: ToneMapName | None = None,
     on: On = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
@@ -88,9 +103,14 @@ def render_many(
         bits, and 65535 steps must reach the farthest hit. If left out, they are false colours.
     part_size : int
         How many cameras are a part. A part should take a second or more.
-    background, samples, cull, objects, shade, ambient, shadows
+    background, environment, samples, cull, edges, objects, shade, light, ground, ambient, shadows
         As for `render`. A shader of one's own must be a function of a module that workers can
-        import.
+        import. With an environment, workers in other processes open a scene that has it, of
+        ``out/scene.fhs``.
+    color_by, color_map, color_range, color_bar
+        As for `render`.
+    exposure, tone_map : optional
+        How ``.png`` shows ``color``, as for `Frame.save`.
     on : executor, or function that makes one, optional
         What makes the parts: anything with ``submit`` as `concurrent.futures.Executor` has it, such
         as ``dask_client.get_executor()`` or `firsthit.ray.executor`. With a function that makes
@@ -115,7 +135,8 @@ def render_many(
     Raises
     ------
     ValueError, TypeError, IndexError
-        As `render`; also for extensions that are none, and names that are none of files.
+        As `render`; also for extensions that are none, names that are none of files, and an
+        exposure or a tone map without colours in ``.png``.
     FileReadError, FileFormatError
         If the scene's file cannot be read, or is not what it was when the job began.
     FileWriteError
@@ -151,7 +172,9 @@ def render_many(
     scale = None if png_scale is None else number("png_scale", png_scale)
     if scale is not None and not 0.0 < scale < math.inf:
         raise ValueError(f"png_scale must be positive and finite, got {scale}")
-    objects = settled(objects)
+    shown = _shown(exposure, tone_map, extensions, wanted)
+    objects, lines = settled(objects), Edges._of(edges)
+    numbers = color_by if color_by is None or isinstance(color_by, Colors) else Colors(color_by)
     look: dict[str, Any] = {
         "background": background,
         "samples": samples,
@@ -161,6 +184,9 @@ def render_many(
         "ambient": ambient,
         "shadows": shadows,
     }
+    more: dict[str, Any] = {"edges": lines, "light": light, "ground": ground, "color_by": numbers}
+    more |= {"color_map": color_map, "color_range": color_range, "color_bar": color_bar}
+    look |= {name: value for name, value in more.items() if value is not None}
     said = {
         "kind": "render",
         "cameras": digest_of(views),
@@ -169,16 +195,20 @@ def render_many(
         "save": extensions,
         "png_scale": scale,
         "part_size": size,
-        "look": {**look, **_as_json(background, shade, ambient), "objects": listed(objects)},
+        "look": finite({**look, **_as_json(look), "objects": listed(objects)}),
+        **shown,
     }
     share = shared(scene)
     if len(views):
         # What no picture can be is refused before a folder is made.
         corner = slice(0, 1), slice(0, 1)
-        render(share.get(), views[0], channels=wanted, region=corner, threads=1, **look)
+        tried = {**look, "environment": environment}
+        render(share.get(), views[0], channels=wanted, region=corner, threads=1, **tried)
+    if environment is not None:
+        share = lit(share, environment)
     job = Job(out, share, said, math.ceil(len(views) / size))
     job.claim()
-    maker = _Pictures(job.scene, job.digest, wanted, extensions, scale, look, how.threads)
+    maker = _Pictures(job.scene, job.digest, wanted, extensions, scale, look, shown, how.threads)
 
     def given(part_number: int) -> list[tuple[str, Sensor]]:
         """Return the names and the cameras of a part."""
@@ -200,6 +230,7 @@ class _Pictures(NamedTuple):
     extensions: list[str]
     png_scale: float | None
     look: dict[str, Any]
+    shown: dict[str, Any]
     threads: int | None
 
     def make(self, folder: Path, task: Task) -> dict[str, Any]:
@@ -207,6 +238,9 @@ class _Pictures(NamedTuple):
         arrays: dict[str, npt.NDArray[Any]] = {}
         for name, camera in task.given:
             frame = render(scene, camera, channels=self.channels, threads=self.threads, **self.look)
+            frame.display = frame.display._but(
+                self.shown.get("exposure"), self.shown.get("tone_map")
+            )
             for extension in self.extensions:
                 self._save(frame, folder / name, extension)
             arrays |= {f"{name}/{channel}": array for channel, array in frame.items()}
@@ -247,9 +281,29 @@ def _extensions(save: str | Sequence[str], channels: list[str]) -> list[str]:
     return [*dict.fromkeys(given)]
 
 
-def _as_json(background: Any, shade: Any, ambient: Any) -> dict[str, Any]:
-    """Return colours and functions as the file of a job has them."""
+def _shown(
+    exposure: float | None,
+    tone_map: ToneMapName | None,
+    extensions: list[str],
+    channels: list[str],
+) -> dict[str, Any]:
+    """Return how colours are shown, as far as it is given."""
+    shown = Display()._but(exposure, tone_map)
+    given = {"exposure": exposure, "tone_map": tone_map}
+    made = {name: getattr(shown, name) for name, value in given.items() if value is not None}
+    if made and (".png" not in extensions or "color" not in channels):
+        raise ValueError(f"{next(iter(made))} does nothing without color in .png; leave it out")
+    return made
+
+
+def _as_json(look: dict[str, Any]) -> dict[str, Any]:
+    """Return colours, lines and functions as the file of a job has them."""
+    background, ambient, shade = look["background"], look["ambient"], look["shade"]
     named = None if background is None else background_native(background)
     light = None if ambient is None else list(color_of("ambient", ambient))
-    called = shade if shade is None or isinstance(shade, str) else identity("shade", shade)
-    return {"background": named, "ambient": light, "shade": called}
+    if isinstance(shade, Shader):
+        shade = [shade.name, [list(setting) for setting in shade.settings]]
+    elif shade is not None and not isinstance(shade, str):
+        shade = identity("shade", shade)
+    made: dict[str, Any] = {"background": named, "ambient": light, "shade": shade}
+    return made | {name: look[name]._native() for name in ("edges", "color_by") if name in look}

@@ -128,6 +128,12 @@ def frames(scene: fh.Scene, camera: fh.Camera) -> None:
         return np.where((hits.object < 0)[..., None], 0.0, np.abs(hits.normal))
 
     fh.render(scene, camera, shade=own, samples=1, progress=False)
+    sky = fh.Environment.daylight(30, up=[0, 0, 1])
+    fh.render(scene, camera, environment=sky, color_by="height", color_range=(0, 2), samples=1)
+    steps = fh.render_progressively(scene, camera, environment=sky, samples=2)
+    assert_type(next(steps), fh.Frame)
+    for better in fh.render_progressively(scene, camera, shade=own, samples=3, edges=1.5):
+        assert_type(better["color"], npt.NDArray[np.float32])
 
 
 def truths(scene: fh.Scene, camera: fh.Camera) -> None:
@@ -159,6 +165,8 @@ if TYPE_CHECKING:
         """What is refused: a comment that is not needed is an error itself."""
         fh.render(scene, camera, channels=("depth",))  # type: ignore[arg-type]
         fh.render(scene, camera, shade="toon")  # type: ignore[arg-type]
+        fh.render(scene, camera, environment="sky.hdr")  # type: ignore[arg-type]
+        fh.render_progressively(scene, camera, light="neon")  # type: ignore[arg-type]
         fh.Camera.framing(scene, view="side")  # type: ignore[arg-type]
         fh.Camera([0, 0, 0], [0, 0, 1], [0, 1, 0], 1, 1, 1, 2, 2, projection="fisheye")  # type: ignore[arg-type]
         fh.Shading(shade="toon")  # type: ignore[arg-type]

@@ -1,0 +1,228 @@
+"""What pictures of a plan look like: the arguments of `render` that are about colours."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+from firsthit import _firsthit
+from firsthit._colors import Colors, colors_of
+from firsthit._edges import Edges
+from firsthit._lights import background_native
+from firsthit._shading import Shader, shader_of
+from firsthit._types import ColorMapName, EdgeKind, LightName, ShaderName, ToneMapName
+
+from ._environment import environment
+from ._lidars import LidarSensor
+from ._sensors import CameraSensor
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from firsthit._scene import Scene
+
+    from ._sensors import PlannedSensor
+    from ._table import Table
+
+#: Channels that are made of several samples; names of mattes may go on with a colon.
+_SAMPLED = ("color", "alpha", "ao", "samples", "crypto_object", "crypto_material")
+
+#: What is about lines, about how PNGs show colours, and about light.
+_LINES = ("edges",)
+_DISPLAY = ("exposure", "tone_map")
+_LIGHT = ("background", "environment", "light", "ground", "ambient", "shadows", "shade")
+
+#: What gives surfaces other colours.
+_NUMBERS = ("color_by", "color_map", "color_range", "color_bar")
+
+#: All keys.
+LOOK = ("samples", *_LIGHT, *_NUMBERS, *_LINES, *_DISPLAY)
+
+
+class Look(NamedTuple):
+    """How colours are made and shown.
+
+    Attributes
+    ----------
+    said : dict
+        What `render` is told, whatever the scene.
+    has_no_bar : bool
+        Whether the plan says that there is no bar of colours.
+    display : dict
+        How PNGs show colours, as `Frame.save` is told.
+    files : tuple of Path
+        The files that were read for it.
+    """
+
+    said: dict[str, Any]
+    has_no_bar: bool
+    display: dict[str, Any]
+    files: tuple[Path, ...]
+
+    def told(self, scene: Scene) -> dict[str, Any]:
+        """Return what `render` is told of a scene.
+
+        Raises
+        ------
+        ValueError
+            For a scene whose pictures have a bar of colours by default.
+        """
+        changes = {name: self.said.get(f"color_{name}") for name in ("map", "range")}
+        colors = colors_of(scene.shading.colors, self.said.get("color_by"), **changes)
+        if colors is None or not colors.bar:
+            return self.said
+        if not self.has_no_bar:
+            why = f"this scene asks for a bar of colours: {_WHY_NO_BAR}"
+            raise ValueError(f"`color_bar` must be false, since {why}")
+        return {**self.said, "color_bar": False}
+
+
+#: Where no colours are made.
+NO_LOOK = Look({}, has_no_bar=False, display={"exposure": None, "tone_map": None}, files=())
+
+_WHY_NO_BAR = "it would hide what the sensor sees, and files say its numbers in their metadata"
+
+
+def look(
+    table: Table,
+    channels: list[str],
+    pictures: list[str],
+    sensors: tuple[PlannedSensor, ...],
+    folder: Path,
+) -> Look:
+    """Return what a table of a plan says of colours.
+
+    Keys that would do nothing for its channels, its pictures and its sensors are refused.
+    """
+    _refuse_idle(table, channels, pictures, sensors)
+    around, files = environment(table, folder)
+    made: dict[str, Any] = {
+        "samples": table.whole("samples", None, least=1, most=65_536),
+        "shade": _shade(table),
+        "background": _color(table, "background"),
+        "environment": around,
+        "light": table.text("light", None, get_args(LightName)),
+        "ground": table.flag("ground", None),
+        "ambient": _color(table, "ambient"),
+        "shadows": table.flag("shadows", None),
+        "edges": _edges(table),
+        "color_by": _color_by(table),
+        "color_map": table.text("color_map", None, get_args(ColorMapName)),
+        "color_range": _range(table, "color_range"),
+    }
+    if around is not None and made["light"] is not None:
+        raise table.refused("light", "`environment` and `light` exclude each other")
+    with table.blaming():
+        if made["background"] is not None:
+            background_native(made["background"])
+        # Without them the scene says which shader it is.
+        if made["shade"] is not None or made["ambient"] is not None:
+            settings = {"ambient": made["ambient"], "shadows": made["shadows"]}
+            shader_of(made["shade"], settings)
+    display = {
+        "exposure": table.number("exposure", None),
+        "tone_map": table.text("tone_map", None, get_args(ToneMapName)),
+    }
+    bar = table.flag("color_bar", None)
+    if bar:
+        raise table.refused("color_bar", f"`color_bar` must be false: {_WHY_NO_BAR}")
+    given = {name: value for name, value in made.items() if value is not None}
+    return Look(given, bar is False, display, files)
+
+
+def _refuse_idle(
+    table: Table, channels: list[str], pictures: list[str], sensors: tuple[PlannedSensor, ...]
+) -> None:
+    bases = {name.partition(":")[0] for name in channels}
+    if not bases & {*_SAMPLED}:
+        refuse(table, ("samples",), "`channels` has none of several samples, such as color")
+    if not bases & {"color", "alpha"}:
+        refuse(table, _LIGHT, "`channels` has no color")
+    if "color" not in bases:
+        refuse(table, _NUMBERS, "`channels` has no color")
+    if not bases & {"color", "edge"}:
+        refuse(table, _LINES, "`channels` has no color and no edge")
+    if "color" not in pictures:
+        refuse(table, _DISPLAY, "`pictures` has no color")
+    moving = [one.name for one in sensors if not isinstance(one, CameraSensor | LidarSensor)]
+    if "edges" in table and moving:
+        why = f"sensor {moving[0]!r} moves while it sees, and lines are of cameras that do not"
+        raise table.refused("edges", f"`edges` must be left out: {why}")
+
+
+def refuse(table: Table, keys: tuple[str, ...], why: str) -> None:
+    """Refuse keys that would do nothing."""
+    for key in keys:
+        if key in table:
+            raise table.refused(key, f"`{key}` does nothing here: {why}")
+
+
+def _shade(table: Table) -> ShaderName | Shader | None:
+    if not table.is_table("shade"):
+        named: ShaderName | None = table.text("shade", None, get_args(ShaderName))
+        return named
+    given = table.table("shade")
+    name = given.text("name", among=get_args(ShaderName))
+    settings = {}
+    for setting, domain in _firsthit.shader_settings(name):
+        if setting not in given:
+            continue
+        if domain == "flag":
+            settings[setting] = given.flag(setting)
+        elif domain == "number":
+            settings[setting] = given.number(setting)
+        else:
+            settings[setting] = _color(given, setting)
+    given.finish()
+    with given.blaming():
+        return Shader(name, **settings)
+
+
+def _color_by(table: Table) -> Colors | None:
+    if not table.is_table("color_by"):
+        if "color_by" not in table:
+            return None
+        given = _by(table, "color_by")
+        with table.blaming("color_by"):
+            return Colors(given)
+    settings = table.table("color_by")
+    if "bar" in settings:
+        raise settings.refused("bar", f"`bar` must be left out: {_WHY_NO_BAR}")
+    by, ends = _by(settings, "by"), _range(settings, "range")
+    colors = {name: _color(settings, name) for name in ("below", "above", "missing")}
+    name = settings.text("map", "viridis", get_args(ColorMapName))
+    settings.finish()
+    with settings.blaming():
+        return Colors(by, map=name, range=ends, **colors)
+
+
+def _by(table: Table, key: str) -> Any:
+    return table.text(key) if table.is_text(key) else table.numbers(key, shape=(None,))
+
+
+def _range(table: Table, key: str) -> tuple[float, float] | None:
+    ends = table.numbers(key, None, shape=(2,))
+    if ends is not None and not ends[0] < ends[1]:
+        raise table.refused(key, f"`{key}` must be two numbers that rise, got {ends}")
+    return None if ends is None else (ends[0], ends[1])
+
+
+def _edges(table: Table) -> Edges | None:
+    if not table.is_table("edges"):
+        width = table.number("edges", None)
+        with table.blaming("edges"):
+            return Edges._of(width)
+    given = table.table("edges")
+    settings = {"width": given.number("width", None), "angle": given.number("angle", None)}
+    settings |= {"kinds": given.texts("kinds", None, get_args(EdgeKind))}
+    settings |= {"color": _color(given, "color")}
+    if given.is_flag("hidden"):
+        settings["hidden"] = given.flag("hidden")
+    else:
+        settings["hidden"] = given.numbers("hidden", None, shape=(2,))
+    given.finish()
+    with given.blaming():
+        return Edges(**{name: value for name, value in settings.items() if value is not None})
+
+
+def _color(table: Table, key: str) -> Any:
+    return table.text(key, None) if table.is_text(key) else table.numbers(key, None)
