@@ -267,8 +267,8 @@ impl Channel {
             "transparent"
         } else {
             match &*self.name {
-                // It is about pixels, whatever their rays meet.
-                "valid" => "any",
+                // They are about pixels, whatever their rays meet.
+                "valid" | "alpha" | "ao" | "edge" | "samples" => "any",
                 _ => self.display.miss(),
             }
         }
