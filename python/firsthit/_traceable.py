@@ -71,6 +71,10 @@ class Built:
             if made._is_hidden != old._is_hidden:
                 hidden.append((identifier, made._is_hidden))
         native = self.native.changed(replaced, places, hidden)
+        environment, _, is_guessed = self.around
+        if is_guessed and environment is not None:
+            # Which way is up may be another one now, and the environment lies by it.
+            return Built(objects, self.lights, self.around, previous=native)
         return Built(objects, self.lights, self.around, native)
 
     def seen(self, mask: int, only: Sequence[int] | None) -> Built:
