@@ -86,7 +86,7 @@ def test_a_scene_says_what_lines_its_pictures_have_and_files_keep_it(tmp_path: P
         ({"kinds": "ridge"}, "kinds must be some of silhouette, .*, got 'ridge'"),
         ({"kinds": ()}, "edge kinds must be at least one, got none"),
         ({"hidden": (1, 2, 3)}, "hidden must be True, False, or a dash and a gap"),
-        ({"hidden": (1, 0)}, "hidden edges must be finite dashes and gaps of at least 0.1 pixels, got"),
+        ({"hidden": (1, 0)}, "hidden edges must be finite dashes and gaps of at least 0.1 pixels"),
         ({"color": "reddish"}, "color must be"),
     ],
 )
