@@ -20,12 +20,17 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render soak test test-rust test-python test-scripts test-installed test-compat test-cluster program attack fuzz bench bench-python bench-queries bench-lidar dist pages
+.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages
 .PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
 	$(CARGO) run --release --package firsthit-cli --bin firsthit -- demo --output render.png
+
+# The pictures of docs/gallery.md, by the page's own commands. ONLY="chess cornell" makes two of them.
+gallery: .venv/ready
+	$(VENV)/maturin develop --release --quiet
+	$(VENV)/python docs/gallery/make.py $(ONLY)
 
 # All there is to test in the workspace; `test-installed` tests what people install.
 test: test-rust test-python test-scripts
@@ -139,6 +144,23 @@ bench-lidar: .venv-bench/ready
 	.venv-bench/bin/pip install --quiet open3d==0.20.0 libusb-package || echo "bench: open3d cannot be installed here"
 	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
 	.venv-bench/bin/python benches/lidar.py $(if $(TURNS),--turns $(TURNS)) $(if $(ROUNDS),--rounds $(ROUNDS))
+
+# Pictures beside Mitsuba 3 and Blender's Cycles, on two cores: half an hour. For every day:
+# make bench-light ONLY=shaded ROUNDS=1 LIGHT="--size 320x180 --samples 16". Mitsuba's fast variant needs LLVM from 16 on
+# (apt-get install libllvm22). With ISA=avx2 firsthit alone is limited. PNGs of all are in target/light.
+bench-light: .venv-bench-light/ready target/scenes/ready
+	VIRTUAL_ENV=$(CURDIR)/.venv-bench-light .venv-bench-light/bin/maturin develop --release --quiet
+	.venv-bench-light/bin/python benches/light.py $(if $(ONLY),--only $(ONLY)) $(if $(ROUNDS),--rounds $(ROUNDS)) \
+	    $(if $(ISA),--isa $(ISA)) $(LIGHT) \
+	    $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)-light$(if $(ISA),-$(ISA)).md)
+
+# A gigabyte, of which bpy is most. It has wheels for one version of Python each; which of its versions fits, pip knows.
+.venv-bench-light/ready: benches/requirements-light.txt
+	$(PYTHON) -m venv .venv-bench-light
+	echo '*' > .venv-bench-light/.gitignore
+	.venv-bench-light/bin/pip install --quiet --requirement benches/requirements-light.txt
+	.venv-bench-light/bin/pip install --quiet bpy || echo "bench: bpy cannot be installed here"
+	touch $@
 
 # Where Embree is not to be had, the bench goes on without it.
 .venv-bench/ready: benches/requirements.txt
