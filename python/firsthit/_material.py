@@ -228,8 +228,8 @@ class Material:
         Alpha alone, in place of the alpha of ``texture``.
     alpha_mode : {"opaque", "mask", "blend"}
         What alpha does. ``opaque``: nothing. ``mask``: it is an alpha mask; where it is below
-        ``cutoff`` the surface is cut out, and rays do not meet it. ``blend``: the same as opaque,
-        for now.
+        ``cutoff`` the surface is cut out, and rays do not meet it. ``blend``: the surface is
+        translucent in colours; other channels and rays meet it as if it were opaque.
     cutoff : float
         The alpha from which on the surface is there.
     unlit : bool

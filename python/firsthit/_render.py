@@ -58,9 +58,9 @@ def render(
         The scene.
     camera : Camera or another sensor, optional
         The camera, or any `Sensor`. If left out, it is the first camera of a scene file (TOML); of
-        other scenes it is `Camera.framing`. A scene without lights is lit over the shoulder of a
-        camera, of one that moves in the middle of the picture; with a `RaySensor` or a `Lidar` it
-        has ambient light alone.
+        other scenes it is `Camera.framing`. A scene without lights gets automatic light in the
+        frame of a camera, of one that moves in the middle of the picture; with a `RaySensor` or a
+        `Lidar` it has ambient light alone.
     channels : str or sequence of str
         Any of those that the table below lists; ``"attribute:NAME"`` for an attribute of the
         meshes, as `Hits.attribute` gives it; and ``"crypto_object:8"`` for a Cryptomatte of 8 pairs
