@@ -87,7 +87,8 @@ def test_the_source_distribution_has_all_that_it_is_built_from(source):
     for member in WORKSPACE["members"]:
         assert f"{member}/Cargo.toml" in source
     assert {"Cargo.lock", "LICENSE", "README.md", "pyproject.toml"} <= source.keys()
-    assert sum(map(len, source.values())) < 8e6
+    # 8.8 MB of code, tests and pages. A model or a picture that slips in shows.
+    assert sum(map(len, source.values())) < 9.3e6
 
 
 def test_documents_that_messages_and_docstrings_name_are_in_the_source_distribution(source):
