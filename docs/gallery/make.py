@@ -1,7 +1,7 @@
 """Make the pictures of docs/gallery.md: `make gallery`, or `make gallery ONLY="chess cornell"`.
 
 The commands are those of the page itself. They run in target/gallery, where the models and copies
-of the scene files are, and their pictures come back to docs/gallery.
+of the scene files are, and their pictures come back beside this file.
 """
 
 from __future__ import annotations

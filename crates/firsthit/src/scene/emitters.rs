@@ -1,6 +1,6 @@
 //! Surfaces that shine, as lights.
 
-use super::light::{Arriving, Light, SphereLight};
+use super::light::{Light, LightSample, SphereLight};
 use super::{Object, Scene, SurfaceInteraction};
 use crate::geometry::{DVec2, DVec3, Hit, Ray, SurfaceId, luminance};
 use crate::sampling::distribution::Distribution;
@@ -73,33 +73,29 @@ impl Emitters {
     }
 
     /// Light that arrives at a point, from a surface and a point of it that three numbers from 0 to 1 stand for.
-    pub(crate) fn arriving(
+    pub(crate) fn sample(
         &self,
         scene: &Scene,
         at: DVec3,
         [pick, x, y]: [f64; 3],
-    ) -> Option<(Arriving, SurfaceId)> {
+    ) -> Option<(LightSample, SurfaceId)> {
         let powers = self.powers.as_ref()?;
         let index = powers.choose(pick).index;
         let (surface, share) = (self.surfaces[index], powers.share(index));
         let object = &scene.objects()[usize::try_from(surface.object).ok()?];
         let u = DVec2::new(x, y);
-        let (towards, barycentric, density) = if let Shape::Mesh(mesh) = object.shape() {
+        let (towards, barycentric, pdf) = if let Shape::Mesh(mesh) = object.shape() {
             let triangle = usize::try_from(surface.primitive).ok()?;
             let [a, b, c] = corners(object, mesh, triangle);
             let weights = warp::triangle(u);
             let towards = a + (weights.x * (b - a) + weights.y * (c - a)) - at;
             let normal = (b - a).cross(c - a);
-            let density = 1.0 / (0.5 * normal.length());
+            let pdf = 1.0 / (0.5 * normal.length());
             let cosine = towards.dot(normal).abs() / (towards.length() * normal.length());
-            (
-                towards,
-                weights,
-                density * towards.length_squared() / cosine,
-            )
+            (towards, weights, pdf * towards.length_squared() / cosine)
         } else {
-            let arriving = Light::from(sphere(object)?).arriving(at, u)?;
-            (arriving.towards, DVec2::ZERO, arriving.density?)
+            let arriving = Light::from(sphere(object)?).sample(at, u)?;
+            (arriving.towards, DVec2::ZERO, arriving.pdf?)
         };
         if let Shape::Mesh(mesh) = object.shape()
             && object.is_cut_out(mesh, usize::try_from(surface.primitive).ok()?, barycentric)
@@ -114,28 +110,23 @@ impl Emitters {
         };
         let ray = Ray::new(at, towards);
         let met = scene.interaction(&ray, &hit)?;
-        let density = share * density;
-        let light = met.opacity() * met.emitted() / (std::f64::consts::PI * density);
+        let pdf = share * pdf;
+        let light = met.opacity() * met.emitted() / (std::f64::consts::PI * pdf);
         // Written so that a NaN fails.
         (light.max_element() > 0.0 && light.is_finite()).then_some((
-            Arriving {
+            LightSample {
                 towards,
                 distance: 1.0,
                 light,
-                density: Some(density),
+                pdf: Some(pdf),
             },
             surface,
         ))
     }
 
-    /// How densely [`arriving`](Self::arriving) puts directions around that of a ray that meets a surface, per steradian; 0 for one that
+    /// How densely [`sample`](Self::sample) puts directions around that of a ray that meets a surface, per steradian; 0 for one that
     /// is not drawn. The ray, of length one, started at `from` and is so long, whatever it went through on its way.
-    pub(crate) fn density(
-        &self,
-        surface: &SurfaceInteraction<'_>,
-        from: DVec3,
-        length: f64,
-    ) -> f64 {
+    pub(crate) fn pdf(&self, surface: &SurfaceInteraction<'_>, from: DVec3, length: f64) -> f64 {
         let (object, hit) = (surface.object(), surface.hit());
         let luminance = brightness(object, hit.primitive);
         let total = self.total;
@@ -153,8 +144,8 @@ impl Emitters {
                     return 0.0;
                 };
                 let area = 4.0 * std::f64::consts::PI * light.radius * light.radius;
-                let met = Light::from(light).met(from, direction);
-                met.map_or(0.0, |met| luminance * area / total * met.density)
+                let met = Light::from(light).intersect(from, direction);
+                met.map_or(0.0, |met| luminance * area / total * met.pdf)
             }
             _ => 0.0,
         }

@@ -35,11 +35,11 @@ pub use coloring::{ColorBy, Colored, Coloring};
 pub use environment::{Daylight, Environment, EnvironmentKind, EnvironmentMap};
 pub use interaction::SurfaceInteraction;
 pub use light::{
-    Arriving, DirectionalLight, DiscLight, Light, Met, PointLight, RectangleLight, SphereLight,
-    SpotLight,
+    DirectionalLight, DiscLight, Light, LightHit, LightSample, PointLight, RectangleLight,
+    SphereLight, SpotLight,
 };
 pub use material::{
-    AlphaMode, Glass, MapRole, Maps, Material, Matte, MetalRough, Model, Scattered, Scattering,
+    AlphaMode, Bsdf, BsdfSample, Glass, MapRole, Maps, Material, Matte, MetalRough, Model,
 };
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};

@@ -2,21 +2,21 @@
 //!
 //! For each sample of a pixel:
 //!
-//! 1. Draw a point of each light, one of the surfaces that shine, and a direction of the environment where bright ones are drawn more
-//!    often. Ask whether they are seen (`vertex.rs`).
-//! 2. Let the surface draw a direction itself. If it scatters light evenly, ask whether the environment is seen there; if not, see
-//!    what light is there.
+//! 1. Sample a point of each light, one of the emissive surfaces, and a direction of the environment by its luminance. Ask whether
+//!    they are seen (`vertex.rs`).
+//! 2. Sample a direction by the surface's BSDF. On a matte surface ask whether the environment is seen there; on others add all light that
+//!    a ray meets there (`found.rs`).
 //!
-//! Where two of these may find the same light, each is weighted by how likely it found it. Without shadows only drawn points count, since
-//! a surface's own rays are hidden from lights as always; a mirror shows lights all the same.
+//! Where both may find the same light, they are weighted (multiple importance sampling). Without shadows only light sampling counts for
+//! lights, because BSDF-sampled rays end on things as always; mirrors show lights all the same.
 
 use super::blend::found;
-use super::found::{Search, light_found};
+use super::found::{BsdfRay, light_found};
 use super::shadow::ShadowRays;
-use super::vertex::{Vertex, add_direct_light, first_vertices, power_share};
+use super::vertex::{Vertex, add_direct_light, first_vertices, power_heuristic};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, settings};
-use crate::scene::Scattered;
+use crate::scene::BsdfSample;
 
 settings! {
     /// The settings of the shader for direct light.
@@ -37,16 +37,16 @@ pub(super) fn shade(
     let has_others = shading.scene.emitters().has_others();
     let mut vertices = first_vertices(points, colors);
     for vertex in &mut vertices {
-        vertex.finds_lights = settings.shadows && (has_others || !vertex.scattering.is_diffuse());
-        vertex.occlusion = vertex.scattering.occlusion();
+        vertex.finds_lights = settings.shadows && (has_others || !vertex.bsdf.is_diffuse());
+        vertex.occlusion = vertex.bsdf.occlusion();
     }
     let limits = (settings.shadows, settings.reach);
     add_direct_light(shading, &vertices, limits, colors);
-    add_own_rays(settings, shading, &mut vertices, colors);
+    add_bsdf_rays(settings, shading, &mut vertices, colors);
 }
 
-/// Adds what is found in a direction that each surface draws.
-fn add_own_rays(
+/// Adds the light that a BSDF-sampled ray of each vertex meets.
+fn add_bsdf_rays(
     settings: &Direct,
     shading: &Shading<'_>,
     vertices: &mut [Vertex],
@@ -58,17 +58,17 @@ fn add_own_rays(
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
     let (mut drawn, mut draws) = (Vec::new(), Vec::new());
     for (k, vertex) in vertices.iter_mut().enumerate() {
-        let searches = has_others || !vertex.scattering.is_diffuse();
+        let searches = has_others || !vertex.bsdf.is_diffuse();
         if environment.is_none() && !searches {
             continue;
         }
-        let Some(scattered) = vertex.scattering.sample(vertex.draws.three()) else {
+        let Some(scattered) = vertex.bsdf.sample(vertex.draws.three()) else {
             continue;
         };
-        let Scattered {
+        let BsdfSample {
             towards,
             weight,
-            density,
+            pdf,
         } = scattered;
         let (ray, filter) = vertex.ray(towards);
         if searches {
@@ -77,8 +77,8 @@ fn add_own_rays(
             drawn.push((k, scattered));
             draws.push(vertex.draws);
         } else if let Some(environment) = environment {
-            let others = environment.density(towards);
-            let share = density.map_or(1.0, |own| power_share(own, others));
+            let others = environment.pdf(towards);
+            let share = pdf.map_or(1.0, |own| power_heuristic(own, others));
             let light = share
                 * vertex.occlusion
                 * vertex.throughput
@@ -91,16 +91,16 @@ fn add_own_rays(
     let all_found = found(shading, &rays, &filters, &mut draws);
     for ((ray, (k, scattered)), met) in rays.iter().zip(&drawn).zip(&all_found) {
         let vertex = &vertices[*k];
-        let search = Search {
+        let bsdf_ray = BsdfRay {
             ray,
-            scattered,
-            is_straight: scattered.density.is_none(),
+            sample: scattered,
+            is_specular_path: scattered.pdf.is_none(),
             finds_lights: vertex.finds_lights,
             reach: settings.reach,
             occlusion: vertex.occlusion,
             absorption: vertex.absorption_towards(ray.direction),
         };
-        let light = light_found(shading, &search, met);
+        let light = light_found(shading, &bsdf_ray, met);
         colors[vertex.sum] += vertex.throughput * scattered.weight * light;
     }
 }

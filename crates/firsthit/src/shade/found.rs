@@ -1,10 +1,10 @@
-//! What rays find that surfaces draw themselves.
+//! The light that BSDF-sampled rays meet.
 
 use super::Shading;
 use super::blend::Found;
-use super::vertex::{power_share, transmittance};
+use super::vertex::{power_heuristic, transmittance};
 use crate::geometry::{Color, Filtered, Ray, RayFilter};
-use crate::scene::{Scattered, SurfaceInteraction};
+use crate::scene::{BsdfSample, SurfaceInteraction};
 use crate::shoot::{First, Hits, trace_into};
 
 /// The first hits of rays that leave surfaces.
@@ -19,51 +19,51 @@ pub(super) fn first_hits(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFilt
     hits
 }
 
-/// A ray that a surface has drawn, and which of the light it meets is counted.
-pub(super) struct Search<'a> {
+/// A BSDF-sampled ray, and which of the light that it meets counts.
+pub(super) struct BsdfRay<'a> {
     /// The ray, of length one.
     pub(super) ray: &'a Ray,
-    pub(super) scattered: &'a Scattered,
+    pub(super) sample: &'a BsdfSample,
     /// It goes on from the camera by mirrors and clear matter alone, so it sees what the camera would.
-    pub(super) is_straight: bool,
-    /// Whether lights that points are drawn of count too, unless the ray's direction is a single one.
+    pub(super) is_specular_path: bool,
+    /// Whether sampled lights count too. With a ray of a single direction, as in a mirror, they always do.
     pub(super) finds_lights: bool,
-    /// From here on nothing hides the environment.
+    /// Surfaces farther away than this do not hide the environment, in scene units.
     pub(super) reach: f64,
-    /// How much of the environment reaches the surface, as far as a map says so.
+    /// The share of the environment that the material's occlusion map lets through.
     pub(super) occlusion: f64,
-    /// What is taken away on the way, for each unit of length.
+    /// The absorption coefficient on its way, per scene unit.
     pub(super) absorption: Color,
 }
 
-/// The radiance of all light that a ray meets before a surface hides it, each counted as much as other ways do not find it.
-pub(super) fn light_found(shading: &Shading<'_>, search: &Search<'_>, found: &Found) -> Color {
+/// The radiance of all light that a ray meets before a surface hides it, weighted against light sampling (multiple importance sampling).
+pub(super) fn light_found(shading: &Shading<'_>, bsdf_ray: &BsdfRay<'_>, found: &Found) -> Color {
     let length = found.length();
-    let mut light = search.lights(shading, length);
+    let mut light = bsdf_ray.lights(shading, length);
     if let Some(surface) = shading.scene.interaction(&found.ray, &found.hit) {
-        light += search.emission(shading, &surface, length);
+        light += bsdf_ray.emission(shading, &surface, length);
     }
-    if length > search.reach || length == f64::INFINITY {
-        light += search.environment(shading);
+    if length > bsdf_ray.reach || length == f64::INFINITY {
+        light += bsdf_ray.environment(shading);
     }
     light
 }
 
-impl Search<'_> {
+impl BsdfRay<'_> {
     /// Of lights that are met before a length.
     pub(super) fn lights(&self, shading: &Shading<'_>, length: f64) -> Color {
         let mut sum = Color::ZERO;
         for light in shading.scene.lights() {
-            let met = light.met(self.ray.origin, self.ray.direction);
+            let met = light.intersect(self.ray.origin, self.ray.direction);
             if let Some(met) = met.filter(|met| met.distance < length || length == f64::INFINITY) {
                 let left = transmittance(self.absorption, met.distance);
-                sum += self.share_of_light(met.density) * left * met.radiance;
+                sum += self.share_of_light(met.pdf) * left * met.radiance;
             }
         }
         sum
     }
 
-    /// Of what a surface gives off that the ray meets after a length.
+    /// Of the emission of a surface that the ray meets after a length.
     pub(super) fn emission(
         &self,
         shading: &Shading<'_>,
@@ -76,33 +76,33 @@ impl Search<'_> {
         }
         // From the start of the whole ray, which may have come through translucent surfaces.
         let emitters = shading.scene.emitters();
-        let density = emitters.density(surface, self.ray.origin, length);
+        let pdf = emitters.pdf(surface, self.ray.origin, length);
         let left = transmittance(self.absorption, length);
-        self.share_of_light(density) * left * emitted
+        self.share_of_light(pdf) * left * emitted
     }
 
-    /// Of what is behind everything.
+    /// Of the environment, or of the background where the camera would see that.
     pub(super) fn environment(&self, shading: &Shading<'_>) -> Color {
         let direction = self.ray.direction;
         match shading.scene.environment() {
             Some(environment) => {
-                let share = self.share(environment.density(direction));
+                let share = self.share(environment.pdf(direction));
                 self.occlusion * share * environment.radiance(direction)
             }
-            None if self.is_straight => shading.background.color(direction),
+            None if self.is_specular_path => shading.background.color(direction),
             None => Color::ZERO,
         }
     }
 
-    /// How much counts what another way finds with that density.
+    /// The weight beside another technique of that probability density.
     fn share(&self, other: f64) -> f64 {
-        let own = self.scattered.density;
-        own.map_or(1.0, |own| power_share(own, other))
+        let own = self.sample.pdf;
+        own.map_or(1.0, |own| power_heuristic(own, other))
     }
 
-    /// The same of lights.
+    /// The same for lights.
     fn share_of_light(&self, other: f64) -> f64 {
-        let is_left_out = !self.finds_lights && self.scattered.density.is_some() && other > 0.0;
+        let is_left_out = !self.finds_lights && self.sample.pdf.is_some() && other > 0.0;
         if is_left_out { 0.0 } else { self.share(other) }
     }
 }

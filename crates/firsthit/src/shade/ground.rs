@@ -4,14 +4,16 @@ use std::f64::consts::PI;
 
 use super::light_rig::taken_by_white;
 use super::shadow::ShadowRays;
-use super::vertex::power_share;
+use super::vertex::power_heuristic;
 use super::{Samples, Shading, stream};
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, RayFilter, SurfaceId, unit};
 use crate::sampling::{Draws, warp};
-use crate::scene::{Arriving, Environment, EnvironmentKind, Light, Scene};
+use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
 
-/// A level plane on which shadows fall. What it shows of itself is how much darker it is for what stands on it: rays that meet
-/// nothing else see the background through it, as much as light reaches it.
+/// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else sees the background through it,
+/// darkened by the share of light that things keep from it.
+///
+/// With noise, linear colours on it may be a little below 0: a sample may be darkened by more than all, and only the mean is right.
 ///
 /// It is no object: no other ray meets it, and pictures are as fast as without it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +71,7 @@ impl Ground {
         let is_crossed = ray.direction.dot(up) < 0.0
             && t > 0.0
             && t < f64::INFINITY
-            && t >= ray.t_min
+            && t > ray.t_min
             && t <= ray.t_max;
         is_crossed.then(|| ray.at(t))
     }
@@ -83,11 +85,11 @@ struct Point {
     draws: Draws,
 }
 
-/// How much of the light at points of the ground is missing, as the sum of red, green and blue.
+/// The light at points of the ground: how much would be there without anything, and how much of that is missing.
 ///
-/// What is missing is drawn: it is the light of those rays towards light that something blocks. What would be there without anything is
-/// known, or nearly so, and does not depend on the sample. So the mean over samples is the share that is missing, although in one
-/// sample more than all may be.
+/// Missing light is sampled: it is the light of those rays towards lights that something blocks. The full light is known, or nearly so, and
+/// does not depend on the sample. So the mean over samples of their ratio is the share that is missing, although a single sample may
+/// say more than 1.
 struct Shadows {
     missing: Vec<Color>,
     full: Vec<Color>,
@@ -134,7 +136,7 @@ impl Shadows {
                 if cone.is_some_and(|cone| cone.is_clear(point.position)) {
                     continue;
                 }
-                let arriving = prepared.arriving(point.position, point.draws.split(key).two());
+                let arriving = prepared.sample(point.position, point.draws.split(key).two());
                 rays.push(point, index, up, arriving.as_ref(), None);
             }
             rays.add_to(&mut self.missing, shading);
@@ -149,7 +151,7 @@ impl Shadows {
         let mut rays = BlockedRays::new(self.blocking);
         for (index, point) in points.iter().enumerate() {
             let mut draws = point.draws.split(stream::EMITTERS);
-            let mut drawn = || emitters.arriving(shading.scene, point.position, draws.three());
+            let mut drawn = || emitters.sample(shading.scene, point.position, draws.three());
             if let Some((arriving, surface)) = drawn() {
                 rays.push(point, index, up, Some(&arriving), Some(surface));
             }
@@ -175,17 +177,17 @@ impl Shadows {
             let mut draws = point.draws;
             let towards = warp::around(up, warp::cosine_hemisphere(draws.two()));
             let own = towards.dot(up).max(0.0) / PI;
-            let share = power_share(own, environment.density(towards));
+            let share = power_heuristic(own, environment.pdf(towards));
             let brought = share * environment.radiance(towards);
             rays.push_infinite(point, index, towards, brought);
             let mut draws = point.draws.split(stream::ENVIRONMENT);
             if environment.is_drawn()
-                && let Some(arriving) = environment.arriving(draws.two())
-                && let Some(density) = arriving.density
+                && let Some(arriving) = environment.sample(draws.two())
+                && let Some(pdf) = arriving.pdf
             {
                 let towards = unit(arriving.towards);
                 let own = towards.dot(up).max(0.0) / PI;
-                let brought = power_share(density, own) * taken_of(&arriving, up);
+                let brought = power_heuristic(pdf, own) * taken_of(&arriving, up);
                 rays.push_infinite(point, index, towards, brought);
             }
         }
@@ -241,7 +243,7 @@ impl Cone {
 }
 
 /// What the ground takes of light from one direction.
-fn taken_of(arriving: &Arriving, up: DVec3) -> Color {
+fn taken_of(arriving: &LightSample, up: DVec3) -> Color {
     unit(arriving.towards).dot(up).max(0.0) * arriving.light
 }
 
@@ -252,10 +254,8 @@ const SIDE_OF_SUN: u32 = 16;
 /// The same of other lights: more where a light is seen large, and its points are at different distances. What the ground takes is off by
 /// less than a hundredth.
 fn side(light: &Light, point: &Point) -> u32 {
-    let middle = light.arriving(point.position, DVec2::splat(0.5));
-    let solid_angle = middle
-        .and_then(|middle| middle.density)
-        .map_or(0.0, f64::recip);
+    let middle = light.sample(point.position, DVec2::splat(0.5));
+    let solid_angle = middle.and_then(|middle| middle.pdf).map_or(0.0, f64::recip);
     match solid_angle {
         ..0.05 => 4,
         ..0.5 => 8,
@@ -289,7 +289,7 @@ impl BlockedRays {
         point: &Point,
         index: usize,
         up: DVec3,
-        arriving: Option<&Arriving>,
+        arriving: Option<&LightSample>,
         end: Option<SurfaceId>,
     ) {
         let Some(arriving) = arriving else { return };

@@ -114,7 +114,7 @@ fn lit(camera: &Camera, up: DVec3, lamps: &[Lamp], sky: Option<&Sky>) -> Lightin
         })
     };
     let unexposed: Vec<Light> = lamps.iter().map(|lamp| light(lamp, Color::ONE)).collect();
-    let middle = |light: &Light| light.arriving(DVec3::ZERO, DVec2::splat(0.5));
+    let middle = |light: &Light| light.sample(DVec3::ZERO, DVec2::splat(0.5));
     let first = unexposed.first().and_then(middle);
     let faced = first.map_or(up, |arriving| unit(arriving.towards));
     let mut taken: Color = (unexposed.iter())
@@ -155,14 +155,14 @@ pub(super) fn taken_by_white(light: &Light, (at, normal): (DVec3, DVec3), side: 
         }
     }
     if !light.has_size() {
-        let arriving = light.arriving(at, DVec2::splat(0.5));
+        let arriving = light.sample(at, DVec2::splat(0.5));
         return arriving.map_or(Color::ZERO, |arriving| {
             unit(arriving.towards).dot(normal).max(0.0) * arriving.light
         });
     }
     let cells = (0..side * side).map(|cell| DVec2::from([cell % side, cell / side].map(f64::from)));
     let points = cells.map(|cell| (cell + 0.5) / f64::from(side));
-    let arriving = points.filter_map(|point| light.arriving(at, point));
+    let arriving = points.filter_map(|point| light.sample(at, point));
     let taken = arriving.map(|arriving| {
         let cosine = unit(arriving.towards).dot(normal).max(0.0);
         cosine * arriving.light
@@ -194,13 +194,13 @@ mod tests {
                 let middle = DVec2::splat(0.5);
                 let first = lights
                     .first()
-                    .and_then(|light| light.arriving(DVec3::ZERO, middle));
+                    .and_then(|light| light.sample(DVec3::ZERO, middle));
                 let faced = first.map_or(up, |arriving| unit(arriving.towards));
                 // By numbers that have nothing to do with the grid that exposes.
                 let mean = |light: &Light| {
                     let each = |k| {
                         let u = Draws::new(7, k).two();
-                        let arriving = light.arriving(DVec3::ZERO, u).unwrap();
+                        let arriving = light.sample(DVec3::ZERO, u).unwrap();
                         unit(arriving.towards).dot(faced).max(0.0) * arriving.light
                     };
                     (0..4096).map(each).sum::<Color>() / 4096.0

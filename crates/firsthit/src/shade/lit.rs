@@ -117,7 +117,7 @@ impl Lit {
     /// The ray towards a light, up to where it comes from, and what is at its end. `None` where the light is on
     /// the other side. A light with a size counts as its middle.
     fn incoming(&self, source: &Light) -> Option<(Ray, Incoming)> {
-        let arriving = source.arriving(self.position, DVec2::splat(0.5))?;
+        let arriving = source.sample(self.position, DVec2::splat(0.5))?;
         let towards = unit(arriving.towards);
         let cosine = towards.dot(self.normal);
         let flat = arriving.towards.dot(self.geometric);

@@ -1,20 +1,20 @@
 //! Path tracing: light that reaches the camera by any number of surfaces (Kajiya, "The Rendering Equation", SIGGRAPH 1986).
 //!
-//! 1. At each vertex of a path add the light that arrives straight from points of lights that are drawn (`vertex.rs`).
-//! 2. Let the surface draw a direction, and add the light that a ray finds there (`found.rs`). Both ways find some light; each is
-//!    weighted by how likely it found it.
-//! 3. Where the ray meets a surface, that is the next vertex. After some vertices a path goes on by chance only, the rarer the less
+//! 1. At each vertex of a path add the light of sampled lights (next-event estimation, `vertex.rs`).
+//! 2. Sample a direction by the surface's BSDF, and add the light that a ray meets there (`found.rs`). Where both may find the same
+//!    light, they are weighted (multiple importance sampling).
+//! 3. The surface that the ray meets is the next vertex. After some vertices a path goes on by chance only, the rarer the less
 //!    it can bring, and counts as much more (Russian roulette; Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990).
 //!
 //! All paths of a batch take each step together, so that their rays are shot together.
 
 use super::blend::{Found, found};
-use super::found::{Search, light_found};
+use super::found::{BsdfRay, light_found};
 use super::vertex::{Vertex, Way, add_direct_light, first_vertices, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, Ray, RayFilter, settings};
 use crate::sampling::Draws;
-use crate::scene::Scattered;
+use crate::scene::BsdfSample;
 
 settings! {
     /// The settings of the path tracer.
@@ -51,16 +51,16 @@ pub(super) fn shade(
         for (index, drawn) in drawn.iter_mut().enumerate() {
             drawn.draws = draws[index];
             let met = &all_found[index];
-            let search = Search {
+            let bsdf_ray = BsdfRay {
                 ray: &drawn.ray,
-                scattered: &drawn.scattered,
-                is_straight: drawn.is_straight,
+                sample: &drawn.scattered,
+                is_specular_path: drawn.is_specular_path,
                 finds_lights: true,
                 reach: f64::INFINITY,
                 occlusion: 1.0,
                 absorption: drawn.absorption,
             };
-            let light = light_found(shading, &search, met);
+            let light = light_found(shading, &bsdf_ray, met);
             colors[drawn.sum] += drawn.throughput * light;
             if depth < settings.depth {
                 vertices.extend(next(shading, drawn, met, colors));
@@ -72,23 +72,23 @@ pub(super) fn shade(
     }
 }
 
-/// A ray that a surface has drawn.
+/// A BSDF-sampled ray.
 struct Drawn {
     ray: Ray,
     filter: RayFilter,
-    scattered: Scattered,
-    /// What light is multiplied by that the ray finds.
+    scattered: BsdfSample,
+    /// The factor on the light that the ray meets.
     throughput: Color,
-    /// What is taken away on its way, for each unit of length.
+    /// The absorption coefficient on its way, per scene unit.
     absorption: Color,
     sum: usize,
     draws: Draws,
-    is_straight: bool,
+    is_specular_path: bool,
 }
 
-/// The ray that a vertex draws; `None` where the path ends.
+/// A BSDF-sampled ray from a vertex; `None` where the path ends.
 fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
-    let scattered = vertex.scattering.sample(vertex.draws.three())?;
+    let scattered = vertex.bsdf.sample(vertex.draws.three())?;
     let mut throughput = vertex.throughput * scattered.weight;
     if roulette {
         let chance = throughput.max_element().min(1.0);
@@ -108,7 +108,7 @@ fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
         absorption: vertex.absorption_towards(scattered.towards),
         sum: vertex.sum,
         draws: vertex.draws,
-        is_straight: vertex.is_straight && scattered.density.is_none(),
+        is_specular_path: vertex.is_specular_path && scattered.pdf.is_none(),
     })
 }
 
@@ -117,7 +117,7 @@ fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
 fn next(shading: &Shading<'_>, drawn: &Drawn, met: &Found, colors: &mut [Color]) -> Option<Vertex> {
     let surface = shading.scene.interaction(&met.ray, &met.hit)?;
     if surface.is_unlit() {
-        if drawn.is_straight {
+        if drawn.is_specular_path {
             let left = transmittance(drawn.absorption, met.length());
             colors[drawn.sum] += drawn.throughput * left * surface.color();
         }
@@ -129,6 +129,6 @@ fn next(shading: &Shading<'_>, drawn: &Drawn, met: &Found, colors: &mut [Color])
         length: met.length(),
     };
     let mut vertex = Vertex::new(&surface, drawn.sum, drawn.draws, way)?;
-    vertex.is_straight = drawn.is_straight;
+    vertex.is_specular_path = drawn.is_specular_path;
     Some(vertex)
 }

@@ -1,45 +1,40 @@
-//! Where light is scattered on its way to the camera, and what arrives there straight from lights.
+//! Vertices of light paths, and next-event estimation: the light that arrives there straight from sampled lights.
 
 use super::shadow::ShadowRays;
 use super::{Points, Shading, stream};
 use crate::geometry::{Color, DVec3, Ray, RayFilter, unit};
 use crate::sampling::Draws;
-use crate::scene::{Arriving, Scattering, SurfaceInteraction};
+use crate::scene::{Bsdf, LightSample, SurfaceInteraction};
 
 /// A point of a surface where light is scattered to the camera, or to the vertex before.
 pub(super) struct Vertex {
     pub(super) position: DVec3,
-    pub(super) scattering: Scattering,
-    /// What its rays do not meet: the surface they leave.
+    pub(super) bsdf: Bsdf,
+    /// Its rays do not meet the surface they leave.
     pub(super) filter: RayFilter,
-    /// What light from here is multiplied by on its way to the camera.
+    /// The factor on light from here on its way to the camera.
     pub(super) throughput: Color,
     /// The sum that it counts for.
     pub(super) sum: usize,
     pub(super) draws: Draws,
-    /// Whether lights are found by the rays that its surface draws too: then the points that are drawn of them count as much less.
+    /// Whether its BSDF-sampled rays count the lights they meet too: then both are weighted.
     pub(super) finds_lights: bool,
-    /// How much of the environment reaches the surface, as far as a map says so.
+    /// The share of the environment that the material's occlusion map lets through.
     pub(super) occlusion: f64,
-    /// What is taken away for each unit of length on the side of the surface that is seen.
+    /// The absorption coefficient on the side of the surface that is seen, per scene unit.
     pub(super) absorption: Color,
     /// Whether it is seen by mirrors and through clear matter alone: then so is the background.
-    pub(super) is_straight: bool,
+    pub(super) is_specular_path: bool,
 }
 
-/// The vertices that the camera sees; each sum begins with what its surface gives off.
+/// The vertices that the camera sees; each sum begins with the emission of its surface.
 pub(super) fn first_vertices(points: &Points<'_>, sums: &mut [Color]) -> Vec<Vertex> {
     let mut vertices = Vec::with_capacity(sums.len());
     for (k, (surface, draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
         sums[k] = if surface.is_unlit() {
             surface.color()
         } else {
-            let way = Way {
-                throughput: Color::ONE,
-                absorption: Color::ZERO,
-                length: surface.hit().t * surface.ray().direction.length(),
-            };
-            vertices.extend(Vertex::new(surface, k, *draws, way));
+            vertices.extend(Vertex::new(surface, k, *draws, Way::of_camera(surface)));
             surface.emitted()
         };
     }
@@ -49,11 +44,22 @@ pub(super) fn first_vertices(points: &Points<'_>, sums: &mut [Color]) -> Vec<Ver
 /// The way of a ray that meets a surface.
 #[derive(Clone, Copy)]
 pub(super) struct Way {
-    /// What light is multiplied by from the start of the ray to the camera.
+    /// The factor on light from the start of the ray to the camera.
     pub(super) throughput: Color,
-    /// What is taken away for each unit of its length, as far as is known at its start.
+    /// The absorption coefficient on its way, per scene unit, as far as is known at its start.
     pub(super) absorption: Color,
     pub(super) length: f64,
+}
+
+impl Way {
+    /// That of a ray from the camera.
+    pub(super) fn of_camera(surface: &SurfaceInteraction<'_>) -> Self {
+        Self {
+            throughput: Color::ONE,
+            absorption: Color::ZERO,
+            length: surface.hit().t * surface.ray().direction.length(),
+        }
+    }
 }
 
 impl Vertex {
@@ -64,13 +70,13 @@ impl Vertex {
         draws: Draws,
         way: Way,
     ) -> Option<Self> {
-        let scattering = surface.scattering()?;
-        let (start, filter) = surface.leave(scattering.geometric());
+        let bsdf = surface.bsdf()?;
+        let (start, filter) = surface.leave(bsdf.geometric());
         // A ray that starts inside a solid learns so where it leaves it.
-        let absorption = scattering.behind().unwrap_or(way.absorption);
+        let absorption = bsdf.behind().unwrap_or(way.absorption);
         Some(Self {
             position: start.origin,
-            scattering,
+            bsdf,
             filter,
             throughput: way.throughput * transmittance(absorption, way.length),
             sum,
@@ -78,7 +84,7 @@ impl Vertex {
             finds_lights: false,
             occlusion: 1.0,
             absorption,
-            is_straight: true,
+            is_specular_path: true,
         })
     }
 
@@ -87,25 +93,23 @@ impl Vertex {
         (Ray::new(self.position, towards), self.filter)
     }
 
-    /// What is taken away, for each unit of length, on the way of a ray from here on.
+    /// The absorption coefficient on the way of a ray from here on, per scene unit.
     pub(super) fn absorption_towards(&self, towards: DVec3) -> Color {
-        let beyond = self.scattering.beyond(towards);
+        let beyond = self.bsdf.beyond(towards);
         beyond.unwrap_or(self.absorption)
     }
 
-    /// What the sum gets of light, if nothing is in its way; `None` where that is nothing. Of light that the surface's own
-    /// rays may find too, it is a share.
-    fn seen(&self, arriving: &Arriving) -> Option<Color> {
+    /// The contribution of a sampled light if nothing is in its way; `None` for none. It is weighted where the surface's BSDF-sampled rays
+    /// may meet the light too.
+    fn seen(&self, arriving: &LightSample) -> Option<Color> {
         let towards = unit(arriving.towards);
-        let mut light = self.throughput * self.scattering.value(towards) * arriving.light;
+        let mut light = self.throughput * self.bsdf.value(towards) * arriving.light;
         let absorption = self.absorption_towards(towards);
         if absorption != Color::ZERO {
             light *= transmittance(absorption, arriving.distance * arriving.towards.length());
         }
-        let share = match arriving.density {
-            Some(density) if self.finds_lights => {
-                power_share(density, self.scattering.density(towards))
-            }
+        let share = match arriving.pdf {
+            Some(pdf) if self.finds_lights => power_heuristic(pdf, self.bsdf.pdf(towards)),
             _ => 1.0,
         };
         let light = share * light;
@@ -114,15 +118,15 @@ impl Vertex {
     }
 }
 
-/// How much counts what was drawn with one density, where another way could have drawn it too (Veach and Guibas, "Optimally Combining
+/// The weight of a sample that was drawn with one probability density and could have been drawn with another one (Veach and Guibas, "Optimally Combining
 /// Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995: the power heuristic, with the power of two).
-pub(super) fn power_share(own: f64, other: f64) -> f64 {
+pub(super) fn power_heuristic(own: f64, other: f64) -> f64 {
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// What is left of light after a length of something that takes so much away for each unit of it (Beer, 1852). Nothing is taken away from
-/// what never meets a surface: the solid that it is in has no end.
+/// The share of light that is left after a length, by an absorption coefficient (Beer, 1852). A ray that never meets a surface is not
+/// absorbed: the solid that it is in has no end.
 pub(super) fn transmittance(absorption: Color, length: f64) -> Color {
     if absorption == Color::ZERO || length == f64::INFINITY {
         Color::ONE
@@ -131,8 +135,7 @@ pub(super) fn transmittance(absorption: Color, length: f64) -> Color {
     }
 }
 
-/// Adds the light that arrives at vertices straight from points of lights that are drawn: one of each light, one of the surfaces
-/// that shine, and one direction of the environment.
+/// Next-event estimation: adds the light of one sample of each light, one of the emissive surfaces, and one of the environment.
 pub(super) fn add_direct_light(
     shading: &Shading<'_>,
     vertices: &[Vertex],
@@ -145,10 +148,10 @@ pub(super) fn add_direct_light(
         let (key, light) = (light.key(), light.prepared());
         for vertex in vertices {
             let u = vertex.draws.split(key).two();
-            let drawn = light.arriving(vertex.position, u);
+            let drawn = light.sample(vertex.position, u);
             let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));
             if let Some((
-                Arriving {
+                LightSample {
                     towards, distance, ..
                 },
                 light,
@@ -164,7 +167,7 @@ pub(super) fn add_direct_light(
     if !emitters.is_empty() {
         for vertex in vertices {
             let u = vertex.draws.split(stream::EMITTERS).three();
-            let drawn = emitters.arriving(shading.scene, vertex.position, u);
+            let drawn = emitters.sample(shading.scene, vertex.position, u);
             let Some((arriving, surface)) = drawn else {
                 continue;
             };
@@ -183,16 +186,14 @@ pub(super) fn add_direct_light(
     if let Some(environment) = drawn {
         for vertex in vertices {
             let u = vertex.draws.split(stream::ENVIRONMENT).two();
-            let Some(arriving) = environment.arriving(u) else {
+            let Some(arriving) = environment.sample(u) else {
                 continue;
             };
             let towards = unit(arriving.towards);
-            let value = vertex.throughput * vertex.scattering.value(towards) * arriving.light;
-            // The surface's own rays always find the environment.
-            let own = vertex.scattering.density(towards);
-            let share = arriving
-                .density
-                .map_or(1.0, |density| power_share(density, own));
+            let value = vertex.throughput * vertex.bsdf.value(towards) * arriving.light;
+            // BSDF-sampled rays always count the environment.
+            let own = vertex.bsdf.pdf(towards);
+            let share = arriving.pdf.map_or(1.0, |pdf| power_heuristic(pdf, own));
             let light = share * vertex.occlusion * value;
             if light.max_element() > 0.0 {
                 let (ray, filter) = vertex.ray(towards);

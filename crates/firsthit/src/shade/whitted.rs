@@ -2,13 +2,13 @@
 //! Illumination Model for Shaded Display", Communications of the ACM 23(6), 1980), with exact Fresnel weights.
 
 use super::blend::onwards;
-use super::found::{Search, first_hits};
+use super::found::{BsdfRay, first_hits};
 use super::shadow::ShadowRays;
 use super::vertex::{Vertex, Way, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, DVec2, Domain, Hit, Ray, RayFilter, settings, unit};
 use crate::sampling::Draws;
-use crate::scene::{Scattered, SurfaceInteraction};
+use crate::scene::{BsdfSample, SurfaceInteraction};
 
 settings! {
     /// The settings of Whitted's shader.
@@ -40,9 +40,9 @@ struct Seen {
 struct Branch {
     ray: Ray,
     filter: RayFilter,
-    scattered: Scattered,
+    scattered: BsdfSample,
     throughput: Color,
-    /// What is taken away on its way, for each unit of length.
+    /// The absorption coefficient on its way, per scene unit.
     absorption: Color,
     sum: usize,
     reflections: u32,
@@ -57,15 +57,10 @@ pub(super) fn shade(
     colors.fill(Color::ZERO);
     let mut seen = Vec::with_capacity(colors.len());
     for (k, surface) in points.surfaces.iter().enumerate() {
-        let way = Way {
-            throughput: Color::ONE,
-            absorption: Color::ZERO,
-            length: surface.hit().t * surface.ray().direction.length(),
-        };
         if !surface.is_unlit() {
             colors[k] = surface.emitted();
         }
-        let vertex = met(settings, surface, (k, way), colors);
+        let vertex = met(settings, surface, (k, Way::of_camera(surface)), colors);
         seen.extend(vertex.map(|vertex| Seen {
             vertex,
             reflections: 0,
@@ -130,7 +125,7 @@ fn met(
         colors[sum] += throughput * surface.color();
         return None;
     }
-    let is_plain = (vertex.as_ref()).is_none_or(|v| v.scattering.branches().next().is_none());
+    let is_plain = (vertex.as_ref()).is_none_or(|v| v.bsdf.branches().next().is_none());
     if is_plain {
         colors[sum] += throughput * settings.ambient * surface.color();
     }
@@ -143,9 +138,9 @@ fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &
     for light in shading.scene.lights() {
         let light = light.prepared();
         for Seen { vertex, .. } in seen {
-            let arriving = light.arriving(vertex.position, DVec2::splat(0.5));
+            let arriving = light.sample(vertex.position, DVec2::splat(0.5));
             let Some(arriving) = arriving else { continue };
-            let value = vertex.scattering.value(unit(arriving.towards));
+            let value = vertex.bsdf.value(unit(arriving.towards));
             let light = vertex.throughput * value * arriving.light;
             // Written so that a NaN fails.
             if light.max_element() > 0.0 {
@@ -164,9 +159,9 @@ fn branches_of(settings: &Whitted, seen: &Seen) -> Vec<Branch> {
         vertex,
         reflections,
     } = seen;
-    let branch = |scattered: Scattered| {
+    let branch = |scattered: BsdfSample| {
         let throughput = vertex.throughput * scattered.weight;
-        let is_reflected = scattered.towards.dot(vertex.scattering.geometric()) > 0.0;
+        let is_reflected = scattered.towards.dot(vertex.bsdf.geometric()) > 0.0;
         let reflections = reflections + u32::from(is_reflected);
         let (ray, filter) = vertex.ray(scattered.towards);
         (throughput.max_element() > least && reflections <= depth).then_some(Branch {
@@ -179,7 +174,7 @@ fn branches_of(settings: &Whitted, seen: &Seen) -> Vec<Branch> {
             reflections,
         })
     };
-    vertex.scattering.branches().filter_map(branch).collect()
+    vertex.bsdf.branches().filter_map(branch).collect()
 }
 
 /// Adds what a ray finds; returns the vertex where it meets a surface, and the ray that goes on through a translucent one.
@@ -190,19 +185,19 @@ fn follow(
     hit: &Hit,
     colors: &mut [Color],
 ) -> (Option<Vertex>, Option<Branch>) {
-    let search = Search {
+    let bsdf_ray = BsdfRay {
         ray: &branch.ray,
-        scattered: &branch.scattered,
-        is_straight: true,
+        sample: &branch.scattered,
+        is_specular_path: true,
         finds_lights: true,
         reach: f64::INFINITY,
         occlusion: 1.0,
         absorption: branch.absorption,
     };
     let color = &mut colors[branch.sum];
-    *color += branch.throughput * search.lights(shading, hit.t);
+    *color += branch.throughput * bsdf_ray.lights(shading, hit.t);
     let Some(surface) = shading.scene.interaction(&branch.ray, hit) else {
-        *color += branch.throughput * search.environment(shading);
+        *color += branch.throughput * bsdf_ray.environment(shading);
         return (None, None);
     };
     let opacity = surface.opacity();
@@ -211,7 +206,7 @@ fn follow(
         absorption: branch.absorption,
         length: hit.t,
     };
-    *color += way.throughput * search.emission(shading, &surface, hit.t);
+    *color += way.throughput * bsdf_ray.emission(shading, &surface, hit.t);
     let vertex = if opacity > 0.0 {
         met(settings, &surface, (branch.sum, way), colors)
     } else {

@@ -135,9 +135,7 @@ fn numbers_out_of_range_are_moved_into_it_with_one_warning() {
     );
     assert!(!settings.solid && settings.clearcoat == 1.0);
     assert!(material(&model).check_numbers().is_ok());
-    let seen = surface(model, |surface| {
-        surface.scattering().unwrap().value(DVec3::Z)
-    });
+    let seen = surface(model, |surface| surface.bsdf().unwrap().value(DVec3::Z));
     assert!(seen.is_finite());
 }
 
@@ -197,7 +195,7 @@ fn normal_mapped(texels: [[u8; 4]; 2], uvs: &[f32; 6]) -> Builder {
 
 fn value(model: Loaded) -> Color {
     let light = DVec3::new(0.3, -0.5, 0.8).normalize();
-    surface(model, |surface| surface.scattering().unwrap().value(light))
+    surface(model, |surface| surface.bsdf().unwrap().value(light))
 }
 
 #[test]
@@ -236,7 +234,7 @@ fn normal_maps_lean_as_gltf_says_in_mirrors_too() {
         let tilted = |towards: DVec3| {
             let towards = towards.normalize();
             surface(builder.load().unwrap(), |surface| {
-                surface.scattering().unwrap().value(towards).x
+                surface.bsdf().unwrap().value(towards).x
             })
         };
         let [x, y] =

@@ -87,7 +87,7 @@ fn taken(light: &Light, at: DVec3) -> f64 {
         }),
         light => light,
     };
-    let arriving = light.arriving(at, DVec2::splat(0.5));
+    let arriving = light.sample(at, DVec2::splat(0.5));
     let taken = arriving.map(|arriving| arriving.light.max_element());
     let taken = taken.filter(|&taken| taken > 0.0 && taken < f64::INFINITY);
     taken.unwrap_or(1.0)

@@ -89,20 +89,20 @@ impl DirectionTable {
         let across = (column as f64 + inside.x) / self.columns as f64;
         let [top, bottom] = [self.heights[row], self.heights[row + 1]];
         let direction = direction_of(across, top + inside.y * (bottom - top));
-        (direction, self.density_in(column, row))
+        (direction, self.pdf_in(column, row))
     }
 
     /// How dense directions around this one are drawn, per steradian.
-    pub(super) fn density(&self, direction: DVec3) -> f64 {
+    pub(super) fn pdf(&self, direction: DVec3) -> f64 {
         let place = place_of(direction);
         let rows = self.heights.len() - 1;
         if place.is_nan() {
             return 0.0;
         }
-        self.density_in(cell_at(place.x, self.columns), cell_at(place.y, rows))
+        self.pdf_in(cell_at(place.x, self.columns), cell_at(place.y, rows))
     }
 
-    fn density_in(&self, column: usize, row: usize) -> f64 {
+    fn pdf_in(&self, column: usize, row: usize) -> f64 {
         let height = self.heights[row] - self.heights[row + 1];
         let solid_angle = TAU / self.columns as f64 * height;
         self.cells.share(column, row) / solid_angle
@@ -161,9 +161,9 @@ mod tests {
         let table = DirectionTable::new(16, luminances()).unwrap();
         let count = 1 << 12;
         for k in 0..count {
-            let (direction, density) = table.draw(Draws::new(7, k).two());
-            assert!(density > 0.0);
-            assert!((table.density(direction) / density - 1.0).abs() < 1e-9);
+            let (direction, pdf) = table.draw(Draws::new(7, k).two());
+            assert!(pdf > 0.0);
+            assert!((table.pdf(direction) / pdf - 1.0).abs() < 1e-9);
         }
         // By the middles of finer cells that are even by solid angle.
         let mut sum = 0.0;
@@ -173,13 +173,13 @@ mod tests {
                 let (top, bottom) = (table.heights[row], table.heights[row + 1]);
                 let across = (f64::from(k % 64) + 0.5) / 64.0;
                 let direction = direction_of(across, top + inside * (bottom - top));
-                sum += table.density(direction) * TAU * (top - bottom) / (64.0 * 32.0);
+                sum += table.pdf(direction) * TAU * (top - bottom) / (64.0 * 32.0);
             }
         }
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     }
 
-    /// Their mean over 1 / density is the solid angle of all that is not black.
+    /// Their mean over 1 / pdf is the solid angle of all that is not black.
     #[test]
     fn what_is_drawn_covers_all_that_shines() {
         let table = DirectionTable::new(16, luminances()).unwrap();

@@ -73,9 +73,9 @@ impl Environment {
         };
         let brought = |towards: DVec3| {
             let cosine = towards.dot(normal).max(0.0);
-            let density = cosine / PI + own.density(towards);
-            if density > 0.0 {
-                (cosine / (PI * density)) * own.radiance(towards)
+            let pdf = cosine / PI + own.pdf(towards);
+            if pdf > 0.0 {
+                (cosine / (PI * pdf)) * own.radiance(towards)
             } else {
                 Color::ZERO
             }
@@ -84,7 +84,7 @@ impl Environment {
         for sample in 0..COUNT {
             let u = Draws::new(0, sample).two();
             sum += brought(warp::around(normal, warp::cosine_hemisphere(u)));
-            if let Some(drawn) = own.arriving(u) {
+            if let Some(drawn) = own.sample(u) {
                 sum += brought(unit(drawn.towards));
             }
         }

@@ -259,7 +259,7 @@ mod tests {
         assert_eq!(map.radiance(DVec3::NAN), Color::ZERO);
     }
 
-    /// The mean of what is drawn, over its density, is the integral over all directions.
+    /// The mean of what is drawn, over its pdf, is the integral over all directions.
     #[test]
     fn what_is_drawn_has_the_mean_of_the_whole() {
         let map = map();
@@ -267,8 +267,8 @@ mod tests {
         let count = 1 << 16;
         let (mut sum, mut squares) = (0.0, 0.0);
         for k in 0..count {
-            let (direction, density) = table.draw(Draws::new(k, 0).two());
-            let value = luminance(map.radiance(direction)) / density;
+            let (direction, pdf) = table.draw(Draws::new(k, 0).two());
+            let value = luminance(map.radiance(direction)) / pdf;
             (sum, squares) = (sum + value, squares + value * value);
         }
         let count = count as f64;
@@ -305,7 +305,7 @@ mod tests {
                 let direction = towards(across, down);
                 if map.radiance(direction).y > 1e-6 {
                     seen += 1;
-                    assert!(table.density(direction) > 0.0, "{across} {down}");
+                    assert!(table.pdf(direction) > 0.0, "{across} {down}");
                 }
             }
             assert!(seen > 100, "{seen}");
@@ -327,11 +327,11 @@ mod tests {
             texels[..columns].fill([100.0; 3]);
             map = EnvironmentMap::new(columns, rows, texels).unwrap();
             let table = map.tabulated(most).unwrap().unwrap();
-            let density = table.density(DVec3::NEG_Y);
+            let pdf = table.pdf(DVec3::NEG_Y);
             for k in 0..400 {
                 let below = 0.6 + 0.4 * f64::from(k / 20) / 20.0;
                 let direction = towards(f64::from(k % 20) / 20.0, below);
-                let ratio = table.density(direction) / density;
+                let ratio = table.pdf(direction) / pdf;
                 assert!((ratio - 1.0).abs() < 1e-9, "{columns} {direction} {ratio}");
             }
         }

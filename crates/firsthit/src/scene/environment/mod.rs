@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub use daylight::Daylight;
 pub use map::EnvironmentMap;
 
-use super::light::{Arriving, Light};
+use super::light::{Light, LightSample};
 use crate::error::Result;
 use crate::geometry::{
     Color, DMat3, DVec2, DVec3, moderation, require, require_direction, unit, upright,
@@ -100,29 +100,29 @@ impl Environment {
     /// directions as well: where the radiance is nearly the same from everywhere.
     ///
     /// What is dim is drawn seldom. So the mean over the square is all the light, but a noisy one, unless directions that surfaces choose
-    /// count as well, each way by how [dense](Self::density) it is.
-    pub fn arriving(&self, u: DVec2) -> Option<Arriving> {
+    /// count as well, each way by how [dense](Self::pdf) it is.
+    pub fn sample(&self, u: DVec2) -> Option<LightSample> {
         let (table, world_from_own) = self.kind.table()?;
-        let (direction, density) = table.draw(u);
+        let (direction, pdf) = table.draw(u);
         let towards = *world_from_own * direction;
-        Some(Arriving {
+        Some(LightSample {
             towards,
             distance: f64::INFINITY,
-            light: self.radiance(towards) / (PI * density),
-            density: Some(density),
+            light: self.radiance(towards) / (PI * pdf),
+            pdf: Some(pdf),
         })
     }
 
-    /// How densely [`arriving`](Self::arriving) puts directions around this one, in the world and of length one, per steradian; 0 if it
+    /// How densely [`sample`](Self::sample) puts directions around this one, in the world and of length one, per steradian; 0 if it
     /// draws none.
-    pub fn density(&self, towards: DVec3) -> f64 {
+    pub fn pdf(&self, towards: DVec3) -> f64 {
         let table = self.kind.table();
         table.map_or(0.0, |(table, world_from_own)| {
-            table.density(world_from_own.transpose() * towards)
+            table.pdf(world_from_own.transpose() * towards)
         })
     }
 
-    /// Whether [`arriving`](Self::arriving) draws directions.
+    /// Whether [`sample`](Self::sample) draws directions.
     pub fn is_drawn(&self) -> bool {
         self.kind.table().is_some()
     }

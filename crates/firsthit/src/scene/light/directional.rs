@@ -1,4 +1,4 @@
-use super::{Arriving, Met, Shine};
+use super::{LightHit, LightSample, LightSource};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
 use crate::sampling::warp;
 
@@ -49,41 +49,41 @@ pub(crate) struct Sun {
 }
 
 impl Sun {
-    pub(super) fn arriving(&self, u: DVec2) -> Arriving {
+    pub(super) fn sample(&self, u: DVec2) -> LightSample {
         let distance = f64::INFINITY;
         if self.height <= 0.0 {
-            return Arriving {
+            return LightSample {
                 towards: self.parallel,
                 distance,
                 light: self.light,
-                density: None,
+                pdf: None,
             };
         }
         let [x, y] = self.axes;
         let within = warp::cap(u, self.height);
-        Arriving {
+        LightSample {
             towards: within.x * x + within.y * y + within.z * self.towards,
             distance,
             light: self.light,
-            density: Some(warp::cap_density(self.height)),
+            pdf: Some(warp::cap_density(self.height)),
         }
     }
 }
 
-impl Shine for DirectionalLight {
-    fn arriving(&self, _at: DVec3, u: DVec2) -> Option<Arriving> {
-        Some(self.prepared().arriving(u))
+impl LightSource for DirectionalLight {
+    fn sample(&self, _at: DVec3, u: DVec2) -> Option<LightSample> {
+        Some(self.prepared().sample(u))
     }
 
-    fn met(&self, _at: DVec3, towards: DVec3) -> Option<Met> {
+    fn intersect(&self, _at: DVec3, towards: DVec3) -> Option<LightHit> {
         let height = self.height();
         let away = towards + unit(self.direction);
         // The square of a chord between two directions is twice one minus their cosine.
         let is_met = height > 0.0 && 0.5 * away.length_squared() <= height * (1.0 + 1e-12);
-        is_met.then(|| Met {
+        is_met.then(|| LightHit {
             distance: f64::INFINITY,
             radiance: self.color / (2.0 * height * (1.0 - 0.5 * height)),
-            density: warp::cap_density(height),
+            pdf: warp::cap_density(height),
         })
     }
 

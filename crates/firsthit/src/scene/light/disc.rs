@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use super::{Arriving, Met, Shine, from_area, met_flat};
+use super::{LightHit, LightSample, LightSource, from_area, met_flat};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
 use crate::sampling::warp;
 
@@ -24,8 +24,8 @@ impl DiscLight {
     }
 }
 
-impl Shine for DiscLight {
-    fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+impl LightSource for DiscLight {
+    fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
         let normal = unit(self.normal);
         let [x, y] = warp::axes_around(normal);
         let within = self.radius * warp::disc(u);
@@ -33,7 +33,7 @@ impl Shine for DiscLight {
         from_area(at, point, normal, self.area(), self.emission)
     }
 
-    fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
+    fn intersect(&self, at: DVec3, towards: DVec3) -> Option<LightHit> {
         let plane = (self.center, unit(self.normal));
         let largest = self.radius * self.radius * (1.0 + 1e-12);
         met_flat(at, towards, plane, self.area(), self.emission, |point| {

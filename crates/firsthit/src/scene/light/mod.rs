@@ -1,4 +1,4 @@
-//! What shines: a file per kind of light, and a row.
+//! Lights: a file per kind, and a row.
 
 mod directional;
 mod disc;
@@ -17,28 +17,28 @@ pub use spot::SpotLight;
 use crate::geometry::{Color, DVec2, DVec3, Domain, Settings, Value, kinds};
 use crate::sampling::key;
 
-/// Light that arrives at a point from one direction.
+/// A point drawn of a light, as seen from a point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arriving {
+pub struct LightSample {
     /// From the point towards the light. Where [`distance`](Self::distance) is 1, it ends at the light.
     pub towards: DVec3,
     /// How far away the light is, in lengths of `towards`: 1, or infinity.
     pub distance: f64,
     /// What a white, matte surface takes that faces `towards`, if this direction stands for the whole light.
     pub light: Color,
-    /// How densely such directions lie around this one, per steradian. `None` for a light without a size: there is one direction.
-    pub density: Option<f64>,
+    /// The probability density of this direction, per steradian. `None` for a light without a size: there is one direction.
+    pub pdf: Option<f64>,
 }
 
 /// What a ray sees of a light that has a size, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Met {
+pub struct LightHit {
     /// How far away it is, in lengths of the ray's direction; infinity for a sun.
     pub distance: f64,
     /// Its radiance.
     pub radiance: Color,
-    /// How densely [`Light::arriving`] puts directions around the ray's, per steradian.
-    pub density: f64,
+    /// The probability density with which [`Light::sample`] draws the ray's direction, per steradian.
+    pub pdf: f64,
 }
 
 /// A light for many points.
@@ -49,11 +49,11 @@ pub(crate) enum PreparedLight {
 }
 
 impl PreparedLight {
-    /// See [`Light::arriving`].
-    pub(crate) fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+    /// See [`Light::sample`].
+    pub(crate) fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
         match self {
-            Self::Sun(sun) => Some(sun.arriving(u)),
-            Self::Other(light) => light.arriving(at, u),
+            Self::Sun(sun) => Some(sun.sample(u)),
+            Self::Other(light) => light.sample(at, u),
         }
     }
 }
@@ -68,13 +68,13 @@ impl Light {
     }
 }
 
-/// What every kind of light can do.
-trait Shine {
+/// A kind of light.
+trait LightSource {
     /// Light that arrives at a point, from a direction that a point of the unit square stands for. `None` where none arrives.
-    fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving>;
+    fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample>;
 
     /// What a ray from `at` sees of it, `towards` having length one. `None` for a miss, and for a light without a size.
-    fn met(&self, _at: DVec3, _towards: DVec3) -> Option<Met> {
+    fn intersect(&self, _at: DVec3, _towards: DVec3) -> Option<LightHit> {
         None
     }
 
@@ -121,14 +121,14 @@ macro_rules! lights {
         impl Light {
             /// Light that arrives at a point of the world from a direction that `u`, a point of the unit square, stands for: the mean
             /// over the square is all its light. `None` where none arrives.
-            pub fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
-                match self { $(Self::$kind(light) => light.arriving(at, u),)* }
+            pub fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
+                match self { $(Self::$kind(light) => light.sample(at, u),)* }
             }
 
             /// What a ray from `at` sees of it, both in the world, `towards` having length one. `None` for a miss, and for a light without
             /// a size.
-            pub fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
-                match self { $(Self::$kind(light) => light.met(at, towards),)* }
+            pub fn intersect(&self, at: DVec3, towards: DVec3) -> Option<LightHit> {
+                match self { $(Self::$kind(light) => light.intersect(at, towards),)* }
             }
 
             /// Whether it has a size: whether shadows are soft.
@@ -183,18 +183,18 @@ fn from_area(
     normal: DVec3,
     area: f64,
     radiance: Color,
-) -> Option<Arriving> {
+) -> Option<LightSample> {
     let towards = point - at;
     let squared = towards.length_squared();
     let cosine = -towards.dot(normal) / squared.sqrt();
     // Written so that a NaN fails.
     (cosine > 0.0).then(|| {
         let solid_angle = area * cosine / squared;
-        Arriving {
+        LightSample {
             towards,
             distance: 1.0,
             light: radiance * (solid_angle / std::f64::consts::PI),
-            density: Some(1.0 / solid_angle),
+            pdf: Some(1.0 / solid_angle),
         }
     })
 }
@@ -207,14 +207,14 @@ fn met_flat(
     area: f64,
     radiance: Color,
     is_within: impl Fn(DVec3) -> bool,
-) -> Option<Met> {
+) -> Option<LightHit> {
     let cosine = -towards.dot(normal);
     let distance = (at - center).dot(normal) / cosine;
     let is_met = cosine > 0.0 && distance > 0.0 && is_within(at + distance * towards);
-    is_met.then(|| Met {
+    is_met.then(|| LightHit {
         distance,
         radiance,
-        density: distance * distance / (area * cosine),
+        pdf: distance * distance / (area * cosine),
     })
 }
 
@@ -224,7 +224,7 @@ mod tests {
     use crate::sampling::Draws;
 
     /// Lights with a size, each seen from some points: the directions that are drawn meet the light where they say, with the
-    /// density they say, and their mean is the integral over all directions.
+    /// pdf they say, and their mean is the integral over all directions.
     #[test]
     fn what_is_drawn_is_what_rays_meet() {
         let mut lights = Vec::new();
@@ -242,20 +242,22 @@ mod tests {
             let mut seen = 0;
             for at in [DVec3::new(0.1, 0.2, -3.0), DVec3::new(4.0, -1.0, -2.0)] {
                 for sample in 0..64 {
-                    let Some(arriving) = light.arriving(at, Draws::new(1, sample).two()) else {
+                    let Some(arriving) = light.sample(at, Draws::new(1, sample).two()) else {
                         continue;
                     };
                     seen += 1;
                     let length = arriving.towards.length();
-                    let met = light.met(at, arriving.towards / length).expect("it is met");
+                    let met = light
+                        .intersect(at, arriving.towards / length)
+                        .expect("it is met");
                     let distance = arriving.distance * length;
                     assert!(
                         distance == met.distance || (distance / met.distance - 1.0).abs() < 1e-9,
                         "{light:?} {distance} {met:?}"
                     );
-                    let density = arriving.density.unwrap();
-                    assert!((density / met.density - 1.0).abs() < 1e-6, "{light:?}");
-                    let light = met.radiance / (std::f64::consts::PI * density);
+                    let pdf = arriving.pdf.unwrap();
+                    assert!((pdf / met.pdf - 1.0).abs() < 1e-6, "{light:?}");
+                    let light = met.radiance / (std::f64::consts::PI * pdf);
                     assert!((arriving.light - light).length() < 1e-9 * light.length());
                 }
             }
@@ -263,7 +265,7 @@ mod tests {
         }
     }
 
-    /// The mean over the drawn directions of 1 / density is the solid angle, which random directions know too.
+    /// The mean over the drawn directions of 1 / pdf is the solid angle, which random directions know too.
     #[test]
     fn solid_angles_are_those_of_random_directions() {
         use crate::sampling::warp;
@@ -277,14 +279,12 @@ mod tests {
                 continue;
             }
             let at = DVec3::new(0.3, 0.2, -1.5);
-            let drawn = |k| light.arriving(at, Draws::new(9, k).two());
-            let drawn = (0..COUNT)
-                .filter_map(drawn)
-                .map(|a| 1.0 / a.density.unwrap());
+            let drawn = |k| light.sample(at, Draws::new(9, k).two());
+            let drawn = (0..COUNT).filter_map(drawn).map(|a| 1.0 / a.pdf.unwrap());
             let drawn = drawn.sum::<f64>() / f64::from(COUNT);
             let meets = |k| {
                 let towards = warp::cap(Draws::new(2, k).two(), 2.0);
-                light.met(at, towards).is_some()
+                light.intersect(at, towards).is_some()
             };
             let met = (0..COUNT).filter(|&k| meets(k)).count() as f64;
             let met = 4.0 * std::f64::consts::PI * met / f64::from(COUNT);

@@ -1,4 +1,4 @@
-use super::{Arriving, Shine};
+use super::{LightSample, LightSource};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
 
 settings! {
@@ -12,14 +12,14 @@ settings! {
     }
 }
 
-impl Shine for PointLight {
-    fn arriving(&self, at: DVec3, _u: DVec2) -> Option<Arriving> {
+impl LightSource for PointLight {
+    fn sample(&self, at: DVec3, _u: DVec2) -> Option<LightSample> {
         let towards = self.position - at;
-        Some(Arriving {
+        Some(LightSample {
             towards,
             distance: 1.0,
             light: self.intensity / towards.length_squared(),
-            density: None,
+            pdf: None,
         })
     }
 

@@ -1,4 +1,4 @@
-use super::{Arriving, Met, Shine, from_area, met_flat};
+use super::{LightHit, LightSample, LightSource, from_area, met_flat};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
 
 settings! {
@@ -16,15 +16,15 @@ settings! {
     }
 }
 
-impl Shine for RectangleLight {
-    fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+impl LightSource for RectangleLight {
+    fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
         let normal = self.edge_u.cross(self.edge_v);
         let area = normal.length();
         let point = self.center + (u.x - 0.5) * self.edge_u + (u.y - 0.5) * self.edge_v;
         from_area(at, point, normal / area, area, self.emission)
     }
 
-    fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
+    fn intersect(&self, at: DVec3, towards: DVec3) -> Option<LightHit> {
         let normal = self.edge_u.cross(self.edge_v);
         let area = normal.length();
         let plane = (self.center, normal / area);

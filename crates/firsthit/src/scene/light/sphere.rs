@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-use super::{Arriving, Met, Shine};
+use super::{LightHit, LightSample, LightSource};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
 use crate::sampling::warp;
 
@@ -36,30 +36,30 @@ impl SphereLight {
     }
 }
 
-impl Shine for SphereLight {
-    fn arriving(&self, at: DVec3, u: DVec2) -> Option<Arriving> {
+impl LightSource for SphereLight {
+    fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
         let (to_center, height) = self.cone(at)?;
         let middle = to_center / to_center.length();
         let direction = warp::around(middle, warp::cap(u, height));
         let distance = self.distance(to_center, direction);
         // Written so that a NaN fails.
-        (distance > 0.0).then(|| Arriving {
+        (distance > 0.0).then(|| LightSample {
             towards: distance * direction,
             distance: 1.0,
             light: self.emission * (1.0 / (PI * warp::cap_density(height))),
-            density: Some(warp::cap_density(height)),
+            pdf: Some(warp::cap_density(height)),
         })
     }
 
-    fn met(&self, at: DVec3, towards: DVec3) -> Option<Met> {
+    fn intersect(&self, at: DVec3, towards: DVec3) -> Option<LightHit> {
         let (to_center, height) = self.cone(at)?;
         let beside = to_center - to_center.dot(towards) * towards;
         let is_met = to_center.dot(towards) > 0.0
             && beside.length_squared() <= self.radius * self.radius * (1.0 + 1e-12);
-        is_met.then(|| Met {
+        is_met.then(|| LightHit {
             distance: self.distance(to_center, towards),
             radiance: self.emission,
-            density: warp::cap_density(height),
+            pdf: warp::cap_density(height),
         })
     }
 

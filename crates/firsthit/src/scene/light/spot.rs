@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use super::{Arriving, Shine};
+use super::{LightSample, LightSource};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
 
 settings! {
@@ -21,16 +21,16 @@ settings! {
     }
 }
 
-impl Shine for SpotLight {
-    fn arriving(&self, at: DVec3, _u: DVec2) -> Option<Arriving> {
+impl LightSource for SpotLight {
+    fn sample(&self, at: DVec3, _u: DVec2) -> Option<LightSample> {
         let towards = self.position - at;
         let along = unit(-towards).dot(unit(self.direction));
         let share = within_cone(along, self.inner_angle, self.outer_angle);
-        Some(Arriving {
+        Some(LightSample {
             towards,
             distance: 1.0,
             light: share * self.intensity / towards.length_squared(),
-            density: None,
+            pdf: None,
         })
     }
 

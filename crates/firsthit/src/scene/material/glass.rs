@@ -1,6 +1,6 @@
 //! Clear matter.
 
-use super::scattering::{Frame, Layers, Scattering};
+use super::bsdf::{Bsdf, Frame, Layers};
 use crate::geometry::{Color, Domain, settings};
 use crate::scene::SurfaceInteraction;
 
@@ -17,12 +17,7 @@ settings! {
 }
 
 impl Glass {
-    pub(super) fn scattering(
-        self,
-        surface: &SurfaceInteraction<'_>,
-        frame: Frame,
-        side: f64,
-    ) -> Scattering {
+    pub(super) fn bsdf(self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
         let normal = surface.mapped_normal(side).unwrap_or(frame.normal);
         let layers = Layers {
             base: surface.color(),
@@ -36,6 +31,6 @@ impl Glass {
             coat: (0.0, 0.0, frame.normal),
             sheen: (Color::ZERO, 0.0),
         };
-        Scattering::layered(Frame { normal, ..frame }, side > 0.0, &layers)
+        Bsdf::layered(Frame { normal, ..frame }, side > 0.0, &layers)
     }
 }

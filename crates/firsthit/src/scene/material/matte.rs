@@ -1,6 +1,6 @@
 //! Matte surfaces.
 
-use super::scattering::{Frame, Scattering};
+use super::bsdf::{Bsdf, Frame};
 use crate::geometry::{Setting, Settings, Value};
 use crate::scene::SurfaceInteraction;
 
@@ -20,16 +20,11 @@ impl Settings for Matte {
 
 impl Matte {
     #[expect(clippy::unused_self, reason = "as the other models have it")]
-    pub(super) fn scattering(
-        self,
-        surface: &SurfaceInteraction<'_>,
-        frame: Frame,
-        side: f64,
-    ) -> Scattering {
+    pub(super) fn bsdf(self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
         let frame = match surface.mapped_normal(side) {
             Some(normal) => Frame { normal, ..frame }.bent(),
             None => frame,
         };
-        Scattering::even(frame, surface.color())
+        Bsdf::even(frame, surface.color())
     }
 }

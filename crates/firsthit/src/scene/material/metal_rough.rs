@@ -1,6 +1,6 @@
 //! glTF's materials: metallic-roughness with most of its extensions.
 
-use super::scattering::{Frame, Layers, Scattering};
+use super::bsdf::{Bsdf, Frame, Layers};
 use crate::geometry::{Color, Domain, settings};
 use crate::scene::{MapRole, SurfaceInteraction};
 
@@ -46,12 +46,7 @@ const B: usize = 2;
 const A: usize = 3;
 
 impl MetalRough {
-    pub(super) fn scattering(
-        &self,
-        surface: &SurfaceInteraction<'_>,
-        frame: Frame,
-        side: f64,
-    ) -> Scattering {
+    pub(super) fn bsdf(&self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
         let number = |role, channel: usize, factor: f64| {
             surface
                 .mapped(role)
@@ -85,7 +80,7 @@ impl MetalRough {
             ),
         };
         let normal = surface.mapped_normal(side).unwrap_or(frame.normal);
-        Scattering::layered(Frame { normal, ..frame }, side > 0.0, &layers)
+        Bsdf::layered(Frame { normal, ..frame }, side > 0.0, &layers)
     }
 
     /// What a solid takes away inside for each unit of length.

@@ -1,20 +1,20 @@
 //! The look of a surface, and its alpha cut-outs.
 
+mod bsdf;
 mod glass;
 mod maps;
 mod matte;
 mod metal_rough;
 mod model;
-mod scattering;
 
 use std::sync::Arc;
 
+pub use bsdf::{Bsdf, BsdfSample};
 pub use glass::Glass;
 pub use maps::{MapRole, Maps};
 pub use matte::Matte;
 pub use metal_rough::MetalRough;
 pub use model::Model;
-pub use scattering::{Scattered, Scattering};
 
 use super::texture::{Sample, TextureMap};
 use crate::error::Result;

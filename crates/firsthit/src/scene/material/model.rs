@@ -1,6 +1,6 @@
 //! The list of material models: a file and a row each.
 
-use super::scattering::{Frame, Scattering};
+use super::bsdf::{Bsdf, Frame};
 use super::{Glass, Matte, MetalRough};
 use crate::geometry::kinds;
 use crate::scene::SurfaceInteraction;
@@ -28,8 +28,8 @@ macro_rules! models {
 
         impl Model {
             /// How it scatters light at a point. `side` is -1 where its back is seen.
-            pub(super) fn scattering(&self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Scattering {
-                match self { $(Self::$kind(settings) => settings.scattering(surface, frame, side),)* }
+            pub(super) fn bsdf(&self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
+                match self { $(Self::$kind(settings) => settings.bsdf(surface, frame, side),)* }
             }
         }
 

@@ -281,10 +281,10 @@ mod tests {
         assert!(sky.is_drawn());
         for k in 0..256 {
             let u = crate::sampling::Draws::new(k, 0).two();
-            let arriving = sky.arriving(u).unwrap();
-            let density = arriving.density.unwrap();
-            assert!((sky.density(arriving.towards) / density - 1.0).abs() < 1e-6);
-            let light = sky.radiance(arriving.towards) / (PI * density);
+            let arriving = sky.sample(u).unwrap();
+            let pdf = arriving.pdf.unwrap();
+            assert!((sky.pdf(arriving.towards) / pdf - 1.0).abs() < 1e-6);
+            let light = sky.radiance(arriving.towards) / (PI * pdf);
             assert!((arriving.light - light).length() <= 1e-12 * light.length());
         }
     }

@@ -50,9 +50,9 @@ fn distribution(roughness: f64, out: DVec3, into: DVec3) -> f64 {
     let alpha = roughness * roughness;
     let normal = half(out, into);
     let sine = (1.0 - normal.z * normal.z).max(0.0).sqrt();
-    let frequency = (2.0 + 1.0 / alpha) * libm::pow(sine, 1.0 / alpha) / TAU;
+    let distribution = (2.0 + 1.0 / alpha) * libm::pow(sine, 1.0 / alpha) / TAU;
     let hidden = 1.0 + masked(out.z, alpha) + masked(into.z, alpha);
-    frequency / (hidden * 4.0 * out.z * into.z)
+    distribution / (hidden * 4.0 * out.z * into.z)
 }
 
 /// Their function Lambda.

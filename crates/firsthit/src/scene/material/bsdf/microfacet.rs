@@ -1,4 +1,4 @@
-//! A rough boundary as many small mirrors: their slopes are as Trowbridge and Reitz have them ("GGX": Walter and others, "Microfacet
+//! A rough boundary as many microfacets: their slopes are as Trowbridge and Reitz have them ("GGX": Walter and others, "Microfacet
 //! Models for Refraction through Rough Surfaces", EGSR 2007), and one hides another as their heights have it (Heitz, "Understanding
 //! the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics Techniques 3(2), 2014).
 //!
@@ -10,7 +10,7 @@ use super::fresnel;
 use crate::geometry::{DVec2, DVec3};
 use crate::sampling::warp;
 
-/// The small mirrors of a boundary, by the square of the roughness that people set. Zero is no roughness: one mirror.
+/// The microfacets of a boundary, by the square of the roughness that people set. Zero is a mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Microfacets {
     alpha: f64,
@@ -32,8 +32,8 @@ impl Microfacets {
         self.alpha == 0.0
     }
 
-    /// How many of the mirrors have this normal.
-    fn frequency(self, normal: DVec3) -> f64 {
+    /// The distribution of normals, D.
+    fn distribution(self, normal: DVec3) -> f64 {
         let squared = self.alpha * self.alpha;
         // Not by the cosine alone, which is next to one.
         let slope = normal.x * normal.x + normal.y * normal.y;
@@ -42,30 +42,31 @@ impl Microfacets {
     }
 
     /// The root in Smith's functions of a cosine.
-    fn root(self, cosine: f64) -> f64 {
+    fn smith_root(self, cosine: f64) -> f64 {
         let squared = self.alpha * self.alpha;
         (squared + (1.0 - squared) * cosine * cosine).sqrt()
     }
 
-    /// The reflection distribution of mirrors that reflect everything: frequency times visibility, glTF's D V. None of it for a smooth
+    /// The reflection distribution of microfacets that reflect everything: distribution times visibility, glTF's D V. None of it for a smooth
     /// boundary, which has it in one direction only.
     pub(super) fn reflection(self, out: DVec3, into: DVec3) -> f64 {
         if self.is_smooth() {
             return 0.0;
         }
-        self.frequency(half(out, into)) * self.visibility(out.z, into.z)
+        self.distribution(half(out, into)) * self.visibility(out.z, into.z)
     }
 
     fn visibility(self, out: f64, into: f64) -> f64 {
-        0.5 / (into * self.root(out) + out * self.root(into))
+        0.5 / (into * self.smith_root(out) + out * self.smith_root(into))
     }
 
-    /// The density of the normals that `out` sees.
-    fn seen(self, out: DVec3, normal: DVec3) -> f64 {
-        2.0 * out.dot(normal).max(0.0) * self.frequency(normal) / (out.z + self.root(out.z))
+    /// The pdf of the normals that `out` sees.
+    fn visible_normal_pdf(self, out: DVec3, normal: DVec3) -> f64 {
+        2.0 * out.dot(normal).max(0.0) * self.distribution(normal)
+            / (out.z + self.smith_root(out.z))
     }
 
-    /// A mirror's normal, as often as `out` sees it (Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer
+    /// A microfacet's normal, as often as `out` sees it (Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer
     /// Graphics Techniques 7(4), 2018).
     pub(super) fn sample(self, out: DVec3, u: DVec2) -> DVec3 {
         let stretched = DVec3::new(self.alpha * out.x, self.alpha * out.y, out.z).normalize();
@@ -87,12 +88,12 @@ impl Microfacets {
         .normalize()
     }
 
-    /// The density of directions that [`sample`](Self::sample)'s mirrors show.
-    pub(super) fn reflection_density(self, out: DVec3, into: DVec3) -> f64 {
-        self.frequency(half(out, into)) / (2.0 * (out.z + self.root(out.z)))
+    /// The probability density of directions that the microfacets of [`sample`](Self::sample) reflect.
+    pub(super) fn reflection_pdf(self, out: DVec3, into: DVec3) -> f64 {
+        self.distribution(half(out, into)) / (2.0 * (out.z + self.smith_root(out.z)))
     }
 
-    /// The mirror that lets light through from `into` to `out`, whose sides have indices in the ratio `ior`, and how densely its normals
+    /// The normal of the microfacet that lets light through from `into` to `out`, whose sides have indices in the ratio `ior`, and how densely such normals
     /// become directions. `None` where none does. (Walter and others 2007, equations 16 and 17.)
     pub(super) fn refracting(out: DVec3, into: DVec3, ior: f64) -> Option<(DVec3, f64)> {
         let normal = -(out + ior * into);
@@ -103,7 +104,7 @@ impl Microfacets {
         is_between.then(|| (normal, below.abs() / (sum * sum)))
     }
 
-    /// The transmission distribution of radiance through mirrors that let everything through. A ray's radiance is the less the
+    /// The transmission distribution of radiance through microfacets that let everything through. A ray's radiance is the less the
     /// wider its cone, so it goes with the square of the indices.
     pub(super) fn refraction(
         self,
@@ -113,26 +114,26 @@ impl Microfacets {
     ) -> f64 {
         let (above, below) = (out.z, into.z.abs());
         // Visibility has 4 cosines below it.
-        let seen = 4.0 * self.visibility(above, below) * self.frequency(normal);
-        seen * out.dot(normal) * spread / (ior * ior)
+        let masked = 4.0 * self.visibility(above, below) * self.distribution(normal);
+        masked * out.dot(normal) * spread / (ior * ior)
     }
 
-    pub(super) fn refraction_density(self, out: DVec3, (normal, spread): (DVec3, f64)) -> f64 {
-        self.seen(out, normal) * spread
+    pub(super) fn refraction_pdf(self, out: DVec3, (normal, spread): (DVec3, f64)) -> f64 {
+        self.visible_normal_pdf(out, normal) * spread
     }
 }
 
-/// The normal of the mirror that shows `into` to `out`.
+/// The normal of the microfacet that reflects `into` to `out`.
 pub(super) fn half(out: DVec3, into: DVec3) -> DVec3 {
     (out + into).normalize()
 }
 
-/// `out` in a mirror with this normal.
-pub(super) fn mirrored(out: DVec3, normal: DVec3) -> DVec3 {
+/// `out`, reflected about this normal.
+pub(super) fn reflected(out: DVec3, normal: DVec3) -> DVec3 {
     2.0 * out.dot(normal) * normal - out
 }
 
-/// Where light comes from that mirrors let through to `out`.
+/// The direction of light that a microfacet refracts to `out`.
 pub(super) fn through(out: DVec3, normal: DVec3, ior: f64) -> Option<DVec3> {
     fresnel::refracted(out, normal, ior).filter(|into| into.z < 0.0)
 }

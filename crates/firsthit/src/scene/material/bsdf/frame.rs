@@ -46,13 +46,13 @@ impl Frame {
         } else {
             normal - 2.0 * below * geometric
         };
-        let mirrored = 2.0 * normal.dot(out) * normal - out;
+        let reflected = 2.0 * normal.dot(out) * normal - out;
         let least = (0.9 * out.dot(geometric)).min(0.01);
-        let height = mirrored.dot(geometric);
+        let height = reflected.dot(geometric);
         if height >= least {
             return Self { normal, ..self };
         }
-        let raised = unit(mirrored + (least - height) * geometric);
+        let raised = unit(reflected + (least - height) * geometric);
         let normal = unit(out + raised);
         Self { normal, ..self }
     }
@@ -60,9 +60,9 @@ impl Frame {
 
 /// The axes of a normal's own space, in the world.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Axes([DVec3; 3]);
+pub(super) struct TangentFrame([DVec3; 3]);
 
-impl Axes {
+impl TangentFrame {
     pub(super) fn around(normal: DVec3) -> Self {
         let [x, y] = warp::axes_around(normal);
         Self([x, y, normal])
@@ -95,9 +95,9 @@ mod tests {
                 out,
             }
             .bent();
-            let mirrored = 2.0 * bent.normal.dot(out) * bent.normal - out;
+            let reflected = 2.0 * bent.normal.dot(out) * bent.normal - out;
             assert!(
-                mirrored.z > 0.0 && bent.normal.dot(out) > 0.0,
+                reflected.z > 0.0 && bent.normal.dot(out) > 0.0,
                 "{normal} {out}"
             );
             assert!((bent.normal.length() - 1.0).abs() < 1e-12);

@@ -1,14 +1,14 @@
 //! glTF's metallic-roughness model with its extensions: a dielectric or a metal, under cloth's fibres, under a clear coat (glTF 2.0,
-//! appendix B). There light is reflected once: what a rough metal's small mirrors send to each other is lost, so that rough metals
+//! appendix B). There light is reflected once: the light that a rough metal's microfacets send to each other is lost, so that rough metals
 //! are darker than real ones.
 
 use std::f64::consts::PI;
 
 use super::coat::Coat;
 use super::dielectric::{Dielectric, Split};
-use super::frame::{Axes, Frame};
+use super::frame::{Frame, TangentFrame};
 use super::fresnel;
-use super::lobes::Shares;
+use super::lobes::LobeProbabilities;
 use super::microfacet::{self, Microfacets, half};
 use super::sheen::Sheen;
 use crate::geometry::{Color, DVec3};
@@ -33,7 +33,7 @@ pub(in crate::scene::material) struct Layers {
 /// The layers as light meets them. Directions are in the space of the shading normal, whose axis is z.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layered {
-    pub(super) axes: Axes,
+    pub(super) axes: TangentFrame,
     pub(super) out: DVec3,
     base: Color,
     metallic: f64,
@@ -45,12 +45,12 @@ pub(super) struct Layered {
     pub(super) sheen: Option<Sheen>,
     pub(super) coat: Option<Coat>,
     /// How often each way is drawn.
-    pub(super) shares: Shares,
+    pub(super) lobes: LobeProbabilities,
 }
 
 impl Layered {
     pub(super) fn new(frame: &Frame, layers: &Layers, is_front: bool) -> Self {
-        let axes = Axes::around(frame.normal);
+        let axes = TangentFrame::around(frame.normal);
         let out = axes.local(frame.out);
         let (weight, roughness, normal) = layers.coat;
         // Of zero, which in glTF stands for a mirror (KHR_materials_ior), a solid is one as well.
@@ -67,9 +67,9 @@ impl Layered {
             ior: layers.absorption.map(|_| ratio),
             sheen: Sheen::new(layers.sheen.0, layers.sheen.1, out),
             coat: Coat::new(weight, roughness, normal, frame.out),
-            shares: Shares::default(),
+            lobes: LobeProbabilities::default(),
         };
-        layered.shares = layered.found_shares();
+        layered.lobes = layered.lobe_probabilities();
         layered
     }
 
@@ -87,27 +87,27 @@ impl Layered {
         }
     }
 
-    /// What small mirrors reflect that are met with this cosine.
-    pub(super) fn mirror(&self, cosine: f64) -> Color {
+    /// The reflectance of microfacets that are met with this cosine.
+    pub(super) fn specular(&self, cosine: f64) -> Color {
         let opaque = self.dielectric.schlick(cosine).reflected;
         let clear = self.clear(cosine).reflected;
         let dielectric = opaque.lerp(clear, self.transmission);
         dielectric.lerp(fresnel::schlick(self.base, cosine), self.metallic)
     }
 
-    /// What a matte ground scatters that lies under small mirrors met with this cosine.
-    pub(super) fn ground(&self, cosine: f64) -> Color {
+    /// The albedo of the matte base under microfacets that are met with this cosine.
+    pub(super) fn diffuse(&self, cosine: f64) -> Color {
         let share = (1.0 - self.metallic) * (1.0 - self.transmission);
         share * self.dielectric.schlick(cosine).on * self.base
     }
 
-    /// What goes through small mirrors that are met with this cosine.
+    /// The transmittance of microfacets that are met with this cosine.
     pub(super) fn passed(&self, cosine: f64) -> Color {
         let share = (1.0 - self.metallic) * self.transmission;
         share * self.clear(cosine).on * self.base
     }
 
-    /// What the layers above the small mirrors leave of light from a direction.
+    /// The share of light from a direction that the layers above the microfacets let through.
     pub(super) fn left(&self, into: DVec3) -> f64 {
         let under_fibres = self.sheen.map_or(1.0, |sheen| sheen.left(into));
         under_fibres * (1.0 - self.coat.map_or(0.0, |coat| coat.share))
@@ -128,8 +128,8 @@ impl Layered {
 
     fn reflected(&self, into: DVec3, towards: DVec3) -> Color {
         let cosine = self.out.dot(half(self.out, into));
-        let mirrors = self.facets.reflection(self.out, into);
-        let under = self.ground(cosine) / PI + mirrors * self.mirror(cosine);
+        let facets = self.facets.reflection(self.out, into);
+        let under = self.diffuse(cosine) / PI + facets * self.specular(cosine);
         let mut value = self.left(into) * into.z * under;
         let uncoated = 1.0 - self.coat.map_or(0.0, |coat| coat.share);
         if let Some(sheen) = &self.sheen {
@@ -146,11 +146,11 @@ impl Layered {
             return Color::ZERO;
         }
         if let Some(ior) = self.ior {
-            let Some(mirror) = Microfacets::refracting(self.out, into, ior) else {
+            let Some(facet) = Microfacets::refracting(self.out, into, ior) else {
                 return Color::ZERO;
             };
-            let cosine = self.out.dot(mirror.0);
-            let through = self.facets.refraction((self.out, into), mirror, ior);
+            let cosine = self.out.dot(facet.0);
+            let through = self.facets.refraction((self.out, into), facet, ior);
             through * self.passed(cosine)
         } else {
             let into = microfacet::thin(into);

@@ -103,13 +103,13 @@ fn at(degrees: f64) -> DVec3 {
     DVec3::new(0.6 * sin, 0.8 * sin, cos)
 }
 
-fn seen(layers: &Layers, out: DVec3) -> Scattering {
+fn seen(layers: &Layers, out: DVec3) -> Bsdf {
     let frame = Frame {
         normal: DVec3::Z,
         geometric: DVec3::Z,
         out,
     };
-    Scattering::layered(frame, true, layers)
+    Bsdf::layered(frame, true, layers)
 }
 
 /// The mean over all directions of a function, times 4 pi.
@@ -123,9 +123,9 @@ fn over_all(count: u32, of: impl Fn(DVec3) -> Color) -> Color {
 }
 
 /// What is seen of a surface in white light from everywhere, by drawing.
-fn furnace(scattering: &Scattering, count: u32) -> Color {
+fn furnace(bsdf: &Bsdf, count: u32) -> Color {
     let one = |k| {
-        let drawn = scattering.sample(Draws::new(7, k).three());
+        let drawn = bsdf.sample(Draws::new(7, k).three());
         drawn.map_or(Color::ZERO, |drawn| drawn.weight)
     };
     (0..count).map(one).sum::<Color>() / f64::from(count)
@@ -209,9 +209,9 @@ fn what_is_drawn_is_what_is_there() {
     const COUNT: u32 = 1 << 13;
     for (name, layers) in spread() {
         for degrees in [0.0, 50.0, 80.0] {
-            let scattering = seen(&layers, at(degrees));
-            let there = over_all(COUNT, |towards| scattering.value(towards)) / PI;
-            let drawn = furnace(&scattering, COUNT);
+            let bsdf = seen(&layers, at(degrees));
+            let there = over_all(COUNT, |towards| bsdf.value(towards)) / PI;
+            let drawn = furnace(&bsdf, COUNT);
             // Directions over the whole sphere find a lobe of roughness 0.4 with a percent of them.
             let close = 0.02 * there.max_element();
             assert!(
@@ -227,20 +227,17 @@ fn densities_are_those_of_what_is_drawn_and_add_up_to_one_at_most() {
     const COUNT: u32 = 1 << 13;
     for (name, layers) in spread() {
         for degrees in [0.0, 50.0, 80.0] {
-            let scattering = seen(&layers, at(degrees));
-            let density = over_all(COUNT, |towards| Color::splat(scattering.density(towards)));
-            assert!(density.x < 1.02, "{name} {degrees}: {density}");
+            let bsdf = seen(&layers, at(degrees));
+            let pdf = over_all(COUNT, |towards| Color::splat(bsdf.pdf(towards)));
+            assert!(pdf.x < 1.02, "{name} {degrees}: {pdf}");
             for k in 0..64 {
-                let Some(drawn) = scattering.sample(Draws::new(3, k).three()) else {
+                let Some(drawn) = bsdf.sample(Draws::new(3, k).three()) else {
                     continue;
                 };
-                let density = scattering.density(drawn.towards);
-                let known = drawn.density.expect("nothing here is smooth");
-                assert!(
-                    (density - known).abs() <= 1e-6 * known,
-                    "{name} {density} {known}"
-                );
-                let weight = scattering.value(drawn.towards) / (PI * density);
+                let pdf = bsdf.pdf(drawn.towards);
+                let known = drawn.pdf.expect("nothing here is smooth");
+                assert!((pdf - known).abs() <= 1e-6 * known, "{name} {pdf} {known}");
+                let weight = bsdf.value(drawn.towards) / (PI * pdf);
                 assert!((weight - drawn.weight).abs().max_element() < 1e-6, "{name}");
             }
         }
@@ -274,8 +271,8 @@ fn no_surface_gives_more_than_it_gets() {
                 // In denser matter radiance is larger, by the square of the index.
                 "rough air in glass" => 1.5 * 1.5,
                 "mirror" | "metal" | "coated" | "window" => 1.0,
-                // glTF's ground takes no light away for what its mirrors reflect of other light, seen from the side: the
-                // smoother, the more.
+                // glTF's diffuse lobe loses nothing to what the specular lobe reflects of light from other directions, seen
+                // from the side: the smoother, the more.
                 _ => 1.12,
             };
             assert!(
@@ -286,7 +283,7 @@ fn no_surface_gives_more_than_it_gets() {
     }
 }
 
-/// Single scattering loses what small mirrors send to each other: the specification has it so.
+/// Single scattering loses the light that microfacets send to each other: the specification has it so.
 #[test]
 fn a_white_metal_loses_as_much_as_single_scattering_does() {
     let cosine: f64 = 0.95;
@@ -330,8 +327,8 @@ fn rough_refraction_may_go_either_way() {
         out,
     };
     let layers = glass(1.5, 0.5);
-    let outside = Scattering::layered(frame(DVec3::Z, above), true, &layers);
-    let inside = Scattering::layered(frame(DVec3::NEG_Z, below), false, &layers);
+    let outside = Bsdf::layered(frame(DVec3::Z, above), true, &layers);
+    let inside = Bsdf::layered(frame(DVec3::NEG_Z, below), false, &layers);
     let into = outside.value(below) / below.z.abs();
     let out = inside.value(above) / above.z;
     assert!(
@@ -345,10 +342,10 @@ fn glass_of_index_one_is_not_there() {
     for degrees in [0.0, 40.0, 89.0] {
         let out = at(degrees);
         let branches: Vec<_> = seen(&glass(1.0, 0.0), out).branches().collect();
-        let expected = Scattered {
+        let expected = BsdfSample {
             towards: -out,
             weight: Color::ONE,
-            density: None,
+            pdf: None,
         };
         assert_eq!(branches, [expected], "{degrees}");
     }
@@ -357,8 +354,8 @@ fn glass_of_index_one_is_not_there() {
 #[test]
 fn glass_reflects_and_lets_through_by_fresnel_and_draws_so() {
     let out = at(75.0);
-    let scattering = seen(&glass(1.5, 0.0), out);
-    let branches: Vec<_> = scattering.branches().collect();
+    let bsdf = seen(&glass(1.5, 0.0), out);
+    let branches: Vec<_> = bsdf.branches().collect();
     let [mirrored, through] = &branches[..] else {
         panic!("{branches:?}")
     };
@@ -366,14 +363,11 @@ fn glass_reflects_and_lets_through_by_fresnel_and_draws_so() {
     let passed = 1.0 - 0.253_060_562_990_319_7;
     assert!((through.weight.x * 1.5 * 1.5 - passed).abs() < 1e-12);
     assert!((mirrored.towards - DVec3::new(-out.x, -out.y, out.z)).length() < 1e-15);
-    let drawn = |u| scattering.sample([0.3, 0.6, u]).unwrap();
+    let drawn = |u| bsdf.sample([0.3, 0.6, u]).unwrap();
     assert_eq!(drawn(0.74).towards, through.towards);
     assert_eq!(drawn(0.75).towards, mirrored.towards);
     assert!((drawn(0.75).weight - Color::ONE).length() < 1e-12);
-    assert!(
-        scattering.value(mirrored.towards) == Color::ZERO
-            && scattering.density(through.towards) == 0.0
-    );
+    assert!(bsdf.value(mirrored.towards) == Color::ZERO && bsdf.pdf(through.towards) == 0.0);
 }
 
 #[test]
@@ -388,14 +382,14 @@ fn inside_of_glass_light_is_absorbed_and_outside_it_is_not() {
         geometric: DVec3::Z,
         out,
     };
-    let entering = Scattering::layered(frame(at(30.0)), true, &layers);
+    let entering = Bsdf::layered(frame(at(30.0)), true, &layers);
     assert_eq!(
         (entering.beyond(DVec3::NEG_Z), entering.beyond(DVec3::Z)),
         (Some(absorption), None)
     );
-    let leaving = Scattering {
+    let leaving = Bsdf {
         is_front: false,
-        ..Scattering::layered(frame(at(30.0)), false, &layers)
+        ..Bsdf::layered(frame(at(30.0)), false, &layers)
     };
     assert_eq!(leaving.behind(), Some(absorption));
     assert_eq!(

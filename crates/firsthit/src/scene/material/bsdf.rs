@@ -1,4 +1,4 @@
-//! How a surface scatters light.
+//! How a surface scatters light: its bidirectional scattering distribution function.
 
 mod coat;
 mod dielectric;
@@ -22,14 +22,14 @@ use crate::geometry::{Color, DVec2, DVec3, unit};
 use crate::sampling::warp;
 use crate::scene::SurfaceInteraction;
 
-/// How a point of a surface scatters the light that a ray sees there.
+/// The bidirectional scattering distribution function at a point of a surface, for the ray that sees it.
 ///
 /// All directions are in the world, of length one, and point away from the surface.
 #[derive(Debug, Clone)]
-pub struct Scattering {
+pub struct Bsdf {
     frame: Frame,
     kind: Kind,
-    /// What is taken away inside, where the surface is that of a clear solid; and whether it is seen from outside.
+    /// The absorption coefficient inside of a clear solid, per scene unit; and whether the surface is seen from outside.
     inside: Option<Color>,
     is_front: bool,
     occlusion: f64,
@@ -37,31 +37,31 @@ pub struct Scattering {
 
 #[derive(Debug, Clone)]
 enum Kind {
-    /// What an evenly lit matte surface takes.
+    /// Lambert's, of this albedo.
     Matte(Color),
-    /// See there. It is large, and most surfaces are matte.
+    /// In a box because it is large, and most surfaces are matte.
     Layered(Box<Layered>),
 }
 
-/// A direction that light comes from, to be scattered to the ray.
+/// A direction drawn of a [`Bsdf`]: light that comes from there is scattered to the ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scattered {
+pub struct BsdfSample {
     /// The direction that light comes from.
     pub towards: DVec3,
-    /// What its radiance is multiplied by, divided by the density of the directions.
+    /// The factor on the radiance from there: the distribution times the cosine, divided by the probability density.
     pub weight: Color,
-    /// How densely such directions lie around this one, per steradian; `None` where there is one direction only, as in a mirror.
-    pub density: Option<f64>,
+    /// The probability density of this direction, per steradian; `None` where there is one direction only, as in a mirror.
+    pub pdf: Option<f64>,
 }
 
-impl Scattered {
+impl BsdfSample {
     /// The only direction of its kind; `None` without light.
     fn single(towards: DVec3, weight: Color) -> Option<Self> {
         // Written so that a NaN fails.
         (weight.max_element() > 0.0).then_some(Self {
             towards,
             weight,
-            density: None,
+            pdf: None,
         })
     }
 
@@ -73,8 +73,8 @@ impl Scattered {
 }
 
 impl SurfaceInteraction<'_> {
-    /// How the surface scatters light to the ray; `None` where it has no normal.
-    pub fn scattering(&self) -> Option<Scattering> {
+    /// The surface's scattering distribution for the ray; `None` where it has no normal.
+    pub fn bsdf(&self) -> Option<Bsdf> {
         let normal = self.normal();
         if !normal.is_finite() {
             return None;
@@ -86,19 +86,19 @@ impl SurfaceInteraction<'_> {
             geometric: side * normal,
             out: -unit(self.ray().direction),
         };
-        let scattering = match self.material() {
-            None => Scattering::even(frame, self.color()),
-            Some(material) => material.model.scattering(self, frame, side),
+        let bsdf = match self.material() {
+            None => Bsdf::even(frame, self.color()),
+            Some(material) => material.model.bsdf(self, frame, side),
         };
-        Some(Scattering {
+        Some(Bsdf {
             is_front,
             occlusion: self.occlusion(),
-            ..scattering
+            ..bsdf
         })
     }
 }
 
-impl Scattering {
+impl Bsdf {
     fn new(frame: Frame, kind: Kind) -> Self {
         Self {
             frame,
@@ -148,29 +148,29 @@ impl Scattering {
         }
     }
 
-    /// The density with which [`sample`](Self::sample) takes a direction, per steradian. Single directions have none.
-    pub fn density(&self, towards: DVec3) -> f64 {
+    /// The probability density with which [`sample`](Self::sample) draws a direction, per steradian. Single directions have none.
+    pub fn pdf(&self, towards: DVec3) -> f64 {
         match &self.kind {
             Kind::Matte(_) if towards.dot(self.frame.geometric) > 0.0 => {
                 towards.dot(self.frame.normal).max(0.0) / PI
             }
             Kind::Matte(_) => 0.0,
-            Kind::Layered(layered) => layered.density(&self.frame, towards),
+            Kind::Layered(layered) => layered.pdf(&self.frame, towards),
         }
     }
 
     /// A direction that light may come from, for three numbers from 0 to 1. `None` where none is scattered.
-    pub fn sample(&self, u: [f64; 3]) -> Option<Scattered> {
+    pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
         match &self.kind {
             Kind::Matte(color) => {
                 let local = warp::cosine_hemisphere(DVec2::new(u[0], u[1]));
                 let towards = warp::around(self.frame.normal, local);
                 let cosine = towards.dot(self.frame.normal);
                 let value = self.frame.cosine(towards);
-                (value > 0.0).then(|| Scattered {
+                (value > 0.0).then(|| BsdfSample {
                     towards,
                     weight: *color * (value / cosine),
-                    density: Some(cosine / PI),
+                    pdf: Some(cosine / PI),
                 })
             }
             Kind::Layered(layered) => layered.sample(&self.frame, u),
@@ -179,7 +179,7 @@ impl Scattering {
 
     /// The directions in which a mirror or clear matter shows something: each that light comes from in one way only, and the
     /// exact weight of its radiance. They and [`value`](Self::value) are all that the surface scatters.
-    pub fn branches(&self) -> impl Iterator<Item = Scattered> {
+    pub fn branches(&self) -> impl Iterator<Item = BsdfSample> {
         let branches = match &self.kind {
             Kind::Matte(_) => [None; 3],
             Kind::Layered(layered) => layered.branches(&self.frame),
@@ -197,15 +197,14 @@ impl Scattering {
         self.occlusion
     }
 
-    /// What is taken away from the light of the ray itself, for each unit of length, where it has come through the inside of a clear solid
-    /// and meets its surface from there: see [`beyond`](Self::beyond).
+    /// The absorption coefficient on the way that the ray has come, per scene unit, where it meets the surface of a clear solid from inside.
+    /// See [`beyond`](Self::beyond).
     pub fn behind(&self) -> Option<Color> {
         self.inside.filter(|_| !self.is_front)
     }
 
-    /// What is taken away for each unit of length from light that comes from a direction, where the ray gets into a clear solid or out
-    /// of it on its way there; `None` where it stays on the side that it was. After a length d there is exp(-d times this) left
-    /// (Beer, 1852).
+    /// The absorption coefficient beyond the surface of a clear solid, per scene unit, for a ray that goes on through it in a direction; `None`
+    /// where the ray stays on its side. After a length d, exp(-d times this) is left of light (Beer, 1852).
     pub fn beyond(&self, towards: DVec3) -> Option<Color> {
         let absorption = self.inside?;
         let goes_through = towards.dot(self.frame.geometric) < 0.0;
