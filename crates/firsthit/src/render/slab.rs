@@ -166,7 +166,7 @@ impl<'a> Slab<'a> {
             .par_chunks_mut(SHADED)
             .zip(counts.par_chunks_mut(SHADED));
         let chunks = sums.par_chunks_mut(SHADED).zip(rest).enumerate();
-        chunks.try_for_each(|(chunk, (sums, (squares, counts)))| {
+        chunks.try_for_each_init(Batch::new, |batch, (chunk, (sums, (squares, counts)))| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
@@ -177,13 +177,9 @@ impl<'a> Slab<'a> {
             if active.is_empty() {
                 return Ok(());
             }
-            let mut batch = Batch::new(part, hits, first, sums.len());
+            batch.read(part, hits, first, sums.len());
             batch.keep(&active);
-            let mut colors = [Color::ZERO; SHADED];
-            let mut coverage = batch.coverage();
-            let count = active.len();
-            let (colors, coverage) = (&mut colors[..count], &mut coverage[..count]);
-            shade.shade_all(&batch.samples(sample), colors, coverage);
+            let (colors, coverage) = batch.shade(shade, sample);
             for ((k, color), covered) in active.into_iter().zip(colors).zip(coverage) {
                 let pixel = (&mut sums[k], &mut squares[k], &mut counts[k]);
                 Accumulation::add(pixel, *color, *covered);
@@ -199,19 +195,12 @@ impl<'a> Slab<'a> {
             return Ok(());
         };
         let chunks = sums.par_chunks_mut(SHADED).enumerate();
-        chunks.try_for_each(|(chunk, sums)| {
+        chunks.try_for_each_init(Batch::new, |batch, (chunk, sums)| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
-            let batch = Batch::new(part, hits, chunk * SHADED, sums.len());
-            let mut colors = [Color::ZERO; SHADED];
-            let mut coverage = batch.coverage();
-            let count = sums.len();
-            shading.shade_all(
-                &batch.samples(sample),
-                &mut colors[..count],
-                &mut coverage[..count],
-            );
+            batch.read(part, hits, chunk * SHADED, sums.len());
+            let (colors, _) = batch.shade(shading, sample);
             for (sum, color) in sums.iter_mut().zip(colors) {
                 *sum += color.x;
             }
@@ -306,51 +295,64 @@ impl<'a> Slab<'a> {
     }
 }
 
-/// Some hundred hits that are shaded at a time.
+/// Some hundred hits that are shaded at a time, and their colours. It is used again and again.
 struct Batch {
-    rays: [Ray; SHADED],
-    hits: [Hit; SHADED],
+    rays: Box<[Ray; SHADED]>,
+    hits: Box<[Hit; SHADED]>,
     pixels: [u64; SHADED],
+    colors: [Color; SHADED],
+    coverage: [f64; SHADED],
     count: usize,
 }
 
 impl Batch {
-    fn new(part: &Part<'_>, hits: &Hits, first: usize, count: usize) -> Self {
-        let mut batch = Self {
-            rays: [Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED],
-            hits: [Hit::MISS; SHADED],
+    fn new() -> Self {
+        Self {
+            rays: Box::new([Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED]),
+            hits: Box::new([Hit::MISS; SHADED]),
             pixels: [0; SHADED],
-            count,
-        };
-        part.read(first, &mut batch.rays[..count]);
-        part.number(first, &mut batch.pixels[..count]);
-        for (k, hit) in batch.hits[..count].iter_mut().enumerate() {
+            colors: [Color::ZERO; SHADED],
+            coverage: [0.0; SHADED],
+            count: 0,
+        }
+    }
+
+    fn read(&mut self, part: &Part<'_>, hits: &Hits, first: usize, count: usize) {
+        part.read(first, &mut self.rays[..count]);
+        part.number(first, &mut self.pixels[..count]);
+        for (k, hit) in self.hits[..count].iter_mut().enumerate() {
             *hit = hits.get(first + k);
         }
-        batch
+        self.count = count;
     }
 
     /// Forgets all but some, which are in order.
     fn keep(&mut self, some: &[usize]) {
-        for (k, &from) in some.iter().enumerate() {
-            self.rays[k] = self.rays[from];
-            self.hits[k] = self.hits[from];
-            self.pixels[k] = self.pixels[from];
+        if some.len() < self.count {
+            for (k, &from) in some.iter().enumerate() {
+                self.rays[k] = self.rays[from];
+                self.hits[k] = self.hits[from];
+                self.pixels[k] = self.pixels[from];
+            }
         }
         self.count = some.len();
     }
 
-    fn samples(&self, sample: u32) -> Samples<'_> {
-        Samples {
-            rays: &self.rays[..self.count],
-            hits: &self.hits[..self.count],
-            pixels: &self.pixels[..self.count],
+    /// Colours and coverage of all.
+    fn shade(&mut self, shade: &dyn Shade, sample: u32) -> (&[Color], &[f64]) {
+        let count = self.count;
+        let samples = Samples {
+            rays: &self.rays[..count],
+            hits: &self.hits[..count],
+            pixels: &self.pixels[..count],
             sample,
+        };
+        let (colors, coverage) = (&mut self.colors[..count], &mut self.coverage[..count]);
+        colors.fill(Color::ZERO);
+        for (covered, hit) in coverage.iter_mut().zip(samples.hits) {
+            *covered = f64::from(u8::from(!hit.is_miss()));
         }
-    }
-
-    /// 1 for hits, and 0 for misses.
-    fn coverage(&self) -> [f64; SHADED] {
-        self.hits.map(|hit| f64::from(u8::from(!hit.is_miss())))
+        shade.shade_all(&samples, colors, coverage);
+        (colors, coverage)
     }
 }

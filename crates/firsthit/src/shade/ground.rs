@@ -43,9 +43,11 @@ impl Ground {
         colors: &mut [Color],
         coverage: &mut [f64],
     ) {
+        let up = unit(self.up);
         let mut points = Vec::new();
         for (k, (ray, hit)) in samples.rays.iter().zip(samples.hits).enumerate() {
-            if let Some(position) = self.crossed(ray).filter(|_| hit.is_miss()) {
+            let crossed = || self.crossed(up, ray);
+            if let Some(position) = hit.is_miss().then(crossed).flatten() {
                 points.push(Point {
                     sample: k,
                     position,
@@ -56,7 +58,7 @@ impl Ground {
         if points.is_empty() {
             return;
         }
-        let shadows = Shadows::new(shading, unit(self.up), &points);
+        let shadows = Shadows::new(shading, up, &points);
         for (point, share) in points.iter().zip(shadows.shares()) {
             colors[point.sample] *= 1.0 - share;
             coverage[point.sample] = share;
@@ -64,15 +66,12 @@ impl Ground {
     }
 
     /// Where a ray goes through the plane from above.
-    fn crossed(&self, ray: &Ray) -> Option<DVec3> {
-        let up = unit(self.up);
-        let t = (ray.origin - self.point).dot(up) / -ray.direction.dot(up);
+    fn crossed(&self, up: DVec3, ray: &Ray) -> Option<DVec3> {
+        let descent = -ray.direction.dot(up);
+        let t = (ray.origin - self.point).dot(up) / descent;
         // Written so that a NaN fails.
-        let is_crossed = ray.direction.dot(up) < 0.0
-            && t > 0.0
-            && t < f64::INFINITY
-            && t > ray.t_min
-            && t <= ray.t_max;
+        let is_crossed =
+            descent > 0.0 && t > 0.0 && t < f64::INFINITY && t > ray.t_min && t <= ray.t_max;
         is_crossed.then(|| ray.at(t))
     }
 }
@@ -176,19 +175,21 @@ impl Shadows {
             self.full[index] += full;
             let mut draws = point.draws;
             let towards = warp::around(up, warp::cosine_hemisphere(draws.two()));
-            let own = towards.dot(up).max(0.0) / PI;
-            let share = power_heuristic(own, environment.pdf(towards));
-            let brought = share * environment.radiance(towards);
-            rays.push_infinite(point, index, towards, brought);
+            rays.push_infinite(point, index, towards, || {
+                let own = towards.dot(up).max(0.0) / PI;
+                let share = power_heuristic(own, environment.pdf(towards));
+                share * environment.radiance(towards)
+            });
             let mut draws = point.draws.split(stream::ENVIRONMENT);
             if environment.is_drawn()
                 && let Some(arriving) = environment.sample(draws.two())
                 && let Some(pdf) = arriving.pdf
             {
                 let towards = unit(arriving.towards);
-                let own = towards.dot(up).max(0.0) / PI;
-                let brought = power_heuristic(pdf, own) * taken_of(&arriving, up);
-                rays.push_infinite(point, index, towards, brought);
+                rays.push_infinite(point, index, towards, || {
+                    let own = towards.dot(up).max(0.0) / PI;
+                    power_heuristic(pdf, own) * taken_of(&arriving, up)
+                });
             }
         }
         rays.add_to(&mut self.missing, shading);
@@ -294,17 +295,33 @@ impl BlockedRays {
     ) {
         let Some(arriving) = arriving else { return };
         let ray = Ray::new(point.position, arriving.towards).up_to(arriving.distance);
-        self.push_ray(ray, end, index, taken_of(arriving, up));
+        self.push_ray(ray, end, index, || taken_of(arriving, up));
     }
 
-    fn push_infinite(&mut self, point: &Point, index: usize, towards: DVec3, brought: Color) {
+    fn push_infinite(
+        &mut self,
+        point: &Point,
+        index: usize,
+        towards: DVec3,
+        brought: impl FnOnce() -> Color,
+    ) {
         self.push_ray(Ray::new(point.position, towards), None, index, brought);
     }
 
-    fn push_ray(&mut self, ray: Ray, end: Option<SurfaceId>, index: usize, brought: Color) {
+    fn push_ray(
+        &mut self,
+        ray: Ray,
+        end: Option<SurfaceId>,
+        index: usize,
+        brought: impl FnOnce() -> Color,
+    ) {
         let may_be_blocked = |bounds: Bounds| bounds.may_be_met(ray.origin, ray.direction);
+        if !self.blocking.is_none_or(may_be_blocked) {
+            return;
+        }
+        let brought = brought();
         // Written so that a NaN fails.
-        if brought.element_sum() > 0.0 && self.blocking.is_none_or(may_be_blocked) {
+        if brought.element_sum() > 0.0 {
             let mut filter = RayFilter::NONE;
             filter.skip[1] = end;
             self.rays.push((ray, filter), self.brought.len(), brought);

@@ -335,19 +335,24 @@ fn set_filters(
     let (mut easy, mut unseen) = (0, 0);
     for (lane, index) in range.enumerate() {
         let whole = rays.filter(index);
-        let filter = filter::mesh_filter(scene, &whole, 0);
         unseen |= u16::from(!filter::sees(&whole, 0, object)) << lane;
-        let is_easy = match filter.departure() {
-            Some(point) => {
-                packet.set_origin(lane, point.rounded);
-                tree.is_sharp_from(point)
-            }
+        let filter = packet.filter_mut(lane);
+        filter::set_mesh_filter(filter, scene, &whole, 0);
+        let departure = filter.departure();
+        let is_easy = match departure {
+            Some(point) => tree.is_sharp_from(point),
             // It leaves no triangle of this mesh.
             None => whole.departure.is_none(),
         };
+        let start = departure.map(|point| point.rounded);
+        if !is_easy {
+            // What is unsure of one ray widens the bounds of all.
+            *filter = MeshFilter::NONE;
+        }
+        if let Some(start) = start {
+            packet.set_origin(lane, start);
+        }
         easy |= u16::from(is_easy) << lane;
-        // What is unsure of one ray widens the bounds of all.
-        packet.set_filter(lane, if is_easy { &filter } else { &MeshFilter::NONE });
     }
     (easy, unseen)
 }

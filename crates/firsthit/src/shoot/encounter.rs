@@ -210,7 +210,7 @@ impl Touched<'_> {
             return;
         };
         let is_culled = || {
-            let culls = MeshFilter::new([None; 2], self.filter.cull, None);
+            let culls = MeshFilter::culling(self.filter.cull);
             let numbered = (triangle, mesh.corners(number));
             let line = (&self.line, shear);
             let met = culls.intersect(line, EdgeRule::Closed, numbered, Doubtful::settle);
@@ -239,7 +239,7 @@ impl Touched<'_> {
         let Some((ray, point)) = self.ray.as_ref().zip(self.mesh_filter.departure()) else {
             return false;
         };
-        let leaves = MeshFilter::new([None; 2], None, Some((None, *point)));
+        let leaves = MeshFilter::leaving(*point);
         let numbered = (triangle, mesh.corners(triangle as usize));
         let met = leaves.intersect((ray, shear), EdgeRule::Closed, numbered, Doubtful::settle);
         met.is_none()

@@ -3,7 +3,7 @@
 use super::scaled_ray::ScaledRay;
 use crate::geometry::{DVec3, Ray, RayFilter, Side, SurfaceId};
 use crate::scene::{Object, Scene};
-use crate::shape::triangle::{DeparturePoint, MeshFilter};
+use crate::shape::triangle::MeshFilter;
 use crate::shape::{Crossing, Shape, Surface};
 
 /// Whether a ray sees an object at all.
@@ -15,34 +15,42 @@ pub(super) fn sees(filter: &RayFilter, index: u32, object: &Object) -> bool {
 
 /// What a ray does not meet of the mesh of an object.
 pub(super) fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
+    let mut of_mesh = MeshFilter::NONE;
+    set_mesh_filter(&mut of_mesh, scene, filter, index);
+    of_mesh
+}
+
+/// The same in place.
+#[inline(always)]
+pub(super) fn set_mesh_filter(
+    of_mesh: &mut MeshFilter,
+    scene: &Scene,
+    filter: &RayFilter,
+    index: u32,
+) {
     let of_object = |surface: SurfaceId| {
         let is_there = u32::try_from(surface.object) == Ok(index);
         is_there.then(|| u32::try_from(surface.primitive).ok())?
     };
-    let departure =
-        departure_point(scene, filter, index).map(|(surface, point)| (of_object(surface), point));
     let skip = filter.skip.map(|surface| surface.and_then(of_object));
-    MeshFilter::new(skip, filter.cull, departure).of_departing(filter.departure.is_some())
+    of_mesh.set(skip, filter.cull, filter.departure.is_some());
+    if let Some(departure) = &filter.departure
+        && let Some(corners) = corners_left(scene, departure.surface, index)
+    {
+        of_mesh.leave(of_object(departure.surface), corners, departure.barycentric);
+    }
 }
 
-/// The point that the ray leaves, where it is a triangle's in the space of this object.
-fn departure_point(
-    scene: &Scene,
-    filter: &RayFilter,
-    index: u32,
-) -> Option<(SurfaceId, DeparturePoint)> {
-    let departure = filter.departure.as_ref()?;
-    let SurfaceId { object, primitive } = departure.surface;
-    let left = scene.objects().get(usize::try_from(object).ok()?)?;
+/// The corners of the triangle that a ray leaves, if it is one in the space of this object.
+#[inline(always)]
+fn corners_left(scene: &Scene, surface: SurfaceId, index: u32) -> Option<[DVec3; 3]> {
+    let left = (scene.objects()).get(usize::try_from(surface.object).ok()?)?;
     let here = &scene.objects()[index as usize];
     let mesh = left.mesh()?;
-    let triangle = usize::try_from(primitive).ok()?;
-    let is_same_space = object.cast_unsigned() == index || left.transform() == here.transform();
-    (is_same_space && triangle < mesh.triangles().len()).then(|| {
-        let corners = mesh.corners(triangle);
-        let point = DeparturePoint::new(corners, departure.barycentric);
-        (departure.surface, point)
-    })
+    let triangle = usize::try_from(surface.primitive).ok()?;
+    let is_same_space =
+        surface.object.cast_unsigned() == index || left.transform() == here.transform();
+    (is_same_space && triangle < mesh.triangles().len()).then(|| mesh.corners(triangle))
 }
 
 /// How far a point of a surface may be off it, as a share of the largest coordinate: 2^-40, some hundred times what transforms and

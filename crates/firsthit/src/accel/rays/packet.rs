@@ -75,7 +75,13 @@ impl Index<usize> for Filters {
 impl Packet {
     /// Says what the ray in a lane does not meet.
     pub(crate) fn set_filter(&mut self, lane: usize, filter: &MeshFilter) {
-        self.filters.0[lane % RAYS] = *filter;
+        *self.filter_mut(lane) = *filter;
+    }
+
+    /// What the ray of a lane does not meet.
+    #[inline(always)]
+    pub(crate) fn filter_mut(&mut self, lane: usize) -> &mut MeshFilter {
+        &mut self.filters.0[lane % RAYS]
     }
 
     /// Puts a ray into a lane.

@@ -43,6 +43,7 @@ pub(crate) struct DeparturePoint {
 }
 
 impl DeparturePoint {
+    #[inline]
     pub(crate) fn new(corners: [DVec3; 3], barycentric: DVec2) -> Self {
         #[expect(clippy::manual_clamp, reason = "NaN becomes zero; clamp would keep it")]
         let within = |weight: f64| weight.max(0.0).min(1.0);

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::{DeparturePoint, Doubtful, EdgeRule, Shear, TriangleHit};
 use crate::geometry::orientation::along_normal;
-use crate::geometry::{DVec3, Ray, Side};
+use crate::geometry::{DVec2, DVec3, Ray, Side};
 
 /// No triangle has this number.
 const NO_TRIANGLE: u32 = u32::MAX;
@@ -30,27 +30,35 @@ impl MeshFilter {
         is_departing: false,
     };
 
-    /// The ray does not meet one side, nor `skip`. It leaves a triangle, perhaps of another mesh in the same space.
-    pub(crate) fn new(
-        skip: [Option<u32>; 2],
-        cull: Option<Side>,
-        departure: Option<(Option<u32>, DeparturePoint)>,
-    ) -> Self {
-        let number = |triangle: Option<u32>| triangle.unwrap_or(NO_TRIANGLE);
+    /// The ray does not meet one side.
+    pub(crate) fn culling(cull: Option<Side>) -> Self {
+        Self { cull, ..Self::NONE }
+    }
+
+    /// The ray leaves a triangle of another mesh in the same space.
+    pub(crate) fn leaving(point: DeparturePoint) -> Self {
         Self {
-            skip: skip.map(number),
-            cull,
-            departure: departure.map(|(triangle, point)| (number(triangle), point)),
-            is_departing: departure.is_some(),
+            departure: Some((NO_TRIANGLE, point)),
+            is_departing: true,
+            ..Self::NONE
         }
     }
 
-    /// The same for a ray that leaves a surface elsewhere, a sphere or a mesh in another space, if `is_departing`.
-    pub(crate) fn of_departing(self, is_departing: bool) -> Self {
-        Self {
-            is_departing,
-            ..self
-        }
+    /// Sets all but the triangle that the ray leaves, for which there is [`leave`](Self::leave). `is_departing` says whether it leaves any
+    /// surface. Both work in place: a filter is large, and there is one for each ray.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, skip: [Option<u32>; 2], cull: Option<Side>, is_departing: bool) {
+        self.skip = skip.map(|triangle| triangle.unwrap_or(NO_TRIANGLE));
+        self.cull = cull;
+        self.departure = None;
+        self.is_departing = is_departing;
+    }
+
+    /// The ray leaves a triangle, of this mesh if it has a number, at a point by the weights of its corners 1 and 2.
+    #[inline(always)]
+    pub(crate) fn leave(&mut self, triangle: Option<u32>, corners: [DVec3; 3], weights: DVec2) {
+        let triangle = triangle.unwrap_or(NO_TRIANGLE);
+        self.departure = Some((triangle, DeparturePoint::new(corners, weights)));
     }
 
     /// Whether the ray leaves a surface: then its `t` decides as it is, since it is measured from a rounded start.
