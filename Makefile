@@ -20,7 +20,7 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages
+.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages
 .PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
@@ -71,6 +71,14 @@ test-compat: .venv/ready
 	    python/tests/test_compat.py python/tests/test_compat_open3d.py
 	$(COMPAT)/venv/bin/python $(COMPAT_TESTS)/run.py $(COMPAT)/peers \
 	    $(if $(TRIMESH),--trimesh "$(TRIMESH)") $(if $(OPEN3D),--open3d "$(OPEN3D)")
+
+# Pictures beside those of Mitsuba 3: ten scenes, sixteen runs of each, a z-test.
+LIGHT_PEER = $(OUTSIDE)/light
+test-light: .venv/ready
+	$(PYTHON) -m venv $(LIGHT_PEER)
+	$(LIGHT_PEER)/bin/pip install --quiet --requirement python/light_tests/requirements.txt
+	VIRTUAL_ENV=$(LIGHT_PEER) $(VENV)/maturin develop --release --quiet
+	$(LIGHT_PEER)/bin/python python/light_tests/mitsuba_z.py --pictures $(LIGHT_PEER)
 
 # Jobs in parts on Dask and Ray, in a network of their own where one can be had; kills and damage at random.
 KILLS ?= 20
@@ -149,7 +157,7 @@ bench-lidar: .venv-bench/ready
 # make bench-light ONLY=shaded ROUNDS=1 LIGHT="--size 320x180 --samples 16". Mitsuba's fast variant needs LLVM from 16 on
 # (apt-get install libllvm22). With ISA=avx2 firsthit alone is limited. PNGs of all are in target/light.
 bench-light: .venv-bench-light/ready target/scenes/ready
-	VIRTUAL_ENV=$(CURDIR)/.venv-bench-light .venv-bench-light/bin/maturin develop --release --quiet
+	VIRTUAL_ENV=$(CURDIR)/.venv-bench-light .venv-bench-light/bin/maturin develop --profile dist --quiet
 	.venv-bench-light/bin/python benches/light.py $(if $(ONLY),--only $(ONLY)) $(if $(ROUNDS),--rounds $(ROUNDS)) \
 	    $(if $(ISA),--isa $(ISA)) $(LIGHT) \
 	    $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)-light$(if $(ISA),-$(ISA)).md)
