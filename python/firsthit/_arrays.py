@@ -135,6 +135,14 @@ def numbers(name: str, value: Any) -> npt.NDArray[Any]:
     return array
 
 
+def listed(name: str, value: Any) -> tuple[Any, ...]:
+    """Return what a list or another sequence has."""
+    try:
+        return tuple(value)
+    except TypeError:
+        raise ValueError(f"{name} must be a sequence, got {value!r}") from None
+
+
 def vectors(name: str, value: Any, length: int = 3) -> npt.NDArray[Any]:
     """Return an array of vectors, (..., length)."""
     array = numbers(name, value)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._arrays import color_of, flag, number, settle
+from ._arrays import color_of, flag, number, numbers, settle
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -136,7 +136,7 @@ def _by(by: object) -> str | tuple[float, ...]:
         if not by or by == _ATTRIBUTE:
             raise ValueError("by must be the name of an attribute, which is not empty")
         return by if by in WORDS or by.startswith(_ATTRIBUTE) else _ATTRIBUTE + by
-    values = np.asarray(by, np.float64)
+    values = np.asarray(numbers("by", by), np.float64)
     if values.ndim != 1:
         raise ValueError(f"by must be a name, or a number for each object, got {values.shape}")
     return tuple(values.tolist())

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 from . import _firsthit
-from ._arrays import color_of, number, settle
+from ._arrays import color_of, listed, number, settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,7 +71,7 @@ class Edges:
         hidden: bool | Sequence[float] | None = None,  # noqa: FBT001 - mostly given by name
         color: npt.ArrayLike = _COLOR,
     ) -> None:
-        names = (kinds,) if isinstance(kinds, str) else tuple(kinds)
+        names = (kinds,) if isinstance(kinds, str) else listed("kinds", kinds)
         for name in names:
             if name not in _KINDS:
                 raise ValueError(f"kinds must be some of {', '.join(_KINDS)}, got {name!r}")
@@ -84,8 +84,10 @@ class Edges:
 
     @classmethod
     def _of(cls, edges: Edges | float | None) -> Edges | None:
-        """Return what a user gave, of which a number is a width."""
-        return edges if edges is None or isinstance(edges, Edges) else cls(number("edges", edges))
+        """Return what a user gave, of which a number is a width and ``False`` is none at all."""
+        if edges is None or edges is False:
+            return None
+        return edges if isinstance(edges, Edges) else cls(number("edges", edges))
 
 
 def _dash(hidden: bool | Sequence[float] | None) -> tuple[float, float] | None:  # noqa: FBT001
@@ -93,7 +95,7 @@ def _dash(hidden: bool | Sequence[float] | None) -> tuple[float, float] | None: 
         return None
     if hidden is True:
         return cast("tuple[float, float]", tuple(cast("Sequence[float]", _DASH)))
-    lengths = tuple(hidden)
+    lengths = listed("hidden", hidden)
     if len(lengths) != 2:
         raise ValueError(f"hidden must be True, False, or a dash and a gap, got {hidden!r}")
     return number("hidden", lengths[0]), number("hidden", lengths[1])

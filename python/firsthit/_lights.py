@@ -81,7 +81,7 @@ class PointLight:
     intensity: Vector
 
     def __init__(self, position: npt.ArrayLike, intensity: npt.ArrayLike = (1.0, 1.0, 1.0)) -> None:
-        settle(self, position=vector("position", position))
+        settle(self, position=_place("position", position))
         settle(self, intensity=color_of("intensity", intensity, is_light=True))
 
 
@@ -122,7 +122,7 @@ class SpotLight:
         inner_angle: float = 0.0,
         outer_angle: float = math.pi / 4,
     ) -> None:
-        settle(self, position=vector("position", position))
+        settle(self, position=_place("position", position))
         settle(self, direction=_direction("direction", direction))
         settle(self, intensity=color_of("intensity", intensity, is_light=True))
         settle(self, inner_angle=number("inner_angle", inner_angle))
@@ -164,7 +164,7 @@ class SphereLight:
         radius: float = 1.0,
         emission: npt.ArrayLike = (1.0, 1.0, 1.0),
     ) -> None:
-        settle(self, center=vector("center", center), radius=_positive("radius", radius))
+        settle(self, center=_place("center", center), radius=_positive("radius", radius))
         settle(self, emission=color_of("emission", emission, is_light=True))
 
 
@@ -201,7 +201,7 @@ class DiscLight:
         radius: float = 1.0,
         emission: npt.ArrayLike = (1.0, 1.0, 1.0),
     ) -> None:
-        settle(self, center=vector("center", center), normal=_direction("normal", normal))
+        settle(self, center=_place("center", center), normal=_direction("normal", normal))
         settle(self, radius=_positive("radius", radius))
         settle(self, emission=color_of("emission", emission, is_light=True))
 
@@ -238,7 +238,7 @@ class RectangleLight:
         edge_v: npt.ArrayLike,
         emission: npt.ArrayLike = (1.0, 1.0, 1.0),
     ) -> None:
-        settle(self, center=vector("center", center), edge_u=_direction("edge_u", edge_u))
+        settle(self, center=_place("center", center), edge_u=_direction("edge_u", edge_u))
         settle(self, edge_v=_direction("edge_v", edge_v))
         settle(self, emission=color_of("emission", emission, is_light=True))
         if not np.any(np.cross(self.edge_u, self.edge_v)):
@@ -277,8 +277,15 @@ class Sky:
         settle(self, up=_direction("up", up))
 
 
+def _place(name: str, value: npt.ArrayLike) -> Vector:
+    place = vector(name, value)
+    if not all(map(math.isfinite, place)):
+        raise ValueError(f"{name} must be finite, got {place}")
+    return place
+
+
 def _direction(name: str, value: npt.ArrayLike) -> Vector:
-    direction = vector(name, value)
+    direction = _place(name, value)
     if not any(direction):
         raise ValueError(f"{name} must be a direction, not zero, got {direction}")
     return direction

@@ -89,11 +89,11 @@ def render(
     cull : {"front", "back"}, optional
         The side of surfaces that the camera's rays pass through: with ``"back"``, into a room
         through its walls. Rays of the shader, such as those to lights, meet both.
-    edges : Edges or float, optional
+    edges : Edges, float or False, optional
         Lines along edges over the colours, also those of a function: an `Edges`, or the width of
         the usual ones in pixels. The channel ``edge`` has their coverage. Only a camera has them;
         one with an aperture is taken for a pinhole. If left out, `Scene.edges`, and where that is
-        ``None`` there are none over the colours.
+        ``None`` there are none over the colours. ``False`` draws none whatever the scene has.
     objects : int, str, or sequence of them, optional
         What is there, by identifiers or names. The others are not in the picture, and cast no
         shadows.

@@ -80,3 +80,5 @@ def test_what_makes_no_sense_is_refused(scene, camera):
             fh.Colors("heat", **wrong)
     with pytest.raises(ValueError, match=r"shape|number for each"):
         fh.Colors([[1.0]])
+    with pytest.raises(ValueError, match="by must be an array of real numbers"):
+        fh.Colors(["heat"])

@@ -61,6 +61,8 @@ def test_a_scene_says_what_lines_its_pictures_have_and_files_keep_it(tmp_path: P
         width=0.5, angle=20, kinds=("crease", "object"), hidden=True, color="blue"
     )
     assert made.edges.hidden == (6, 4)
+    without = fh.render(made, camera(), edges=False)
+    np.testing.assert_array_equal(without["color"], fh.render(scene(), camera())["color"])
     picture = fh.render(made, camera(), channels="edge")
     explicit = fh.render(scene(), camera(), channels="edge", edges=made.edges)
     np.testing.assert_array_equal(picture["edge"], explicit["edge"])
@@ -84,8 +86,10 @@ def test_a_scene_says_what_lines_its_pictures_have_and_files_keep_it(tmp_path: P
         ({"width": math.nan}, "a width above 0 and up to 1000 pixels, got NaN"),
         ({"angle": 200}, "edge angle must be from 0 to 180 degrees, got 200"),
         ({"kinds": "ridge"}, "kinds must be some of silhouette, .*, got 'ridge'"),
+        ({"kinds": 5}, "kinds must be a sequence, got 5"),
         ({"kinds": ()}, "edge kinds must be at least one, got none"),
         ({"hidden": (1, 2, 3)}, "hidden must be True, False, or a dash and a gap"),
+        ({"hidden": 3}, "hidden must be a sequence, got 3"),
         ({"hidden": (1, 0)}, "hidden edges must be finite dashes and gaps of at least 0.1 pixels"),
         ({"color": "reddish"}, "color must be"),
     ],

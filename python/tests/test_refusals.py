@@ -35,6 +35,23 @@ def test_names_that_no_file_holds_are_refused_and_the_scene_goes_on(name):
     assert scene.shoot([0, 0, 5], [0, 0, -1]).t == 4
 
 
+@pytest.mark.parametrize(
+    ("light", "name"),
+    [
+        (lambda: fh.PointLight((0, np.nan, 0)), "position"),
+        (lambda: fh.SpotLight((np.inf, 0, 0), (0, 0, 1)), "position"),
+        (lambda: fh.SpotLight((0, 0, 0), (0, 0, np.nan)), "direction"),
+        (lambda: fh.DirectionalLight((0, 0, -np.inf)), "direction"),
+        (lambda: fh.SphereLight((np.nan, 0, 0)), "center"),
+        (lambda: fh.DiscLight((0, 0, 0), (np.nan, 0, 1)), "normal"),
+        (lambda: fh.RectangleLight((0, 0, 0), (1, 0, 0), (0, np.inf, 0)), "edge_v"),
+    ],
+)
+def test_lights_are_at_places_and_have_directions(light, name):
+    with pytest.raises(ValueError, match=f"{name} must be finite"):
+        light()
+
+
 @pytest.mark.parametrize("light", [*ODD, "sun", (0, 0, -1), fh.PointLight])
 def test_what_is_no_light_is_refused_and_the_scene_goes_on(light):
     scene = ball()
