@@ -364,13 +364,12 @@ pub struct Progressive<'a> {
 }
 
 impl Progressive<'_> {
-    /// Adds the next sample. So many one after the other give the bytes of so many at once, whatever [`Picture::samples`] says.
+    /// Adds the next sample. N of them, one after the other, give the bytes of N at once, whatever [`Picture::samples`] says. Returns
+    /// whether it did: with a [`Picture::noise`], a picture that is quiet has had its last.
     ///
     /// # Errors
     ///
     /// Those of [`Picture::render`].
-    ///
-    /// It says whether it did: with a [`Picture::noise`], a picture that is quiet has had its last.
     pub fn add_sample(&mut self, watch: &dyn Watch) -> Result<bool> {
         self.slab.add_sample(watch)
     }
@@ -390,16 +389,14 @@ impl Progressive<'_> {
         self.slab.state()
     }
 
-    /// The picture as it is. Before the first sample it is black.
+    /// The picture as it is.
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] when it does not fit into memory.
-    ///
-    /// # Panics
-    ///
-    /// Before the first sample, where there are channels other than the colour.
+    /// [`Error::Argument`] before the first sample, and [`Error::Limit`] when it does not fit into memory.
     pub fn frame(&self) -> Result<Frame> {
+        let is_begun = self.samples() > 0;
+        require("frame", "that of a picture with a sample", is_begun, "none")?;
         self.slab.frame()
     }
 }

@@ -113,6 +113,7 @@ fn sampled(scene: &Scene, count: usize) -> (f64, f64) {
         hits: &hits,
         pixels: &pixels,
         sample: 0,
+        cull: None,
     };
     let mut colors = vec![Color::ZERO; count];
     let mut coverage = vec![1.0; count];

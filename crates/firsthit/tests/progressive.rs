@@ -6,10 +6,12 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+use std::sync::Arc;
+
 use firsthit::channel::{Kind, kind};
 use firsthit::image::{Data, Frame};
 use firsthit::render::{Picture, Region};
-use firsthit::scene::{ColorBy, Coloring};
+use firsthit::scene::{ColorBy, Coloring, Environment, EnvironmentKind};
 use firsthit::shade::Samples;
 use firsthit::{
     Camera, Color, DVec3, Hit, Object, Scene, Shade, Shader, Shading, Side, Sphere, example,
@@ -169,6 +171,11 @@ fn metadata_say_how_many_samples_there_are_where_a_noise_ends_them_all() {
         ..picture
     };
     let mut going_on = picture.start().unwrap();
+    let error = going_on.frame().err().unwrap().to_string();
+    assert!(
+        error.contains("a picture with a sample, got none"),
+        "{error}"
+    );
     for _ in 0..3 {
         going_on.add_sample(&()).unwrap();
     }
@@ -229,6 +236,40 @@ fn a_state_of_another_picture_is_refused() {
             "{what}: {error}"
         );
     }
+}
+
+/// Whether an environment is seen, and which way is up, change colours too.
+#[test]
+fn a_state_of_other_light_is_refused() {
+    let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
+    let scene = Scene::new(vec![ball]).unwrap();
+    let sky = |is_seen| {
+        let environment = Environment {
+            is_seen,
+            ..Environment::new(EnvironmentKind::Uniform(Color::splat(0.3)))
+        };
+        let environment = Some(Arc::new(environment));
+        scene.clone().with_environment(environment)
+    };
+    let scenes = [sky(true), sky(false), sky(true).with_up(DVec3::X)];
+    let shades = scenes
+        .each_ref()
+        .map(|scene| Shader::named("hemisphere").unwrap().on(scene));
+    let camera = example::camera(ROWS, COLUMNS).unwrap();
+    let channels = shaded();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("state.npz");
+    let pictures = [0, 1, 2].map(|k| Picture {
+        samples: 2,
+        ..Picture::new(&scenes[k], &camera, &shades[k], &channels)
+    });
+    let mut begun = pictures[0].start().unwrap();
+    begun.add_sample(&()).unwrap();
+    begun.state().unwrap().save(&file).unwrap();
+    let resumed = pictures
+        .each_ref()
+        .map(|picture| picture.resume_from(&file).is_ok());
+    assert_eq!(resumed, [true, false, false]);
 }
 
 #[test]

@@ -5,11 +5,13 @@
     reason = "a test may panic, and its numbers are small"
 )]
 
+use firsthit::render::Picture;
+use firsthit::scene::AlphaMode;
 use firsthit::shade::{Ghost, Lambert, Xray};
 use firsthit::shape::Shape;
 use firsthit::{
-    Background, Color, Cuboid, DVec3, Disc, Material, Object, Plane, Scene, Shade, Shader, Shading,
-    Sphere, shoot,
+    Background, Camera, Color, Cuboid, DVec3, Disc, Material, Object, Plane, Scene, Shade, Shader,
+    Shading, Sphere, shoot,
 };
 
 const BEHIND: Color = Color::new(0.5, 0.25, 1.0);
@@ -97,6 +99,7 @@ fn an_xray_is_covered_as_far_as_it_absorbs() {
         hits: &[shoot(&scene, ray.origin, ray.direction)],
         pixels: &[0],
         sample: 0,
+        cull: None,
     };
     let (mut colors, mut coverage) = ([Color::ZERO], [1.0]);
     shade.shade_all(&samples, &mut colors, &mut coverage);
@@ -167,4 +170,35 @@ fn opaque_ghosts_are_lambert() {
             [ghost(1.0), lambert.clone()].map(|shader| seen(&scene, shader, p, DVec3::NEG_Z));
         assert_eq!(ghost, lambert, "{x}");
     }
+}
+
+/// A wall whose side is culled is not there, behind a translucent pane neither.
+#[test]
+fn what_is_culled_is_culled_behind_translucent_surfaces() {
+    let colored = |alpha, color| Material {
+        alpha,
+        alpha_mode: AlphaMode::Blend,
+        unlit: true,
+        ..Material::colored(color)
+    };
+    let pane = Object::new(Disc::new(DVec3::Z, DVec3::Z, 0.5).unwrap())
+        .with_materials([colored(0.1, Color::X)]);
+    // Its back is seen.
+    let wall = Object::new(Disc::new(DVec3::ZERO, DVec3::NEG_Z, 9.0).unwrap())
+        .with_materials([colored(1.0, Color::Y)]);
+    let camera = Camera::look_at(4.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, 40.0, 9, 9).unwrap();
+    let channels = [firsthit::channel::kind("color").unwrap()];
+    let seen = |objects, cull| {
+        let scene = Scene::new(objects).unwrap();
+        let shade = Shader::named("unlit").unwrap().on(&scene);
+        let picture = Picture {
+            cull,
+            ..Picture::new(&scene, &camera, &shade, &channels)
+        };
+        picture.render(&()).unwrap().channels().to_vec()
+    };
+    let both = vec![pane.clone(), wall];
+    let back = Some(firsthit::Side::Back);
+    assert_eq!(seen(both.clone(), back), seen(vec![pane.clone()], back));
+    assert_ne!(seen(both, None), seen(vec![pane], None));
 }

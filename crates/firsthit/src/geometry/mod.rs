@@ -72,6 +72,11 @@ pub(crate) fn moderation(v: DVec3) -> f64 {
     }
 }
 
+/// Whether a colour adds or takes light away: whether it is finite and not black.
+pub(crate) fn is_light(color: Color) -> bool {
+    color.is_finite() && color != Color::ZERO
+}
+
 /// The order of points by x, then y, then z, in which zeros of both signs are one.
 pub(crate) fn compare_points(a: DVec3, b: DVec3) -> Ordering {
     // Adding zero makes negative zeros positive.

@@ -17,7 +17,7 @@ use super::region::{Part, Region};
 use crate::channel::{self, Kind, Shots};
 use crate::edge::Lines;
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Filtered, Hit, Ray, RayFilter, Rays, single};
+use crate::geometry::{Color, DVec3, Filtered, Hit, Ray, RayFilter, Rays, Side, single};
 use crate::image::{Channel, ColorBar, Data, Frame};
 use crate::memory::zeroed;
 use crate::scene::Background;
@@ -156,7 +156,7 @@ impl<'a> Slab<'a> {
     /// Adds the colours of the current hits to the sums, of the pixels that go on.
     fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
-        let shade = self.picture.shade;
+        let Picture { shade, cull, .. } = *self.picture;
         let Accumulation {
             sums,
             squares,
@@ -179,7 +179,7 @@ impl<'a> Slab<'a> {
             }
             batch.read(part, hits, first, sums.len());
             batch.keep(&active);
-            let (colors, coverage) = batch.shade(shade, sample);
+            let (colors, coverage) = batch.shade((shade, cull), sample);
             for ((k, color), covered) in active.into_iter().zip(colors).zip(coverage) {
                 let pixel = (&mut sums[k], &mut squares[k], &mut counts[k]);
                 Accumulation::add(pixel, *color, *covered);
@@ -191,6 +191,7 @@ impl<'a> Slab<'a> {
     /// Adds the ambient occlusion at the current hits to its sums.
     fn add_occlusion(&mut self, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
+        let cull = self.picture.cull;
         let Some((shading, sums)) = &mut self.occlusion else {
             return Ok(());
         };
@@ -200,7 +201,7 @@ impl<'a> Slab<'a> {
                 return Err(Error::Interrupted);
             }
             batch.read(part, hits, chunk * SHADED, sums.len());
-            let (colors, _) = batch.shade(shading, sample);
+            let (colors, _) = batch.shade((shading, cull), sample);
             for (sum, color) in sums.iter_mut().zip(colors) {
                 *sum += color.x;
             }
@@ -240,7 +241,7 @@ impl<'a> Slab<'a> {
             } else if kind.is_sample_count() {
                 kind.channel(self.known.counts()?)
             } else if kind.is_alpha() {
-                kind.channel(self.known.means([3])?)
+                kind.channel(self.alpha()?)
             } else if kind.occlusion().is_some() {
                 kind.channel(self.mean_occlusion()?)
             } else if !kind.needs_shade() {
@@ -263,6 +264,20 @@ impl<'a> Slab<'a> {
             bar.draw(&mut means, N, (rows, columns));
         }
         Ok(means)
+    }
+
+    /// The alpha of the colours, lines and bar included.
+    fn alpha(&self) -> Result<Data> {
+        if self.line_color().is_none() && self.bar.is_none() {
+            return self.known.means([3]);
+        }
+        let mut alpha = zeroed::<f32>(self.part.len())?;
+        if let Data::Float32(colors) = self.colors([0, 1, 2, 3])? {
+            for (alpha, color) in alpha.iter_mut().zip(colors.chunks_exact(4)) {
+                *alpha = color[3];
+            }
+        }
+        Ok(Data::Float32(alpha))
     }
 
     /// The lines' colour, if there are lines over the colours.
@@ -339,13 +354,18 @@ impl Batch {
     }
 
     /// Colours and coverage of all.
-    fn shade(&mut self, shade: &dyn Shade, sample: u32) -> (&[Color], &[f64]) {
+    fn shade(
+        &mut self,
+        (shade, cull): (&dyn Shade, Option<Side>),
+        sample: u32,
+    ) -> (&[Color], &[f64]) {
         let count = self.count;
         let samples = Samples {
             rays: &self.rays[..count],
             hits: &self.hits[..count],
             pixels: &self.pixels[..count],
             sample,
+            cull,
         };
         let (colors, coverage) = (&mut self.colors[..count], &mut self.coverage[..count]);
         colors.fill(Color::ZERO);

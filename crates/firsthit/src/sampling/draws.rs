@@ -46,7 +46,13 @@ impl Draws {
         Self { pixel, ..self }
     }
 
-    /// The same with another number to go on from: numbers after `skipped(k)` do not depend on how many were drawn before.
+    /// Those of another sample of the pixel.
+    #[must_use]
+    pub fn of_sample(self, sample: u32) -> Self {
+        Self { sample, ..self }
+    }
+
+    /// The same stream from its set `set` on: numbers after `skipped(k)` do not depend on how many were drawn before.
     pub fn skipped(self, set: u32) -> Self {
         Self { set, ..self }
     }

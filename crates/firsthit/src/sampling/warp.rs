@@ -10,7 +10,7 @@ pub(crate) fn disc(u: DVec2) -> DVec2 {
     let point = 2.0 * u - 1.0;
     let is_along_x = point.x.abs() > point.y.abs();
     let choose = |yes: f64, no: f64| if is_along_x { yes } else { no };
-    // Selections, not branches: which it is nobody can predict.
+    // Selects instead of branching: the branch is unpredictable.
     let (radius, across) = (choose(point.x, point.y), choose(point.y, point.x));
     // The angle from the nearest axis, an eighth of a turn at most; none in the middle.
     let share = across / if radius == 0.0 { 1.0 } else { radius };

@@ -1,16 +1,20 @@
 //! Surfaces that shine, as lights.
 
-use super::light::{Light, LightSample, SphereLight};
-use super::{Object, Scene, SurfaceInteraction};
-use crate::geometry::{DVec2, DVec3, Hit, Ray, SurfaceId, luminance};
+use std::collections::HashSet;
+use std::f64::consts::PI;
+
+use super::light::{Light, LightSample, SphereLight, form_factor};
+use super::{AlphaMode, MapRole, Material, Model, Object, Scene, SurfaceInteraction};
+use crate::geometry::{Color, DVec2, DVec3, Hit, Ray, SurfaceId, is_light, luminance};
 use crate::sampling::distribution::Distribution;
 use crate::sampling::warp;
 use crate::shape::{Mesh, Shape};
 
 /// The surfaces of a scene that shine: triangles and spheres, drawn in proportion to their area and luminance. They shine on both
-/// sides.
+/// sides. Copies of others in the same place are left out: no ray meets them.
 #[derive(Debug, Clone)]
 pub(crate) struct Emitters {
+    /// In the order of objects and primitives.
     surfaces: Vec<SurfaceId>,
     /// Their powers: area times luminance.
     powers: Option<Distribution>,
@@ -24,6 +28,8 @@ impl Emitters {
     pub(super) fn new(scene: &Scene) -> Self {
         let (mut surfaces, mut powers) = (Vec::new(), Vec::new());
         let mut has_others = false;
+        // The places of triangles: of those in one place, a ray meets the first. A mesh with some of its surface cut out has none.
+        let mut places = HashSet::new();
         for (object, number) in scene.objects().iter().zip(0..) {
             if object.is_hidden() || !object.shines() {
                 continue;
@@ -41,12 +47,17 @@ impl Emitters {
             match object.shape() {
                 Shape::Mesh(mesh) => {
                     for (triangle, primitive) in (0..mesh.triangles().len()).zip(0..) {
-                        push(primitive, area(corners(object, mesh, triangle)));
+                        let corners = corners(object, mesh, triangle);
+                        if object.has_cutouts() || places.insert(place(corners)) {
+                            push(primitive, area(corners));
+                        }
                     }
                 }
+                // One in the place of another is a copy of it.
+                Shape::Sphere(_) if scene.duplicates().contains(i32::cast_unsigned(number)) => {}
                 Shape::Sphere(_) => match sphere(object) {
                     Some(SphereLight { radius, .. }) => {
-                        push(0, 4.0 * std::f64::consts::PI * radius * radius);
+                        push(0, 4.0 * PI * radius * radius);
                     }
                     None => has_others = true,
                 },
@@ -94,8 +105,17 @@ impl Emitters {
             let cosine = towards.dot(normal).abs() / (towards.length() * normal.length());
             (towards, weights, pdf * towards.length_squared() / cosine)
         } else {
-            let arriving = Light::from(sphere(object)?).sample(at, u)?;
-            (arriving.towards, DVec2::ZERO, arriving.pdf?)
+            let sphere = sphere(object)?;
+            if is_clear_of(&sphere, at) {
+                let arriving = Light::from(sphere).sample(at, u)?;
+                (arriving.towards, DVec2::ZERO, arriving.pdf?)
+            } else {
+                let normal = warp::cap(u, 2.0);
+                let towards = sphere.center + sphere.radius * normal - at;
+                let length = towards.length();
+                let pdf = pdf_by_area(&sphere, length, towards.dot(normal) / length);
+                (towards, DVec2::ZERO, pdf)
+            }
         };
         if let Shape::Mesh(mesh) = object.shape()
             && object.is_cut_out(mesh, usize::try_from(surface.primitive).ok()?, barycentric)
@@ -111,17 +131,48 @@ impl Emitters {
         let ray = Ray::new(at, towards);
         let met = scene.interaction(&ray, &hit)?;
         let pdf = share * pdf;
-        let light = met.opacity() * met.emitted() / (std::f64::consts::PI * pdf);
-        // Written so that a NaN fails.
-        (light.max_element() > 0.0 && light.is_finite()).then_some((
+        let light = met.opacity() * met.emitted() / (PI * pdf);
+        is_light(light).then_some((
             LightSample {
                 towards,
-                distance: 1.0,
+                distance: BEFORE_END,
                 light,
                 pdf: Some(pdf),
             },
             surface,
         ))
+    }
+
+    /// What a white matte surface takes of all of them, at a point and facing along a normal, where nothing is in the way: the irradiance
+    /// divided by pi. `None` where that takes long: for many, for those with a map, and for what is not sampled.
+    pub(crate) fn irradiance(&self, scene: &Scene, at: DVec3, normal: DVec3) -> Option<Color> {
+        if self.has_others || self.surfaces.len() > MOST_SUMMED {
+            return None;
+        }
+        let mut sum = Color::ZERO;
+        for &SurfaceId { object, primitive } in &self.surfaces {
+            let object = &scene.objects()[usize::try_from(object).ok()?];
+            let material = object.material(primitive)?;
+            let is_even = material.alpha_mode != AlphaMode::Blend
+                && material.maps.get(MapRole::Emission).is_none()
+                && matches!(material.model, Model::Matte(_))
+                && !object.has_cutouts();
+            if !is_even {
+                return None;
+            }
+            let factor = if let Shape::Mesh(mesh) = object.shape() {
+                let corners = corners(object, mesh, usize::try_from(primitive).ok()?);
+                form_factor::of_triangle(corners.map(|corner| corner - at), normal)
+            } else {
+                let sphere = sphere(object).filter(|sphere| is_clear_of(sphere, at))?;
+                let way = sphere.center - at;
+                let sine = sphere.radius / way.length();
+                let half = [sine, (1.0 - sine * sine).sqrt()];
+                form_factor::of_disc(normal.dot(way) / way.length(), half)
+            };
+            sum += factor * material.emission;
+        }
+        Some(sum)
     }
 
     /// How densely [`sample`](Self::sample) puts directions around that of a ray that meets a surface, per steradian; 0 for one that
@@ -130,7 +181,11 @@ impl Emitters {
         let (object, hit) = (surface.object(), surface.hit());
         let luminance = brightness(object, hit.primitive);
         let total = self.total;
-        if luminance <= 0.0 || self.is_empty() {
+        let key = |surface: &SurfaceId| (surface.object, surface.primitive);
+        let found = self
+            .surfaces
+            .binary_search_by_key(&(hit.object, hit.primitive), key);
+        if found.is_err() {
             return 0.0;
         }
         let direction = surface.ray().direction;
@@ -143,27 +198,65 @@ impl Emitters {
                 let Some(light) = sphere(object) else {
                     return 0.0;
                 };
-                let area = 4.0 * std::f64::consts::PI * light.radius * light.radius;
-                let met = Light::from(light).intersect(from, direction);
-                met.map_or(0.0, |met| luminance * area / total * met.pdf)
+                let pdf = if is_clear_of(&light, from) {
+                    let met = Light::from(light).intersect(from, direction);
+                    met.map_or(0.0, |met| met.pdf)
+                } else {
+                    pdf_by_area(&light, length, direction.dot(surface.normal()))
+                };
+                let area = 4.0 * PI * light.radius * light.radius;
+                luminance * area / total * pdf
             }
             _ => 0.0,
         }
     }
 }
 
+/// Of more than so many surfaces irradiance is not summed up.
+const MOST_SUMMED: usize = 64;
+
+/// Rays to a sampled point end so much before it: what is nearer to the surface, as a copy of it may be by rounding, is at its place.
+const BEFORE_END: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
+
 impl Object {
     /// Whether any of its materials shines.
     fn shines(&self) -> bool {
-        let bright = |material: &super::Material| luminance(material.emission) > 0.0;
-        self.materials().iter().any(bright)
+        let materials = self.materials().iter();
+        materials.map(luminance_of).any(|luminance| luminance > 0.0)
+    }
+}
+
+/// The luminance of a material, whatever its map. One that is shown as it is gives no light.
+fn luminance_of(material: &Material) -> f64 {
+    if material.unlit {
+        0.0
+    } else {
+        luminance(material.emission)
     }
 }
 
 /// The luminance of a primitive's material, whatever its map.
 fn brightness(object: &Object, primitive: i32) -> f64 {
-    let material = object.material(primitive);
-    material.map_or(0.0, |material| luminance(material.emission))
+    object.material(primitive).map_or(0.0, luminance_of)
+}
+
+/// What triangles in one place have in common, in whatever order they name their corners.
+fn place(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
+    // Adding zero makes negative zeros positive.
+    let mut place = corners.map(|corner| (corner + DVec3::ZERO).to_array().map(f64::to_bits));
+    place.sort_unstable();
+    place
+}
+
+/// Whether a point is outside of a sphere, and not on it by rounding. From there the part that it sees is drawn; from elsewhere all of the
+/// sphere, evenly by area.
+fn is_clear_of(sphere: &SphereLight, at: DVec3) -> bool {
+    (at - sphere.center).length() > (1.0 + 1e-9) * sphere.radius
+}
+
+/// How densely points that are drawn evenly of a sphere's area lie in a direction, per steradian.
+fn pdf_by_area(sphere: &SphereLight, length: f64, cosine: f64) -> f64 {
+    length * length / (4.0 * PI * sphere.radius * sphere.radius * cosine.abs())
 }
 
 /// The corners of a triangle in the world.

@@ -46,6 +46,7 @@ pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};
 
 pub(crate) use duplicates::Duplicates;
 pub(crate) use emitters::Emitters;
+pub(crate) use light::form_factor;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;

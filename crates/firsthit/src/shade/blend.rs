@@ -8,11 +8,11 @@
 
 use super::found::first_hits;
 use super::{Samples, Shading, stream};
-use crate::geometry::{Color, Hit, Ray, RayFilter};
+use crate::geometry::{Color, Hit, Ray, RayFilter, Side};
 use crate::sampling::Draws;
 use crate::scene::SurfaceInteraction;
 
-/// So many translucent surfaces a ray goes through at most.
+/// The most translucent surfaces that a ray goes through.
 const MOST: u32 = 256;
 
 /// Less than this share of light is as none: a tenth of what a picture of 16 bits shows.
@@ -56,7 +56,7 @@ pub(super) fn compose(
         }
     }
     for layer in 0..MOST {
-        go_on(shading, &mut seen);
+        go_on(shading, samples.cull, &mut seen);
         if seen.is_empty() {
             return;
         }
@@ -87,10 +87,11 @@ pub(super) fn compose(
 }
 
 /// Takes rays to what is behind the surfaces that they have met.
-fn go_on(shading: &Shading<'_>, seen: &mut [Seen]) {
+fn go_on(shading: &Shading<'_>, cull: Option<Side>, seen: &mut [Seen]) {
     let on = seen.iter().filter_map(|seen| {
         let surface = shading.scene.interaction(&seen.ray, &seen.hit)?;
-        Some(onwards(&surface))
+        let (ray, filter) = onwards(&surface);
+        Some((ray, RayFilter { cull, ..filter }))
     });
     let (rays, filters): (Vec<Ray>, Vec<RayFilter>) = on.unzip();
     let hits = first_hits(shading, &rays, &filters);

@@ -23,7 +23,7 @@ impl Crossings {
         let mut all = AllHits::default();
         let into = (All::default(), &mut all);
         let traced = trace_into(shading.engine, shading.scene, &shot[..], into, &());
-        debug_assert!(traced.is_ok(), "nobody stops it");
+        debug_assert!(traced.is_ok(), "no watch can stop it");
         let AllHits { offsets, hits } = all;
         let counts = offsets.windows(2).map(|ends| ends[1] - ends[0]);
         let rays = shot.iter().zip(counts);

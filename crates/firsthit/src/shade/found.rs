@@ -14,7 +14,7 @@ pub(super) fn first_hits(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFilt
         let rays = Filtered::each(rays, filters);
         let answers = (First, &mut hits);
         let traced = trace_into(shading.engine, shading.scene, &rays, answers, &());
-        debug_assert!(traced.is_ok(), "nobody stops it");
+        debug_assert!(traced.is_ok(), "no watch can stop it");
     }
     hits
 }

@@ -5,8 +5,10 @@ use std::f64::consts::PI;
 use super::light_rig::taken_by_white;
 use super::shadow::ShadowRays;
 use super::vertex::power_heuristic;
-use super::{Samples, Shading, stream};
-use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, RayFilter, SurfaceId, unit};
+use super::{Shading, stream};
+use crate::geometry::{
+    Bounds, Color, DVec2, DVec3, Hit, Ray, RayFilter, SurfaceId, is_light, unit,
+};
 use crate::sampling::{Draws, warp};
 use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
 
@@ -39,19 +41,19 @@ impl Ground {
     pub(super) fn shade(
         &self,
         shading: &Shading<'_>,
-        samples: &Samples<'_>,
+        (rays, hits, draws): (&[Ray], &[Hit], &[Draws]),
         colors: &mut [Color],
         coverage: &mut [f64],
     ) {
         let up = unit(self.up);
         let mut points = Vec::new();
-        for (k, (ray, hit)) in samples.rays.iter().zip(samples.hits).enumerate() {
+        for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
             let crossed = || self.crossed(up, ray);
             if let Some(position) = hit.is_miss().then(crossed).flatten() {
                 points.push(Point {
                     sample: k,
                     position,
-                    draws: samples.draws(k),
+                    draws: draws[k],
                 });
             }
         }
@@ -86,9 +88,9 @@ struct Point {
 
 /// The light at points of the ground: how much would be there without anything, and how much of that is missing.
 ///
-/// Missing light is sampled: it is the light of those rays towards lights that something blocks. The full light is known, or nearly so, and
-/// does not depend on the sample. So the mean over samples of their ratio is the share that is missing, although a single sample may
-/// say more than 1.
+/// Missing light is sampled: it is the light of those rays towards lights that something blocks. The full light is known, or estimated
+/// from points that are the same for all samples of a pixel. So the mean over samples of their ratio is the share that is missing,
+/// although a single sample may say more than 1.
 struct Shadows {
     missing: Vec<Color>,
     full: Vec<Color>,
@@ -105,7 +107,9 @@ impl Shadows {
         };
         shadows.add_lights(shading, up, points);
         shadows.add_emitters(shading, up, points);
-        let has_light = !shading.scene.lights().is_empty() || !shading.scene.emitters().is_empty();
+        let emitters = shading.scene.emitters();
+        let has_emitters = !emitters.is_empty() || emitters.has_others();
+        let has_light = !shading.scene.lights().is_empty() || has_emitters;
         match shading.scene.environment() {
             Some(environment) => shadows.add_environment(shading, environment, up, points),
             // Where nothing shines, as for shaders without light, it is as under a white sky.
@@ -122,9 +126,9 @@ impl Shadows {
         let mut rays = BlockedRays::new(self.blocking);
         for light in shading.scene.lights() {
             let (key, prepared) = (light.key(), light.prepared());
-            // A sun is the same everywhere.
+            // A sun is the same everywhere, and has a closed form.
             let everywhere = matches!(light, Light::Directional(_))
-                .then(|| taken_by_white(light, (DVec3::ZERO, up), SIDE_OF_SUN));
+                .then(|| taken_by_white(light, (DVec3::ZERO, up), 1));
             if everywhere == Some(Color::ZERO) {
                 continue;
             }
@@ -150,11 +154,19 @@ impl Shadows {
         let mut rays = BlockedRays::new(self.blocking);
         for (index, point) in points.iter().enumerate() {
             let mut draws = point.draws.split(stream::EMITTERS);
-            let mut drawn = || emitters.sample(shading.scene, point.position, draws.three());
-            if let Some((arriving, surface)) = drawn() {
+            let drawn = emitters.sample(shading.scene, point.position, draws.three());
+            if let Some((arriving, surface)) = drawn {
                 rays.push(point, index, up, Some(&arriving), Some(surface));
             }
-            let taken = (0..DRAWS_OF_EMITTERS).filter_map(|_| drawn());
+            if let Some(known) = emitters.irradiance(shading.scene, point.position, up) {
+                self.full[index] += known;
+                continue;
+            }
+            // Those of the pixel's first samples, for every sample: so their error does not depend on what the sample finds.
+            let taken = (0..DRAWS_OF_EMITTERS).filter_map(|sample| {
+                let mut draws = point.draws.of_sample(sample).split(stream::EMITTERS);
+                emitters.sample(shading.scene, point.position, draws.three())
+            });
             let taken: Color = taken.map(|(arriving, _)| taken_of(&arriving, up)).sum();
             self.full[index] += taken / f64::from(DRAWS_OF_EMITTERS);
         }
@@ -248,12 +260,8 @@ fn taken_of(arriving: &LightSample, up: DVec3) -> Color {
     unit(arriving.towards).dot(up).max(0.0) * arriving.light
 }
 
-/// The points of a light that what the ground takes of it is known by, along each side of a square grid: of a sun, which is the same
-/// everywhere.
-const SIDE_OF_SUN: u32 = 16;
-
-/// The same of other lights: more where a light is seen large, and its points are at different distances. What the ground takes is off by
-/// less than a hundredth.
+/// The side of the grid of a light's points over which its light is summed: more where a light is seen large, and its points are at different
+/// distances. What the ground takes is off by less than a hundredth.
 fn side(light: &Light, point: &Point) -> u32 {
     let middle = light.sample(point.position, DVec2::splat(0.5));
     let solid_angle = middle.and_then(|middle| middle.pdf).map_or(0.0, f64::recip);
@@ -264,8 +272,8 @@ fn side(light: &Light, point: &Point) -> u32 {
     }
 }
 
-/// As many points of surfaces that shine tell what the ground takes of them.
-const DRAWS_OF_EMITTERS: u32 = 16;
+/// How many points of emissive surfaces say what the ground takes of them where nothing is in the way.
+const DRAWS_OF_EMITTERS: u32 = 32;
 
 /// Rays towards light, and what is missing where something blocks them: what they would bring is taken from the sum, and what arrives is
 /// given back.
@@ -320,8 +328,7 @@ impl BlockedRays {
             return;
         }
         let brought = brought();
-        // Written so that a NaN fails.
-        if brought.element_sum() > 0.0 {
+        if is_light(brought) {
             let mut filter = RayFilter::NONE;
             filter.skip[1] = end;
             self.rays.push((ray, filter), self.brought.len(), brought);

@@ -1,11 +1,10 @@
 //! Light for pictures of what has none of its own.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::camera::Camera;
 use crate::geometry::{Color, DVec2, DVec3, named, unit};
-use crate::scene::{DirectionalLight, Environment, EnvironmentKind, Light};
+use crate::scene::{DirectionalLight, Environment, EnvironmentKind, Light, form_factor};
 
 named! {
     /// A set of lights that goes with the camera.
@@ -141,12 +140,13 @@ fn lit(camera: &Camera, up: DVec3, lamps: &[Lamp], sky: Option<&Sky>) -> Lightin
     }
 }
 
-/// What a white surface takes of a light at a point, facing along a normal: the mean over an even grid of the light's points, since some
-/// may be behind the surface.
+/// What a white surface takes of a light at a point, facing along a normal. A sun has a closed form. For other lights with a size it is the
+/// mean over an even grid of their points, `side` by `side`, since some may be behind the surface.
 pub(super) fn taken_by_white(light: &Light, (at, normal): (DVec3, DVec3), side: u32) -> Color {
     if let Light::Directional(sun) = light {
         let cosine = -unit(sun.direction).dot(normal);
-        return taken_of_sun(cosine, sun.angle_degrees) * sun.color;
+        let half = libm::sincos((0.5 * sun.angle_degrees).to_radians());
+        return form_factor::of_disc_to_facing(cosine, half.into()) * sun.color;
     }
     if !light.has_size() {
         let arriving = light.sample(at, DVec2::splat(0.5));
@@ -164,60 +164,10 @@ pub(super) fn taken_by_white(light: &Light, (at, normal): (DVec3, DVec3), side: 
     taken.sum::<Color>() / f64::from(side * side)
 }
 
-/// What a white surface takes of a round sun of that diameter, as a share of what it takes when it faces the sun, by the cosine to the
-/// sun's middle. Where the horizon cuts the sun, it is the form factor of the part above it (Snyder, "Area Light Sources for Real-Time
-/// Graphics", Microsoft Research MSR-TR-96-11, 1996).
-fn taken_of_sun(cosine: f64, degrees: f64) -> f64 {
-    let [edge, inner] = <[f64; 2]>::from(libm::sincos((0.5 * degrees).to_radians()));
-    if cosine >= edge {
-        // All of it is above the surface: then it is as if all came from its middle.
-        return cosine;
-    }
-    if cosine <= -edge {
-        return 0.0;
-    }
-    let sine = (1.0 - cosine * cosine).sqrt();
-    let x = inner / edge;
-    let y = -x * cosine / sine;
-    let across = sine * (1.0 - y * y).max(0.0).sqrt();
-    let facing = cosine * libm::acos(y.clamp(-1.0, 1.0)) - x * across;
-    (facing + libm::atan2(across, x) / (edge * edge)) / PI
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sampling::Draws;
-
-    /// Above the horizon, cut by it, and below, beside the mean over a fine grid of the sun's points.
-    #[test]
-    fn what_a_surface_takes_of_a_sun_is_the_mean_over_the_sun() {
-        for degrees in [0.5, 10.0, 60.0, 120.0, 180.0] {
-            let half: f64 = 0.5 * degrees;
-            for share in [-1.2, -0.99, -0.5, 0.0, 0.4, 0.9, 1.2] {
-                let elevation: f64 = (share * half).clamp(-90.0, 90.0);
-                let (sine, cosine) = elevation.to_radians().sin_cos();
-                let sun = Light::Directional(DirectionalLight {
-                    direction: -DVec3::new(cosine, 0.0, sine),
-                    color: Color::ONE,
-                    angle_degrees: degrees,
-                });
-                let taken = taken_by_white(&sun, (DVec3::ZERO, DVec3::Z), 1);
-                const SIDE: u32 = 400;
-                let points = (0..SIDE * SIDE).map(|cell| {
-                    let cell = DVec2::from([cell % SIDE, cell / SIDE].map(f64::from));
-                    (cell + 0.5) / f64::from(SIDE)
-                });
-                let each = points.filter_map(|point| sun.sample(DVec3::ZERO, point));
-                let each = each.map(|sample| sample.towards.z.max(0.0) * sample.light.x);
-                let mean = each.sum::<f64>() / f64::from(SIDE * SIDE);
-                assert!(
-                    (taken.x - mean).abs() < 1e-4 * (1.0 + mean),
-                    "{degrees} {share}: {taken} {mean}"
-                );
-            }
-        }
-    }
 
     /// A white matte surface takes the mean over the light's directions of light and cosine, and of a sky the mean over cosines.
     #[test]

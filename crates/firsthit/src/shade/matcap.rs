@@ -77,14 +77,15 @@ impl Matcap {
     /// The colour of a surface with a normal of length one in the frame of the ray. With the light's direction l and the direction h
     /// half way between l and back:
     ///
-    /// `((dark + (bright - dark) w^2) color + gloss max(0, n . h)^20) (1 - rim (1 - n_z)^2)`, where `w = (1 + n . l) / 2`
+    /// `((dark + (bright - dark) w^2) color + gloss max(0, n . h)^20) (1 - rim (1 - max(0, n_z))^2)`, where `w = (1 + n . l) / 2`
     fn painted(&self, color: Color, normal: DVec3) -> Color {
         let light = DVec3::new(-0.48, 0.64, 0.6);
         let halfway = unit(light + DVec3::Z);
         let wrapped = normal.dot(light).midpoint(1.0);
         let matte = self.dark.lerp(self.bright, wrapped * wrapped);
         let highlight = self.gloss * libm::pow(normal.dot(halfway).max(0.0), 20.0);
-        let away = 1.0 - normal.z;
+        // Smooth normals may face away.
+        let away = 1.0 - normal.z.max(0.0);
         (matte * color + highlight) * (1.0 - self.rim * away * away)
     }
 }
@@ -112,6 +113,9 @@ mod tests {
         let matte = matcap.dark + (matcap.bright - matcap.dark) * 0.64;
         let highlight = matcap.gloss * libm::pow(1.6 / 3.2_f64.sqrt(), 20.0);
         assert!((facing - (matte + highlight)).length() < 1e-14, "{facing}");
+        // A smooth normal may look away from the viewer.
+        let away = Matcap { rim: 1.0, ..matcap };
+        assert_eq!(away.painted(Color::ONE, DVec3::NEG_Z), Color::ZERO);
         let edge = matcap.painted(Color::ONE, DVec3::NEG_Y);
         let matte = matcap.dark + (matcap.bright - matcap.dark) * 0.0324;
         assert!(

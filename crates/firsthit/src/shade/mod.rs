@@ -35,7 +35,7 @@ pub use xray::Xray;
 
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
-use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Value, kinds};
+use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Side, Value, kinds};
 use crate::sampling::Draws;
 #[cfg(feature = "frame")]
 use crate::scene::ColorBy;
@@ -115,6 +115,8 @@ pub struct Samples<'a> {
     pub pixels: &'a [u64],
     /// Which sample of its pixel each ray is, from 0 on.
     pub sample: u32,
+    /// The side of surfaces that the rays pass through, and so do those that go on through translucent surfaces.
+    pub cull: Option<Side>,
 }
 
 impl Samples<'_> {
@@ -124,7 +126,7 @@ impl Samples<'_> {
     }
 }
 
-/// Whose numbers are drawn: each has its own of a sample, see [`Draws::split`]. Lights have those of their settings.
+/// Streams of random numbers: each technique draws from its own (see [`Draws::split`]). The stream of a light comes from its settings.
 mod stream {
     pub(super) const EMITTERS: u64 = 1;
     pub(super) const ENVIRONMENT: u64 = 2;
@@ -184,7 +186,7 @@ macro_rules! shaded {
 }
 
 shaders! {
-    /// Lit by lights and by the environment, with soft shadows; of reflections those of lights and of the environment.
+    /// Direct light from lights, emissive surfaces and the environment, with soft shadows; mirrors show only these.
     "direct" => Direct(Direct), true, direct::shade;
     /// Light by any number of surfaces: reflections, refractions, and light that surfaces throw at each other.
     "path" => Path(Path), true, path::shade;
@@ -392,6 +394,9 @@ impl Shading<'_> {
             colors[k] = color;
             coverage[k] = covered;
         }
+        if let Some(ground) = &self.ground {
+            ground.shade(self, (rays, hits, draws), colors, coverage);
+        }
     }
 }
 
@@ -411,13 +416,21 @@ impl Shade for Shading<'_> {
     #[cfg(feature = "frame")]
     fn recipe(&self) -> Option<Recipe> {
         let mut digest = Digest::default();
-        digest.word("firsthit shading 2");
+        digest.word("firsthit shading 3");
         digest.word(self.shader.name());
         for (_, value) in self.shader.settings() {
             value.digest(&mut digest);
         }
         self.scene.digest_light(&mut digest);
         self.background.digest(&mut digest);
+        digest.vector(self.upwards);
+        digest.vector(self.scene.up());
+        let environment = self.scene.environment();
+        digest.word(match environment.map(|environment| environment.is_seen) {
+            None => "no environment",
+            Some(true) => "seen",
+            Some(false) => "unseen",
+        });
         if let Some(Ground { point, up }) = self.ground {
             digest.word("ground");
             digest.vector(point);
@@ -441,6 +454,7 @@ impl Shade for Shading<'_> {
             hits: &[hit],
             pixels: &[0],
             sample: 0,
+            cull: None,
         };
         let mut color = [Color::ZERO];
         self.shade_all(&samples, &mut color, &mut [0.0]);
@@ -452,9 +466,6 @@ impl Shade for Shading<'_> {
         self.shade_hits((samples.rays, samples.hits, &draws), colors, coverage);
         if self.scene.has_translucent() && !self.shader.sees_through() {
             blend::compose(self, samples, colors, coverage);
-        }
-        if let Some(ground) = &self.ground {
-            ground.shade(self, samples, colors, coverage);
         }
     }
 }

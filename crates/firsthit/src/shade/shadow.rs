@@ -59,7 +59,7 @@ impl ShadowRays {
         let rays = Filtered::each(&self.rays, &self.filters);
         let answers = Answers::Any(&mut blocked);
         let traced = shading.engine.trace(shading.scene, &rays, answers, &());
-        debug_assert!(traced.is_ok(), "nobody stops it");
+        debug_assert!(traced.is_ok(), "no watch can stop it");
         blocked
     }
 }

@@ -2,7 +2,7 @@
 
 use super::shadow::ShadowRays;
 use super::{Points, Shading, stream};
-use crate::geometry::{Color, DVec3, Ray, RayFilter, unit};
+use crate::geometry::{Color, DVec3, Ray, RayFilter, is_light, unit};
 use crate::sampling::Draws;
 use crate::scene::{Bsdf, LightSample, SurfaceInteraction};
 
@@ -101,7 +101,7 @@ impl Vertex {
 
     /// The contribution of a sampled light if nothing is in its way; `None` for none. It is weighted where the surface's BSDF-sampled rays
     /// may meet the light too.
-    fn seen(&self, arriving: &LightSample) -> Option<Color> {
+    pub(super) fn seen(&self, arriving: &LightSample) -> Option<Color> {
         let towards = unit(arriving.towards);
         let mut light = self.throughput * self.bsdf.value(towards) * arriving.light;
         let absorption = self.absorption_towards(towards);
@@ -113,8 +113,8 @@ impl Vertex {
             _ => 1.0,
         };
         let light = share * light;
-        // Written so that a NaN (the point is where the light is) fails.
-        (light.max_element() > 0.0 || light.min_element() < 0.0).then_some(light)
+        // It is none where the point is where the light is.
+        is_light(light).then_some(light)
     }
 }
 
@@ -195,7 +195,7 @@ pub(super) fn add_direct_light(
             let own = vertex.bsdf.pdf(towards);
             let share = arriving.pdf.map_or(1.0, |pdf| power_heuristic(pdf, own));
             let light = share * vertex.occlusion * value;
-            if light.max_element() > 0.0 {
+            if is_light(light) {
                 let (ray, filter) = vertex.ray(towards);
                 rays.push((ray.up_to(reach), filter), vertex.sum, light);
             }

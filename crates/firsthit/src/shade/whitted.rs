@@ -6,7 +6,7 @@ use super::found::{BsdfRay, first_hits};
 use super::shadow::ShadowRays;
 use super::vertex::{Vertex, Way, transmittance};
 use super::{Points, Shading};
-use crate::geometry::{Color, DVec2, Domain, Hit, Ray, RayFilter, settings, unit};
+use crate::geometry::{Color, DVec2, Domain, Hit, Ray, RayFilter, settings};
 use crate::sampling::Draws;
 use crate::scene::{BsdfSample, SurfaceInteraction};
 
@@ -138,14 +138,11 @@ fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &
     for light in shading.scene.lights() {
         let light = light.prepared();
         for Seen { vertex, .. } in seen {
-            let arriving = light.sample(vertex.position, DVec2::splat(0.5));
-            let Some(arriving) = arriving else { continue };
-            let value = vertex.bsdf.value(unit(arriving.towards));
-            let light = vertex.throughput * value * arriving.light;
-            // Written so that a NaN fails.
-            if light.max_element() > 0.0 {
-                let (ray, filter) = vertex.ray(arriving.towards);
-                rays.push((ray.up_to(arriving.distance), filter), vertex.sum, light);
+            let sample = light.sample(vertex.position, DVec2::splat(0.5));
+            let seen = sample.and_then(|sample| Some((sample, vertex.seen(&sample)?)));
+            if let Some((sample, light)) = seen {
+                let (ray, filter) = vertex.ray(sample.towards);
+                rays.push((ray.up_to(sample.distance), filter), vertex.sum, light);
             }
         }
         rays.add_to(colors, shading, settings.shadows);

@@ -227,3 +227,51 @@ fn the_coverage_of_wide_lines_can_be_interrupted() {
     let made = lines.coverage(0..SIDE, 0..SIDE, &watch);
     assert!(matches!(made, Err(Error::Interrupted)), "{made:?}");
 }
+
+/// Before a transparent background a line is as opaque as it covers: in the colours' own alpha and in the channel of that name.
+#[test]
+fn the_alpha_channel_is_that_of_the_colours_with_their_lines() {
+    let scene = example::scene().unwrap();
+    let camera = example::camera(60, 80).unwrap();
+    let shade = firsthit::Shading {
+        background: firsthit::Background::Transparent,
+        ..Shader::named("unlit").unwrap().on(&scene)
+    };
+    let kinds = ["color", "alpha", "object"].map(|name| kind(name).unwrap());
+    let edges = Edges {
+        width: 3.0,
+        ..Edges::default()
+    };
+    let of = |edges| {
+        let picture = Picture {
+            edges,
+            ..Picture::new(&scene, &camera, &shade, &kinds)
+        };
+        let frame = picture.render(&()).unwrap();
+        let values = |channel: usize, index| frame.channels()[channel].data.value(index);
+        let pixels = 0..60 * 80;
+        let alphas: Vec<f64> = pixels.clone().map(|pixel| values(1, pixel)).collect();
+        let colors: Vec<f64> = pixels
+            .clone()
+            .map(|pixel| values(0, 4 * pixel + 3))
+            .collect();
+        let misses: Vec<bool> = pixels.map(|pixel| values(2, pixel) < 0.0).collect();
+        (alphas, colors, misses)
+    };
+    let (plain, colors, misses) = of(None);
+    assert_eq!(plain, colors);
+    assert!(
+        plain
+            .iter()
+            .zip(&misses)
+            .all(|(&alpha, &miss)| !miss || alpha == 0.0)
+    );
+    let (alphas, colors, misses) = of(Some(edges));
+    assert_eq!(alphas, colors);
+    assert!(
+        alphas
+            .iter()
+            .zip(&misses)
+            .any(|(&alpha, &miss)| miss && alpha > 0.5)
+    );
+}

@@ -6,6 +6,7 @@
 )]
 #![cfg(feature = "io")]
 
+mod emitters;
 mod metamorphic;
 mod oracles;
 mod passage;
@@ -53,6 +54,7 @@ fn seen(shading: &Shading<'_>, rays: &[Ray], samples: u32) -> Vec<(Color, Color)
             hits: &hits,
             pixels: &pixels,
             sample,
+            cull: None,
         };
         let mut colors = vec![Color::ZERO; rays.len()];
         let mut coverage = vec![1.0; rays.len()];

@@ -195,3 +195,37 @@ fn many_panes_end() {
     let got = means(&scene, shader("whitted", &settings), &ray, 1)[0].x;
     assert!(got > 0.5 && got <= 1.0 + 1e-12, "{got}");
 }
+
+/// A floor and a point light inside of coloured matter of index 1: on the way from the light to the floor, too, some is absorbed.
+#[test]
+fn light_is_absorbed_on_its_way_to_what_it_lights() {
+    let absorption = Color::new(0.5, 0.2, 0.0);
+    let glass = Glass {
+        ior: 1.0,
+        absorption,
+    };
+    let glass = Material {
+        model: Model::Glass(glass),
+        ..Material::default()
+    };
+    let objects = vec![
+        ball(DVec3::ZERO, 3.0, glass),
+        quad(0.0, 1.0).with_materials([matte(1.0)]),
+    ];
+    let light = firsthit::scene::PointLight {
+        position: DVec3::new(0.0, 0.0, 1.5),
+        intensity: Color::ONE,
+    };
+    let scene = Scene::new(objects).unwrap().with_lights(vec![light.into()]);
+    let ray = [Ray::new(DVec3::new(0.01, 0.02, 9.0), DVec3::NEG_Z)];
+    let expected = (-4.5 * absorption).map(libm::exp) / 2.25;
+    for name in ["path", "whitted"] {
+        let mut shader = shader(name, &[]);
+        if name == "whitted" {
+            let black = firsthit::geometry::Value::Vector(DVec3::ZERO);
+            shader.set("ambient", black).unwrap();
+        }
+        let got = means(&scene, shader, &ray, 4)[0];
+        assert!((got - expected).length() < 1e-3, "{name}: {got} {expected}");
+    }
+}

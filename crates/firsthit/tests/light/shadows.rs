@@ -266,3 +266,29 @@ fn the_ground_shows_shadows_of_lamps_and_of_what_shines() {
         assert!((got - 0.5).abs() < 0.02, "{what} {got}");
     }
 }
+
+/// A translucent pane in front of the ground: its shadow is seen through the pane as beside it.
+#[test]
+fn the_ground_is_seen_through_translucent_surfaces() {
+    let pane = Material {
+        alpha: 0.25,
+        alpha_mode: firsthit::scene::AlphaMode::Blend,
+        ..matte(0.0)
+    };
+    let environment = Environment {
+        is_seen: false,
+        ..Environment::new(EnvironmentKind::Uniform(Color::ONE))
+    };
+    let environment = Some(Arc::new(environment));
+    // Upright, across the ray and far from the point of the ground that it ends at.
+    let pane = Object::new(Disc::new(DVec3::new(2.9, 0.0, 0.19), DVec3::X, 0.01).unwrap())
+        .with_materials([pane]);
+    let plain = Scene::new(vec![disc()]).unwrap();
+    let plain = plain.with_environment(environment.clone());
+    let with_pane = Scene::new(vec![disc(), pane]).unwrap();
+    let with_pane = with_pane.with_environment(environment);
+    let beside = ground_seen(&plain, DVec3::ZERO, 2048);
+    let through = ground_seen(&with_pane, DVec3::ZERO, 2048);
+    assert!((beside - 0.5).abs() < 0.01, "{beside}");
+    assert!((through - 0.75 * beside).abs() < 0.01, "{through} {beside}");
+}

@@ -1,10 +1,10 @@
 //! How much light of an environment a surface takes that nothing hides it from.
 
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::{Environment, EnvironmentKind};
-use crate::geometry::{Color, DVec3, unit};
+use crate::geometry::{Color, DMat3, DVec3, unit};
 use crate::sampling::{Draws, warp};
 
 /// The irradiance of one normal, computed when it is first asked for: it takes milliseconds.
@@ -53,12 +53,22 @@ impl Environment {
                 zenith,
                 up,
             } => horizon.lerp(*zenith, both_cosines(normal.dot(unit(*up)))),
-            EnvironmentKind::Map { map, .. } => map
-                .irradiance_cache()
-                .get(normal, |normal| self.summed(normal)),
+            EnvironmentKind::Map {
+                map,
+                world_from_map,
+            } => {
+                // In the map's own frame: environments that turn it differently share what is kept.
+                let own = Self::new(EnvironmentKind::Map {
+                    map: Arc::clone(map),
+                    world_from_map: DMat3::IDENTITY,
+                });
+                let normal = world_from_map.transpose() * normal;
+                map.irradiance_cache()
+                    .get(normal, |normal| own.summed(normal))
+            }
             EnvironmentKind::Daylight(daylight) => daylight
                 .irradiance_cache()
-                .get(normal, |normal| self.summed(normal)),
+                .get(normal, |normal| Self::new(self.kind.clone()).summed(normal)),
         }
     }
 
@@ -67,15 +77,11 @@ impl Environment {
     /// 1995: the balance heuristic).
     fn summed(&self, normal: DVec3) -> Color {
         const COUNT: u32 = 1 << 14;
-        let own = Self {
-            strength: 1.0,
-            ..self.clone()
-        };
         let brought = |towards: DVec3| {
             let cosine = towards.dot(normal).max(0.0);
-            let pdf = cosine / PI + own.pdf(towards);
+            let pdf = cosine / PI + self.pdf(towards);
             if pdf > 0.0 {
-                (cosine / (PI * pdf)) * own.radiance(towards)
+                (cosine / (PI * pdf)) * self.radiance(towards)
             } else {
                 Color::ZERO
             }
@@ -84,7 +90,7 @@ impl Environment {
         for sample in 0..COUNT {
             let u = Draws::new(0, sample).two();
             sum += brought(warp::around(normal, warp::cosine_hemisphere(u)));
-            if let Some(drawn) = own.sample(u) {
+            if let Some(drawn) = self.sample(u) {
                 sum += brought(unit(drawn.towards));
             }
         }
@@ -122,6 +128,26 @@ mod tests {
             sum += towards.dot(normal).max(0.0) * environment.radiance(towards);
         }
         sum * (4.0 / f64::from(SIDE * SIDE))
+    }
+
+    /// What is kept of a map is of its own frame: environments that turn it differently share it.
+    #[test]
+    fn a_map_that_is_turned_keeps_nothing_of_another_turn() {
+        let texels = (0..32).map(|k| [if k == 9 { 60.0 } else { 0.1 }; 3]);
+        let map = Arc::new(EnvironmentMap::new(8, 4, texels.collect::<Vec<_>>()).unwrap());
+        for degrees in [0.0, 90.0, 180.0] {
+            let turn = crate::geometry::rotation(DVec3::X, degrees);
+            let kind = EnvironmentKind::of_map(Arc::clone(&map), DVec3::Z, &turn);
+            let environment = Environment::new(kind);
+            let (got, expected) = (
+                environment.irradiance(DVec3::Z),
+                by_cells(&environment, DVec3::Z),
+            );
+            assert!(
+                (got / expected - 1.0).length() < 0.02,
+                "{degrees}: {got} {expected}"
+            );
+        }
     }
 
     #[test]

@@ -27,16 +27,18 @@ impl SurfaceInteraction<'_> {
         }
     }
 
-    /// The radiance that the surface gives off, on both sides.
+    /// The radiance that the surface gives off to the ray, on both sides: a clear coat keeps some of it back, and a material that is shown
+    /// as it is gives off none.
     pub fn emitted(&self) -> Color {
         let Some(material) = self.material() else {
             return Color::ZERO;
         };
-        if material.emission == Color::ZERO {
+        if material.emission == Color::ZERO || material.unlit {
             return Color::ZERO;
         }
         let map = self.mapped(MapRole::Emission);
-        material.emission * map.map_or(Color::ONE, |[r, g, b, _]| Color::new(r, g, b))
+        let map = map.map_or(Color::ONE, |[r, g, b, _]| Color::new(r, g, b));
+        (1.0 - material.model.coat_share(self)) * material.emission * map
     }
 
     /// The alpha: the material's, times its map's, times the mesh's own. Whether it means anything is the alpha mode's to say.

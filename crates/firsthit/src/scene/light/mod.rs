@@ -2,6 +2,7 @@
 
 mod directional;
 mod disc;
+pub(crate) mod form_factor;
 mod point;
 mod rectangle;
 mod sphere;

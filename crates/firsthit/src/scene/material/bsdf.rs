@@ -13,12 +13,13 @@ mod tests;
 
 use std::f64::consts::PI;
 
+pub(super) use coat::coat_share;
 pub(super) use frame::Frame;
 pub(super) use layered::Layers;
 
 use layered::Layered;
 
-use crate::geometry::{Color, DVec2, DVec3, unit};
+use crate::geometry::{Color, DVec2, DVec3, is_light, unit};
 use crate::sampling::warp;
 use crate::scene::SurfaceInteraction;
 
@@ -57,8 +58,7 @@ pub struct BsdfSample {
 impl BsdfSample {
     /// The only direction of its kind; `None` without light.
     fn single(towards: DVec3, weight: Color) -> Option<Self> {
-        // Written so that a NaN fails.
-        (weight.max_element() > 0.0).then_some(Self {
+        is_light(weight).then_some(Self {
             towards,
             weight,
             pdf: None,

@@ -1,7 +1,7 @@
 //! glTF's materials: metallic-roughness with most of its extensions.
 
-use super::bsdf::{Bsdf, Frame, Layers};
-use crate::geometry::{Color, Domain, settings};
+use super::bsdf::{Bsdf, Frame, Layers, coat_share};
+use crate::geometry::{Color, Domain, settings, unit};
 use crate::scene::{MapRole, SurfaceInteraction};
 
 settings! {
@@ -45,13 +45,26 @@ const G: usize = 1;
 const B: usize = 2;
 const A: usize = 3;
 
+/// A factor, times what a channel of a map says where there is one.
+fn number(surface: &SurfaceInteraction<'_>, role: MapRole, channel: usize, factor: f64) -> f64 {
+    let map = surface.mapped(role);
+    map.map_or(factor, |value| factor * value[channel])
+}
+
 impl MetalRough {
+    /// The share of light that the coat reflects to whoever looks (`KHR_materials_clearcoat`, with the coat's own normal).
+    pub(super) fn coat_share(&self, surface: &SurfaceInteraction<'_>) -> f64 {
+        let weight = number(surface, MapRole::Clearcoat, R, self.clearcoat);
+        if weight <= 0.0 {
+            return 0.0;
+        }
+        let normal = surface.mapped_coat_normal(self.clearcoat_normal_scale, 1.0);
+        let normal = normal.unwrap_or_else(|| unit(surface.shading_normal()));
+        coat_share(weight, unit(surface.ray().direction).dot(normal).abs())
+    }
+
     pub(super) fn bsdf(&self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
-        let number = |role, channel: usize, factor: f64| {
-            surface
-                .mapped(role)
-                .map_or(factor, |value| factor * value[channel])
-        };
+        let number = |role, channel, factor| number(surface, role, channel, factor);
         let color = |role, factor: Color| {
             surface
                 .mapped(role)

@@ -31,6 +31,14 @@ macro_rules! models {
             pub(super) fn bsdf(&self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
                 match self { $(Self::$kind(settings) => settings.bsdf(surface, frame, side),)* }
             }
+
+            /// The share of light that a clear coat on it reflects to whoever looks, and keeps back of what comes from below.
+            pub(in crate::scene) fn coat_share(&self, surface: &SurfaceInteraction<'_>) -> f64 {
+                match self {
+                    Self::MetalRough(settings) => settings.coat_share(surface),
+                    Self::Matte(_) | Self::Glass(_) => 0.0,
+                }
+            }
         }
 
         $(impl From<$kind> for Model {

@@ -31,9 +31,8 @@ impl Frame {
         towards.dot(self.normal).max(0.0) * self.share(towards)
     }
 
-    /// The same place with its normal above the surface, and bent so far that a mirror would show what is above the surface, as it has to (Keller and others,
-    /// "The Iray Light Transport Simulation and Rendering System", 2017). Smooth normals and normal maps need it where the surface is seen
-    /// from the side. It leaves the normal of the face as it is.
+    /// Bends the shading normal so that the mirror direction is above the face (Keller and others, "The Iray Light Transport Simulation and
+    /// Rendering System", 2017). Smooth normals and normal maps need it where the surface is seen from the side. The normal of the face stays.
     pub(in crate::scene::material) fn bent(self) -> Self {
         let Self {
             normal,

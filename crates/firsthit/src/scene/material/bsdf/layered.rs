@@ -66,7 +66,7 @@ impl Layered {
             transmission: layers.transmission,
             ior: layers.absorption.map(|_| ratio),
             sheen: Sheen::new(layers.sheen.0, layers.sheen.1, out),
-            coat: Coat::new(weight, roughness, normal, frame.out),
+            coat: Coat::new(weight, roughness, Frame { normal, ..*frame }),
             lobes: LobeProbabilities::default(),
         };
         layered.lobes = layered.lobe_probabilities();
@@ -117,8 +117,14 @@ impl Layered {
     pub(super) fn value(&self, frame: &Frame, towards: DVec3) -> Color {
         let into = self.axes.local(towards);
         let flat = towards.dot(frame.geometric);
-        if into.z > 0.0 && flat > 0.0 {
-            frame.share(towards) * self.reflected(into, towards)
+        if flat > 0.0 {
+            let coat = (self.coat).map_or(0.0, |coat| coat.share * coat.value(towards));
+            let below = if into.z > 0.0 {
+                frame.share(towards) * self.reflected(into)
+            } else {
+                Color::ZERO
+            };
+            below + coat
         } else if into.z < 0.0 && flat < 0.0 && self.transmission > 0.0 {
             self.left(into) * -into.z * self.transmitted(into)
         } else {
@@ -126,7 +132,8 @@ impl Layered {
         }
     }
 
-    fn reflected(&self, into: DVec3, towards: DVec3) -> Color {
+    /// What is reflected below the coat.
+    fn reflected(&self, into: DVec3) -> Color {
         let cosine = self.out.dot(half(self.out, into));
         let facets = self.facets.reflection(self.out, into);
         let under = self.diffuse(cosine) / PI + facets * self.specular(cosine);
@@ -134,9 +141,6 @@ impl Layered {
         let uncoated = 1.0 - self.coat.map_or(0.0, |coat| coat.share);
         if let Some(sheen) = &self.sheen {
             value += uncoated * into.z * sheen.value(self.out, into);
-        }
-        if let Some(coat) = &self.coat {
-            value += Color::splat(coat.share * coat.value(towards));
         }
         value
     }

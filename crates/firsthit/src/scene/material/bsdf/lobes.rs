@@ -6,7 +6,7 @@ use super::BsdfSample;
 use super::frame::Frame;
 use super::layered::Layered;
 use super::microfacet::{self, Microfacets};
-use crate::geometry::{Color, DVec2, DVec3};
+use crate::geometry::{Color, DVec2, DVec3, is_light};
 use crate::sampling::warp;
 
 /// The ways in which a layered surface scatters light, and how often each is drawn.
@@ -59,14 +59,17 @@ impl Layered {
         let lobes = &self.lobes;
         let into = self.axes.local(towards);
         let flat = towards.dot(frame.geometric);
-        if into.z > 0.0 && flat > 0.0 {
+        if flat > 0.0 {
+            let coat = lobes.coat * self.coat.map_or(0.0, |coat| coat.pdf(towards));
+            if into.z <= 0.0 {
+                return coat;
+            }
             let specular = if self.facets.is_smooth() {
                 0.0
             } else {
                 lobes.specular * self.facets.reflection_pdf(self.out, into)
             };
-            let coat = self.coat.map_or(0.0, |coat| coat.pdf(towards));
-            lobes.diffuse * into.z / PI + specular + lobes.coat * coat
+            lobes.diffuse * into.z / PI + specular + coat
         } else if into.z < 0.0 && flat < 0.0 && !self.is_straight_through() {
             lobes.transmission * self.pdf_through(into)
         } else {
@@ -93,7 +96,7 @@ impl Layered {
         let towards = if is_chosen(lobes.coat) {
             let coat = self.coat?;
             if coat.facets.is_smooth() {
-                return self.of_coat(frame).map(|one| one.drawn(lobes.coat));
+                return self.of_coat().map(|one| one.drawn(lobes.coat));
             }
             coat.sample(u)
         } else if is_chosen(lobes.diffuse) {
@@ -119,8 +122,7 @@ impl Layered {
         };
         let pdf = self.pdf(frame, towards);
         let weight = self.value(frame, towards) / pdf;
-        // Written so that a NaN fails.
-        (weight.max_element() > 0.0).then_some(BsdfSample {
+        is_light(weight).then_some(BsdfSample {
             towards,
             weight,
             pdf: Some(pdf),
@@ -130,7 +132,7 @@ impl Layered {
     /// All directions that light comes from in one way only: in a smooth mirror, straight through, in a smooth coat.
     pub(super) fn branches(&self, frame: &Frame) -> [Option<BsdfSample>; 3] {
         let coat = self.coat.filter(|coat| coat.facets.is_smooth());
-        let coat = coat.and_then(|_| self.of_coat(frame));
+        let coat = coat.and_then(|_| self.of_coat());
         let is_smooth = self.facets.is_smooth();
         [
             is_smooth.then(|| self.specular_reflection(frame)).flatten(),
@@ -163,9 +165,8 @@ impl Layered {
         BsdfSample::single(towards, weight)
     }
 
-    fn of_coat(&self, frame: &Frame) -> Option<BsdfSample> {
-        let coat = self.coat?;
-        let towards = coat.reflected(DVec3::Z);
-        BsdfSample::single(towards, Color::splat(coat.share * frame.share(towards)))
+    fn of_coat(&self) -> Option<BsdfSample> {
+        let (towards, weight) = self.coat?.reflection();
+        BsdfSample::single(towards, Color::splat(weight))
     }
 }

@@ -222,26 +222,77 @@ fn what_is_drawn_is_what_is_there() {
     }
 }
 
+/// By octants of directions: how often they are drawn is the integral of their pdf over the octant.
 #[test]
-fn densities_are_those_of_what_is_drawn_and_add_up_to_one_at_most() {
-    const COUNT: u32 = 1 << 13;
-    for (name, layers) in spread() {
+fn directions_are_drawn_as_often_as_their_pdf_says() {
+    const COUNT: u32 = 1 << 14;
+    let octant = |v: DVec3| {
+        (usize::from(v.x > 0.0)) + 2 * usize::from(v.y > 0.0) + 4 * usize::from(v.z > 0.0)
+    };
+    let mut all = spread();
+    all.push(("matte", plastic()));
+    for (name, layers) in all {
         for degrees in [0.0, 50.0, 80.0] {
-            let bsdf = seen(&layers, at(degrees));
-            let pdf = over_all(COUNT, |towards| Color::splat(bsdf.pdf(towards)));
-            assert!(pdf.x < 1.02, "{name} {degrees}: {pdf}");
-            for k in 0..64 {
-                let Some(drawn) = bsdf.sample(Draws::new(3, k).three()) else {
-                    continue;
-                };
-                let pdf = bsdf.pdf(drawn.towards);
-                let known = drawn.pdf.expect("nothing here is smooth");
-                assert!((pdf - known).abs() <= 1e-6 * known, "{name} {pdf} {known}");
-                let weight = bsdf.value(drawn.towards) / (PI * pdf);
-                assert!((weight - drawn.weight).abs().max_element() < 1e-6, "{name}");
+            let bsdf = match name {
+                "matte" => Bsdf::matte(unit(DVec3::new(0.3, -0.2, 1.0)), Color::ONE),
+                _ => seen(&layers, at(degrees)),
+            };
+            let mut drawn = [0.0; 8];
+            for k in 0..COUNT {
+                if let Some(sample) = bsdf.sample(Draws::new(3, k).three()) {
+                    drawn[octant(sample.towards)] += 1.0 / f64::from(COUNT);
+                    let known = sample.pdf.expect("nothing here is smooth");
+                    let pdf = bsdf.pdf(sample.towards);
+                    assert!((pdf - known).abs() <= 1e-6 * known, "{name} {pdf} {known}");
+                }
             }
+            for (which, drawn) in drawn.into_iter().enumerate() {
+                let here = |towards| {
+                    if octant(towards) == which {
+                        bsdf.pdf(towards)
+                    } else {
+                        0.0
+                    }
+                };
+                let pdf = over_all(COUNT, |towards| Color::splat(here(towards))).x;
+                assert!(
+                    (pdf - drawn).abs() < 0.02,
+                    "{name} {degrees} {which}: {pdf} {drawn}"
+                );
+            }
+            assert!(drawn.iter().sum::<f64>() > 0.5, "{name} {degrees}");
         }
     }
+}
+
+/// The coat has a normal of its own: where the base's normal map turns away from the light, the coat reflects it all the same.
+#[test]
+fn a_coat_is_not_turned_by_the_normal_of_its_base() {
+    let (sin, cos) = libm::sincos(60.0_f64.to_radians());
+    let (out_sin, out_cos) = libm::sincos(40.0_f64.to_radians());
+    let frame = Frame {
+        normal: DVec3::new(sin, 0.0, cos),
+        geometric: DVec3::Z,
+        out: DVec3::new(out_sin, 0.0, out_cos),
+    };
+    let expected = 0.04 + 0.96 * libm::pow(1.0 - out_cos, 5.0);
+    let smooth = Layers {
+        coat: (1.0, 0.0, DVec3::Z),
+        ..plastic()
+    };
+    let branches: Vec<_> = Bsdf::layered(frame, true, &smooth).branches().collect();
+    assert_eq!(branches.len(), 1);
+    assert!((branches[0].towards - DVec3::new(-out_sin, 0.0, out_cos)).length() < 1e-12);
+    assert!((branches[0].weight - Color::splat(expected)).length() < 1e-12);
+    // Nearly as much by a coat that is a little rough, of a black base.
+    let rough = Layers {
+        coat: (1.0, 0.2, DVec3::Z),
+        base: Color::ZERO,
+        specular: 0.0,
+        ..plastic()
+    };
+    let got = furnace(&Bsdf::layered(frame, true, &rough), 1 << 12).x;
+    assert!((got / expected - 1.0).abs() < 0.05, "{got} {expected}");
 }
 
 #[test]
