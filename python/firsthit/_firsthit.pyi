@@ -649,12 +649,13 @@ def render(
     region: tuple[int, int, int, int],
     cull: Side | None,
     edges: EdgesTuple | None,
+    noise: float | None,
     threads: int,
     report: _Report | None,
 ) -> tuple[list[npt.NDArray[Any]], str]: ...
 
 #: What a picture looks like: the shading, the background, which way is up, samples, the region, the
-#: side that is passed through, and lines.
+#: side that is passed through, lines, and the noise.
 _Picture = tuple[
     _Shading,
     list[_Vector] | None,
@@ -663,6 +664,7 @@ _Picture = tuple[
     tuple[int, int, int, int],
     Side | None,
     EdgesTuple | None,
+    float | None,
 ]
 
 @final

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from . import _firsthit
-from ._arrays import threads_or_all
+from ._arrays import number, threads_or_all
 from ._camera import Camera
 from ._colors import colors_of
 from ._edges import Edges
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from .typing import OwnShade, Progress, ShaderName
 
     #: As the native half takes them: the shading, the background, which way is up, samples, the
-    #: region, the side that is passed through, lines.
+    #: region, the side that is passed through, lines, the noise.
     Settings = tuple[
         ShadingTuple,
         list[Vector] | None,
@@ -47,7 +47,11 @@ if TYPE_CHECKING:
         tuple[int, int, int, int],
         Side | None,
         EdgesTuple | None,
+        float | None,
     ]
+
+#: The samples of a pixel at most, where a noise ends them and nothing else says how many.
+_SAMPLES_WITH_NOISE = 256
 
 #: What of `render`'s arguments is about the library's shaders alone.
 _OF_SHADERS = ("background", "environment", "light", "ground", "ambient", "shadows")
@@ -69,6 +73,7 @@ class Picture(NamedTuple):
     background: list[Vector] | None
     up: Vector
     samples: int
+    noise: float | None
     filters: Filters | None
     lines: Edges | None
     own: OwnShade | None
@@ -90,6 +95,9 @@ class Picture(NamedTuple):
         names = distinct(channels, known)
         own = _own(given)
         look = _look(scene.shading, given)
+        noise = _noise(given.get("noise"), own)
+        if noise is not None and look.samples is None:
+            look = look._but(samples=_SAMPLES_WITH_NOISE)
         usual = scene.edges if camera is None or isinstance(camera, Camera) else None
         lines = Edges._of(usual if given["edges"] is None else given["edges"])
         threads = threads_or_all(given["threads"])
@@ -111,7 +119,7 @@ class Picture(NamedTuple):
             _firsthit.check_samples(camera._native, samples)
         part = Region.of(given["region"], (camera.rows, camera.columns))
         seen = built, native, camera, part, names, asked, look, back, scene.up, samples
-        return cls(*seen, filters, lines, own, threads, scene.display)
+        return cls(*seen, noise, filters, lines, own, threads, scene.display)
 
     def frame(self, progress: Progress | None) -> Frame:
         """Make it."""
@@ -181,7 +189,7 @@ class Picture(NamedTuple):
         side = None if self.filters is None else self.filters.cull
         drawn = None if self.lines is None else self.lines._native()
         look = self.look._native()
-        return look, self.background, self.up, samples, part, side, drawn
+        return look, self.background, self.up, samples, part, side, drawn, self.noise
 
     def _rendered(
         self, channels: list[str], samples: int, report: Report | None
@@ -290,6 +298,18 @@ def _own(given: dict[str, Any]) -> OwnShade | None:
             raise ValueError(f"{name} does nothing with a shade of one's own; leave it out")
     own: OwnShade = shade
     return own
+
+
+def _noise(noise: object, own: OwnShade | None) -> float | None:
+    """Return the noise that a user gave, a standard error."""
+    if noise is None:
+        return None
+    if own is not None:
+        raise ValueError("noise does nothing with a shade of one's own; leave it out")
+    wanted = number("noise", cast("npt.ArrayLike", noise))
+    if not 0 < wanted < math.inf:
+        raise ValueError(f"noise must be a positive, finite number, got {wanted}")
+    return wanted
 
 
 def _look(said: Shading, given: dict[str, Any]) -> Shading:

@@ -31,6 +31,7 @@ def render(
     background: Sky | npt.ArrayLike | None = None,
     environment: Environment | None = None,
     samples: int | None = None,
+    noise: float | None = None,
     region: tuple[slice, slice] | None = None,
     cull: Side | None = None,
     edges: Edges | float | None = None,
@@ -82,6 +83,11 @@ def render(
         those of the centre. If left out, this, ``shade``, ``light`` and ``ground`` are those of
         `Scene.shading`; where that does not say either, it is 16 with shaders that draw numbers,
         and 4 with others.
+    noise : float, optional
+        Pixels take no more samples where the standard error of their brightness is below this, in
+        linear colours: it is asked after 32, 64, 128, ... samples for tiles of 16 x 16 pixels. The
+        channel ``samples`` has how many there were. ``samples`` are then the most of a pixel; 256
+        if nothing says otherwise. Only whole pictures by the library's shaders have a noise.
     region : tuple of two slices, optional
         The part of the picture to make: its rows and its columns, without steps, such as
         ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for
@@ -208,6 +214,7 @@ def render(
         background=background,
         environment=environment,
         samples=samples,
+        noise=noise,
         region=region,
         cull=cull,
         edges=edges,

@@ -68,7 +68,8 @@ pub(crate) fn defaults() -> (u32, Vec<[f64; 3]>) {
 }
 
 /// What a picture looks like, and what is made of it: the shading; the background (see [`background_in`]); which way is up; the samples of a
-/// pixel; the first row, the one behind the last, and likewise columns; the side that rays pass through; and the lines along edges.
+/// pixel; the first row, the one behind the last, and likewise columns; the side that rays pass through; the lines along edges; and the noise
+/// at which pixels have had enough samples.
 #[derive(FromPyObject)]
 pub(crate) struct PictureIn(
     ShadingIn,
@@ -78,6 +79,7 @@ pub(crate) struct PictureIn(
     [usize; 4],
     Option<String>,
     Option<EdgesIn>,
+    Option<f64>,
 );
 
 /// With how many threads, and who is told of the rays that are done.
@@ -93,7 +95,7 @@ impl PictureIn {
         (threads, report): &HowIn<'_>,
         work: impl FnOnce(&Picture<'_>, &Stop) -> firsthit::Result<T> + Send,
     ) -> PyResult<T> {
-        let Self(shading, background, up, samples, region, cull, edges) = self;
+        let Self(shading, background, up, samples, region, cull, edges, noise) = self;
         let kinds = kinds(py, channels)?;
         let kinds = references(&kinds);
         let sensor = sensor.sensor();
@@ -104,13 +106,16 @@ impl PictureIn {
         })?;
         let shade = resolved.shading(Cpu::shared());
         let &[top, bottom, left, right] = region;
+        let is_whole = [top, left] == [0, 0] && [bottom, right] == sensor.shape();
         let edges = edges.as_ref().map(EdgesIn::edges).transpose();
         let edges = edges.map_err(|error| raise(py, &error))?;
         let picture = Picture {
             samples: *samples,
+            noise: *noise,
             cull: cull.as_deref().and_then(Side::from_name),
             edges,
-            region: Some(Region {
+            // A picture with a noise is a whole one, and has no region.
+            region: (noise.is_none() || !is_whole).then_some(Region {
                 rows: top..bottom,
                 columns: left..right,
             }),
@@ -138,10 +143,11 @@ pub(crate) fn render<'py>(
     region: [usize; 4],
     cull: Option<String>,
     edges: Option<EdgesIn>,
+    noise: Option<f64>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
-    let picture = PictureIn(shading, background, up, samples, region, cull, edges);
+    let picture = PictureIn(shading, background, up, samples, region, cull, edges, noise);
     let (seen, how) = ((&scene.0, &camera), (threads, report));
     let frame = picture.with(py, seen, &channels, &how, |picture, stop| {
         picture.render(stop)

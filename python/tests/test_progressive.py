@@ -226,3 +226,26 @@ def test_ctrl_c_ends_a_step_and_leaves_what_was_made(between):
     assert (words[0], words[2:4]) == ("stopped", ["True", next_one])
     # As for `render`.
     assert float(words[1]) - sent < 2
+
+
+def test_a_noise_ends_the_samples_of_quiet_tiles():
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1))
+    camera = fh.Camera.look_at((0, -5, 2), (0, 0, 0), (0, 0, 1), 60, rows=48, columns=64)
+    asked = {"channels": ("color", "samples"), "ground": False}
+    noisy = fh.render(scene, camera, noise=0.02, **asked)
+    samples = noisy["samples"]
+    # Tiles are asked after 32 samples for the first time, and those of the background have no noise.
+    assert samples.min() == 32
+    assert 32 < samples.max() <= 256
+    most = fh.render(scene, camera, noise=1e-9, samples=40, **asked)
+    whole = fh.render(scene, camera, samples=40, **asked)
+    lit = most["samples"] == 40
+    np.testing.assert_array_equal(most["color"][lit], whole["color"][lit])
+    for wrong, message in [(0, "noise must be"), ("a", "noise must be"), (np.nan, "noise must be")]:
+        with pytest.raises(ValueError, match=message):
+            fh.render(scene, camera, noise=wrong)
+    with pytest.raises(ValueError, match="region must be none where there is a noise"):
+        fh.render(scene, camera, noise=0.1, region=np.s_[:8, :8])
+    with pytest.raises(ValueError, match="shade of one's own"):
+        fh.render(scene, camera, noise=0.1, shade=lambda hits: np.zeros((*hits.shape, 3)))

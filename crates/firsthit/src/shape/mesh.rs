@@ -188,8 +188,9 @@ impl Mesh {
     }
 
     /// The three corners of a triangle, in object space.
+    #[inline]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        self.triangles[triangle].map(|vertex| self.positions.get(vertex))
+        self.positions.three(self.triangles[triangle])
     }
 
     /// The triangle's own normal, counter-clockwise front, of length one; NaN if it has no area.

@@ -61,11 +61,30 @@ impl Positions {
         self.len() == 0
     }
 
+    /// Three points at once, for the corners of triangles: `array::map` would be a call.
+    #[inline]
+    pub(crate) fn three(&self, [a, b, c]: [u32; 3]) -> [DVec3; 3] {
+        match self {
+            Self::Single(points) => {
+                let point = |index: u32| {
+                    let [x, y, z] = points[index as usize];
+                    DVec3::new(f64::from(x), f64::from(y), f64::from(z))
+                };
+                [point(a), point(b), point(c)]
+            }
+            Self::Double(points) => {
+                let point = |index: u32| DVec3::from(points[index as usize]);
+                [point(a), point(b), point(c)]
+            }
+        }
+    }
+
     /// The point `index`.
     ///
     /// # Panics
     ///
     /// When there is no such point.
+    #[inline]
     pub fn get(&self, index: u32) -> DVec3 {
         match self {
             Self::Single(points) => DVec3::from(points[index as usize].map(f64::from)),
