@@ -178,6 +178,11 @@ impl<'a> SurfaceInteraction<'a> {
         self.ray.direction.dot(self.normal()) < 0.0
     }
 
+    /// 1 where the front was met, and -1 where the back was: times a normal it is the normal on the side that is seen.
+    pub(crate) fn side(&self) -> f64 {
+        if self.is_front() { 1.0 } else { -1.0 }
+    }
+
     /// The linear colour: that of its number, where the scene is [coloured by numbers](Scene::with_coloring), or else its own.
     pub fn color(&self) -> Color {
         let by_number = self.colored.and_then(|colored| colored.color(self));

@@ -1,7 +1,7 @@
 //! Surfaces in the light of lights, which a shadow ray each tells from shadow. How a surface answers light is the shader's.
 
 use super::shadow::ShadowRays;
-use super::{Points, Shading};
+use super::{Points, Shading, seen_normal};
 use crate::geometry::{Color, DVec2, DVec3, Ray, RayFilter, unit};
 use crate::scene::{Light, SurfaceInteraction, softened};
 
@@ -97,16 +97,11 @@ impl Lit {
         if surface.is_unlit() {
             return Err(color);
         }
-        let side = if surface.is_front() { 1.0 } else { -1.0 };
-        let geometric = side * surface.normal();
+        let geometric = surface.side() * surface.normal();
         let (start, filter) = surface.leave(geometric);
         Ok(Self {
             color,
-            normal: if flat {
-                geometric
-            } else {
-                side * surface.shading_normal()
-            },
+            normal: seen_normal(surface, flat),
             viewer: -unit(surface.ray().direction),
             position: start.origin,
             geometric,

@@ -262,12 +262,12 @@ fn normal_color(surface: &SurfaceInteraction<'_>) -> Color {
 
 /// The normal on the side that is seen: smooth, or the face's own. NaN for a triangle without an area.
 fn seen_normal(surface: &SurfaceInteraction<'_>, flat: bool) -> DVec3 {
-    let side = if surface.is_front() { 1.0 } else { -1.0 };
-    if flat {
-        side * surface.normal()
-    } else {
-        side * surface.shading_normal()
-    }
+    surface.side()
+        * if flat {
+            surface.normal()
+        } else {
+            surface.shading_normal()
+        }
 }
 
 impl Shader {

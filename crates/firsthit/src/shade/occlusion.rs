@@ -38,10 +38,9 @@ fn sky_ray(
     mut draws: Draws,
     reach: f64,
 ) -> Option<(Ray, crate::geometry::RayFilter)> {
-    let normal = surface.normal();
-    let side = if surface.is_front() { 1.0 } else { -1.0 };
+    let normal = surface.side() * surface.normal();
     let u: DVec2 = draws.two();
-    let towards: DVec3 = warp::around(side * normal, warp::cosine_hemisphere(u));
+    let towards: DVec3 = warp::around(normal, warp::cosine_hemisphere(u));
     towards.is_finite().then(|| {
         let (ray, filter) = surface.leave(towards);
         (ray.up_to(reach), filter)

@@ -79,8 +79,7 @@ impl SurfaceInteraction<'_> {
         if !normal.is_finite() {
             return None;
         }
-        let is_front = self.is_front();
-        let side = if is_front { 1.0 } else { -1.0 };
+        let side = self.side();
         let frame = Frame {
             normal: side * unit(self.shading_normal()),
             geometric: side * normal,
@@ -91,7 +90,7 @@ impl SurfaceInteraction<'_> {
             Some(material) => material.model.bsdf(self, frame, side),
         };
         Some(Bsdf {
-            is_front,
+            is_front: side > 0.0,
             occlusion: self.occlusion(),
             ..bsdf
         })
