@@ -19,6 +19,8 @@ CLOUDS = (".ply", ".pcd")
 #: The extensions of files that hold several channels.
 OF_SEVERAL = (".npz", ".exr", *CLOUDS)
 
+#: The channel of ambient occlusion, of which ``ao:LENGTH`` is that up to a distance.
+_OCCLUSION = "ao"
 _EACH = "{channel}"
 
 _Name = TypeVar("_Name", bound=str)
@@ -95,10 +97,12 @@ def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Na
         raise ValueError(f"channels must be one or more of {', '.join(known)}, got none")
     for name in asked:
         is_more = isinstance(name, str) and (
-            attribute_of(name) is not None or (name != matte_of(name) in known)
+            attribute_of(name) is not None
+            or (name != matte_of(name) in known)
+            or (_OCCLUSION in known and name.startswith(f"{_OCCLUSION}:"))
         )
         if name not in known and not is_more:
-            there = f"{', '.join(known)}, {ATTRIBUTE}NAME"
+            there = f"{', '.join(known)}, {_OCCLUSION}:LENGTH, {ATTRIBUTE}NAME"
             meant = hint(name, known)
             raise ValueError(f"channels must be among {there}, got {name!r}{meant}")
     return list(dict.fromkeys(asked))

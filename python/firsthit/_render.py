@@ -81,8 +81,8 @@ def render(
         centre. With a camera that has an aperture, each is a point of the lens too, and it takes at
         least 2. ``alpha``, ``ao`` and Cryptomattes are of the same samples. All other channels are
         those of the centre. If left out, this, ``shade``, ``light`` and ``ground`` are those of
-        `Scene.shading`; where that does not say either, it is 16 with shaders that draw numbers,
-        and 4 with others.
+        `Scene.shading`; where that does not say either, it is 16 with shaders that draw numbers
+        and with a ground, and 4 with others.
     noise : float, optional
         Pixels take no more samples where the standard error of their brightness is below this, in
         linear colours: it is asked after 32, 64, 128, ... samples for tiles of 16 x 16 pixels. The

@@ -36,7 +36,7 @@ pub(crate) struct LightingArgs {
     /// Use the --environment as light only; show the background instead
     #[arg(long, requires = "environment")]
     pub(crate) environment_hidden: bool,
-    /// A ground under everything, of which only shadows are seen [default: with automatic light, and a camera above it]
+    /// A ground under everything, of which only shadows are seen [default: with a set of lights but shoulder, and a camera above it]
     #[arg(long, overrides_with = "no_ground")]
     pub(crate) ground: bool,
     /// No ground

@@ -54,6 +54,9 @@ const FILL: Color = Color::splat(0.25);
 /// How far away things darken each other in a room, as a share of its diagonal: further, all of a closed room would be dark.
 const SHARE_OF_ROOM: f64 = 0.25;
 
+/// Said where lights that go with the camera would have walls between them and what it sees.
+const NO_SHADOWS: &str = "no shadows of lights outside of the room (--light)";
+
 impl Appearance {
     /// Decides what is open, for a camera; for another sensor there is none.
     ///
@@ -103,23 +106,28 @@ impl Appearance {
             }
             (None, _) => scene.clone(),
         };
-        if is_within && is_rig_guessed {
+        if is_within && rig.is_some() {
             match &mut shader {
+                Shader::Path(_) => guessed.push("light from outside of the room (--light)"),
                 Shader::Direct(direct) => {
+                    guessed.push(NO_SHADOWS);
                     direct.shadows = false;
                     direct.reach = direct
                         .reach
                         .min(SHARE_OF_ROOM * scene.bounds().size().length());
                 }
                 // One that casts none has no such setting.
-                shader => drop(shader.set("shadows", Value::Flag(false))),
+                shader => {
+                    if shader.set("shadows", Value::Flag(false)).is_ok() {
+                        guessed.push(NO_SHADOWS);
+                    }
+                }
             }
-            guessed.push("no shadows of it (--light)");
         }
         let ground = self.ground(
             (scene, up),
             camera,
-            is_rig_guessed && rig != Some(LightRig::Shoulder) && !is_within,
+            rig.is_some_and(|rig| rig != LightRig::Shoulder) && !is_within,
         );
         if ground.is_some() && self.ground.is_none() {
             guessed.push("a ground for shadows (--ground)");

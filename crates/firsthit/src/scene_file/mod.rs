@@ -74,7 +74,13 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let up = scene.vector("up").unwrap_or(FORMAT.up);
     let lights = scene.list("lights", &LIGHT)?;
     let shading = match scene.table("shading", &SHADING)? {
-        Some(section) => shading::read(&section)?,
+        Some(section) => {
+            if section.has("light") && scene.has("environment") {
+                let what = "light and [environment] exclude each other: either lights the scene";
+                return Err(section.fault_at("light", what));
+            }
+            shading::read(&section)?
+        }
         None => shading::Settings::default(),
     };
     let display = match scene.table("display", &DISPLAY)? {

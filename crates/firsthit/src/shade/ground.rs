@@ -102,7 +102,8 @@ impl Shadows {
     fn new(shading: &Shading<'_>, up: DVec3, points: &[Point]) -> Self {
         let mut shadows = Self {
             missing: vec![Color::ZERO; points.len()],
-            full: vec![Color::ZERO; points.len()],
+            // What nothing blocks is there, and is never missing.
+            full: vec![shading.shader.ambient(); points.len()],
             blocking: shading.scene.blocking_bounds(),
         };
         shadows.add_lights(shading, up, points);

@@ -223,6 +223,22 @@ impl Shader {
         )
     }
 
+    /// Whether surfaces show light of the environment.
+    pub fn takes_environment(&self) -> bool {
+        matches!(self, Self::Direct(_) | Self::Path(_) | Self::Whitted(_))
+    }
+
+    /// The light from everywhere, which nothing blocks, that it adds to that of lights.
+    fn ambient(&self) -> Color {
+        match self {
+            Self::Lambert(settings) => settings.ambient,
+            Self::Phong(settings) | Self::BlinnPhong(settings) => settings.ambient,
+            Self::Ghost(settings) => settings.ambient,
+            Self::Whitted(settings) => settings.ambient,
+            _ => Color::ZERO,
+        }
+    }
+
     /// Whether it looks at lights or the environment.
     pub fn is_lit(&self) -> bool {
         self.default_rig().is_some()

@@ -77,6 +77,11 @@ fn with_color(args: &RenderArgs, seen: &Resolved) -> Vec<String> {
     ];
     let of_colors = (args.colors.given().into_iter()).filter(|_| !shader.takes_color());
     let mut idle = do_nothing(of_shader.into_iter().chain(of_colors), &with_shader);
+    if light.environment.is_some() && shader.is_lit() && !shader.takes_environment() {
+        idle.push(format!(
+            "--environment is a background alone {with_shader}: direct, path and whitted take light from it"
+        ));
+    }
     if shader.name() == "normal" && light.color.is_some() {
         idle.push("--color does nothing with --shader normal, which shows directions".into());
     }

@@ -252,11 +252,11 @@ impl Source<'_> {
                 let value = self.byte()?;
                 places.by_ref().take(count).for_each(|place| *place = value);
             } else {
-                let values = self.some(count)?;
-                places
-                    .by_ref()
-                    .zip(values)
-                    .for_each(|(place, &value)| *place = value);
+                // The values first: else a place is taken for which there is no value left.
+                let values = self.some(count)?.iter();
+                values
+                    .zip(places.by_ref())
+                    .for_each(|(&value, place)| *place = value);
             }
         }
         Ok(())
@@ -302,5 +302,53 @@ impl Source<'_> {
 
     fn fault(&self, what: &str) -> Fault {
         Fault::at(Place::Byte(self.bytes.len().min(self.at) as u64), what)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::io::LoadSettings;
+
+    fn picture(bytes: &[u8]) -> Picture {
+        let mut report = Report::new(Path::new("sky.hdr"), LoadSettings::default());
+        read(bytes, &mut report).unwrap()
+    }
+
+    /// A row of 8 texels, its components packed in every way in which a row may be: one packet, several, and runs between them.
+    #[test]
+    fn packets_follow_each_other_without_a_gap() {
+        let values: Vec<u8> = (1..9).map(|k| 16 * k).collect();
+        let packed = |lengths: &[usize]| {
+            let mut row = vec![2, 2, 0, 8];
+            for _ in 0..3 {
+                let mut at = 0;
+                for &length in lengths {
+                    row.push(length as u8);
+                    row.extend(&values[at..at + length]);
+                    at += length;
+                }
+            }
+            row.extend([0x84, 136, 0x84, 136]);
+            row
+        };
+        let expected: Vec<f32> = values.iter().map(|&value| f32::from(value)).collect();
+        for lengths in [&[8][..], &[4, 4], &[1, 7], &[3, 2, 3], &[1; 8]] {
+            let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 8\n".to_vec();
+            bytes.extend(packed(lengths).repeat(2));
+            let picture = picture(&bytes);
+            let reds: Vec<f32> = picture.texels.iter().map(|texel| texel[0]).collect();
+            assert_eq!(reds, [&expected[..], &expected[..]].concat(), "{lengths:?}");
+        }
+        // A run between two packets.
+        let mut bytes = b"#?RADIANCE\n\n-Y 1 +X 8\n".to_vec();
+        bytes.extend([2, 2, 0, 8]);
+        bytes.extend([2, 1, 2, 0x83, 9, 3, 3, 4, 5].repeat(3));
+        bytes.extend([0x88, 136]);
+        let picture = picture(&bytes);
+        let reds: Vec<f32> = picture.texels.iter().map(|texel| texel[1]).collect();
+        assert_eq!(reds, [1.0, 2.0, 9.0, 9.0, 9.0, 3.0, 4.0, 5.0]);
     }
 }
