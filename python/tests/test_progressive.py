@@ -249,3 +249,17 @@ def test_a_noise_ends_the_samples_of_quiet_tiles():
         fh.render(scene, camera, noise=0.1, region=np.s_[:8, :8])
     with pytest.raises(ValueError, match="shade of one's own"):
         fh.render(scene, camera, noise=0.1, shade=lambda hits: np.zeros((*hits.shape, 3)))
+
+
+def test_ambient_occlusion_up_to_a_distance_is_a_channel():
+    scene = fh.Scene()
+    scene.add(fh.Sphere((0, 0, 0), 1))
+    scene.add(fh.Box((-3, -3, -1.2), (3, 3, -1)))
+    camera = fh.Camera.look_at((5, -4, 3), (0, 0, 0), (0, 0, 1), 40, rows=20, columns=30)
+    near = fh.render(scene, camera, channels="ao:0.5", samples=16)["ao:0.5"]
+    far = fh.render(scene, camera, channels="ao", samples=16)["ao"]
+    assert near.shape == (20, 30)
+    assert (near >= far).all()
+    assert near.mean() > far.mean()
+    with pytest.raises(ValueError, match="a positive distance, such as ao:0.5, got ao:-1"):
+        fh.render(scene, camera, channels="ao:-1")

@@ -230,3 +230,33 @@ fn a_shader_without_settings_says_so() {
         );
     }
 }
+
+/// The set that the help calls the default had no ground when it was asked for by name, and was black in rooms.
+#[test]
+fn the_default_set_by_its_name_is_the_default() {
+    let lab = Lab::with_square();
+    for camera in [ABOVE, "--position 0.1,0.1,0 --aim 1,0,0 --size 24x12"] {
+        let colors = |options: &str| {
+            let render = "render square.ply --channels color --samples 4 -o a.npz";
+            lab.ok(&format!("{render} {camera} {options}"));
+            lab.npz("a.npz").remove("color").unwrap().values
+        };
+        assert_eq!(colors(""), colors("--light auto"));
+    }
+}
+
+/// What an environment does not light is told.
+#[test]
+fn an_environment_that_lights_nothing_is_told() {
+    let lab = Lab::with_square();
+    lab.write("a.hdr", b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80\x80");
+    let told = said(&lab, "square.ply", "--environment a.hdr --shader lambert");
+    assert!(
+        told.contains("--environment is a background alone with --shader lambert"),
+        "{told}"
+    );
+    assert_eq!(
+        said(&lab, "square.ply", "--environment a.hdr --shader direct").lines().count(),
+        1
+    );
+}

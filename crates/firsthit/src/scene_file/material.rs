@@ -13,7 +13,7 @@ use crate::io::fault::Checked;
 use crate::scene::{Material, Model, Object};
 
 const COMMON: &[Key] = keys! {
-    /// The radiance that the surface gives off: it is a light. Default: none.
+    /// The radiance that the surface gives off: it is a light, with the least noise where it is a mesh or a sphere. Default: none.
     emission: optional(Form::Color),
 };
 

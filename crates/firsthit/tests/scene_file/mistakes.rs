@@ -159,6 +159,10 @@ const MISTAKES: &[(&str, &str)] = &[
         "3:1: unknown key `ambient`; shader = \"unlit\" takes samples, light, ground, shader",
     ),
     (
+        "[shading]\nlight = 'studio'\n[environment]\ncolor = 'white'\n",
+        "2:9: light and [environment] exclude each other",
+    ),
+    (
         "[display]\ntone_map = 'agxx'\n",
         "2:12: unknown tone_map \"agxx\", did you mean \"agx\"?",
     ),
