@@ -256,7 +256,9 @@ fn an_environment_that_lights_nothing_is_told() {
         "{told}"
     );
     assert_eq!(
-        said(&lab, "square.ply", "--environment a.hdr --shader direct").lines().count(),
+        said(&lab, "square.ply", "--environment a.hdr --shader direct")
+            .lines()
+            .count(),
         1
     );
 }

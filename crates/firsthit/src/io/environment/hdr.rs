@@ -326,7 +326,7 @@ mod tests {
             for _ in 0..3 {
                 let mut at = 0;
                 for &length in lengths {
-                    row.push(length as u8);
+                    row.push(u8::try_from(length).unwrap());
                     row.extend(&values[at..at + length]);
                     at += length;
                 }
