@@ -50,6 +50,7 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
     let lab = Lab::with_square();
     let light = "automatic light (--light)";
     let ground = "automatic light (--light), a ground for shadows (--ground)";
+    let catcher = "a ground for shadows (--ground)";
     let around = "automatic light (--light), no shadows of lights outside of the room (--light)";
     for (options, guessed) in [
         (
@@ -70,10 +71,7 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
             "--up 0,1,0 --view top --light point:0,0,9 --shader direct",
             None,
         ),
-        (
-            "--up 0,1,0 --view top --light studio",
-            Some("a ground for shadows (--ground)".into()),
-        ),
+        ("--up 0,1,0 --view top --light sun", Some(catcher.into())),
         (
             "--up 0,1,0 --view top --shader lambert",
             Some("light over the shoulder (--light)".into()),
