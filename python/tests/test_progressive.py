@@ -235,7 +235,7 @@ def test_a_noise_ends_the_samples_of_quiet_tiles():
     asked = {"channels": ("color", "samples"), "ground": False}
     noisy = fh.render(scene, camera, noise=0.02, **asked)
     samples = noisy["samples"]
-    # Tiles are asked after 32 samples for the first time, and those of the background have no noise.
+    # Tiles are asked after 32 samples for the first time, and the background has no noise.
     assert samples.min() == 32
     assert 32 < samples.max() <= 256
     most = fh.render(scene, camera, noise=1e-9, samples=40, **asked)
@@ -261,5 +261,5 @@ def test_ambient_occlusion_up_to_a_distance_is_a_channel():
     assert near.shape == (20, 30)
     assert (near >= far).all()
     assert near.mean() > far.mean()
-    with pytest.raises(ValueError, match="a positive distance, such as ao:0.5, got ao:-1"):
+    with pytest.raises(ValueError, match=r"positive distance, such as ao:0\.5, got ao:-1"):
         fh.render(scene, camera, channels="ao:-1")
