@@ -3,7 +3,7 @@
 use super::Shading;
 use super::blend::Found;
 use super::vertex::{power_heuristic, transmittance};
-use crate::geometry::{Color, Filtered, Ray, RayFilter};
+use crate::geometry::{Color, Filtered, Ray, RayFilter, is_light};
 use crate::scene::{BsdfSample, SurfaceInteraction};
 use crate::shoot::{First, Hits, trace_into};
 
@@ -57,7 +57,10 @@ impl BsdfRay<'_> {
             let met = light.intersect(self.ray.origin, self.ray.direction);
             if let Some(met) = met.filter(|met| met.distance < length || length == f64::INFINITY) {
                 let left = transmittance(self.absorption, met.distance);
-                sum += self.share_of_light(met.pdf) * left * met.radiance;
+                let light = self.share_of_light(met.pdf) * left * met.radiance;
+                if is_light(light) {
+                    sum += light;
+                }
             }
         }
         sum

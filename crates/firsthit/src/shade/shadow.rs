@@ -2,7 +2,7 @@
 
 use super::Shading;
 use super::blend::transmitted;
-use crate::geometry::{Color, Filtered, Ray, RayFilter};
+use crate::geometry::{Color, Filtered, Ray, RayFilter, is_light};
 use crate::shoot::Answers;
 
 /// Rays towards light, each with what it brings if nothing blocks it, and to which sum. They are shot together: those of neighbours
@@ -23,8 +23,11 @@ impl ShadowRays {
         }
     }
 
-    /// A ray that brings light to the sum of that number.
+    /// A ray that brings light to the sum of that number. What is no number, as of lights beyond the range of float64, is no light.
     pub(super) fn push(&mut self, (ray, filter): (Ray, RayFilter), sum: usize, light: Color) {
+        if !is_light(light) {
+            return;
+        }
         self.rays.push(ray);
         self.filters.push(filter);
         self.brought.push((sum, light));

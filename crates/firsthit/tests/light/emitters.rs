@@ -194,3 +194,23 @@ fn all_light_of_a_near_lamp_is_missing_on_the_ground() {
     let mean = got.iter().map(|(color, _)| color.x).sum::<f64>() / 256.0;
     assert!(mean.abs() < 0.03, "{mean}");
 }
+
+/// Lights beyond the range of float64 bring no light, and no NaN.
+#[test]
+fn lights_beyond_all_range_make_no_nan() {
+    let lights = [(5.0, 1e300), (1e200, 1e199)];
+    for (height, radius) in lights {
+        let lamp = firsthit::scene::DiscLight {
+            center: DVec3::new(0.0, 0.0, height),
+            normal: DVec3::NEG_Z,
+            radius,
+            emission: Color::new(1e38, 0.0, 1e-38),
+        };
+        let scene = Scene::new(vec![quad(0.0, 9.0).with_materials([matte(0.5)])]).unwrap();
+        let scene = scene.with_lights(vec![lamp.into()]);
+        for name in ["direct", "path", "whitted", "lambert", "phong"] {
+            let got = means(&scene, shader(name, &[]), &DOWN, 16)[0];
+            assert!(got.is_finite(), "{name} {height} {radius}: {got}");
+        }
+    }
+}
