@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-pub use asked::{ATTRIBUTE, MATTE_RANKS, asked};
+pub use asked::{ATTRIBUTE, MATTE_RANKS, PLACEHOLDER, asked};
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
 pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS, VISIBLE};
 

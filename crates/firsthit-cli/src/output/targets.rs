@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use firsthit::channel::Kind;
+use firsthit::channel::{Kind, PLACEHOLDER};
 use firsthit::error::escaped;
 use firsthit::image::{Display, Format, Holds};
 
@@ -10,9 +10,6 @@ use super::channels::{Source, has, kinds};
 use super::paths::{check_paths, is_folder};
 use crate::asked::with_required;
 use crate::failure::Failure;
-
-/// Stands for the channel's name in the name of a file.
-pub(crate) const PLACEHOLDER: &str = "{channel}";
 
 /// A file to be written.
 #[derive(Debug)]

@@ -9,6 +9,9 @@ use crate::image::{Display, Unit};
 use crate::scene::Scene;
 use crate::watch::Watch;
 
+/// Stands for the channel's name in the name of a file.
+pub const PLACEHOLDER: &str = "{channel}";
+
 /// What the names of channels of attributes begin with.
 pub const ATTRIBUTE: &str = "attribute:";
 

@@ -158,11 +158,17 @@ pub(crate) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<Pat
     let is_link = path
         .ancestors()
         .any(|part| part.is_symlink() && part.canonicalize().is_err());
-    if is_within && !is_link {
-        Ok(path)
-    } else {
-        Err("refused: it leads outside the scene's folder".to_owned())
+    if !is_within || is_link {
+        return Err("refused: it leads outside the scene's folder".to_owned());
     }
+    // To write to a FIFO waits for a reader, and a device is no place for a picture.
+    if path
+        .metadata()
+        .is_ok_and(|there| !there.is_file() && !there.is_dir())
+    {
+        return Err("refused: it is no regular file".to_owned());
+    }
+    Ok(path)
 }
 
 /// Refuses every name that is not plainly a relative path downwards, on any system.

@@ -369,6 +369,28 @@ fn outputs_do_not_follow_links_out_of_the_folder() {
             .to_string();
         assert!(error.contains("leads outside"), "{name}: {error}");
     }
+    // Files beside the one that is named, and files of channels.
+    link("../missing.json", "beside.npy.json");
+    link("../kept.png", "z.png");
+    link("../missing.json", "z.npy.json");
+    for (name, channels) in [
+        ("beside.npy", "'color'"),
+        ("{channel}.png", "'color', 'z'"),
+        ("{channel}.npy", "'color', 'z'"),
+    ] {
+        let text = format!("[[outputs]]\nfile = '{name}'\nchannels = [{channels}]\n");
+        fs::write(&path, text).expect("room for a file");
+        let error = load(&path, &LoadSettings::default()).expect_err(name);
+        let error = error.to_string();
+        assert!(error.contains("leads outside"), "{name}: {error}");
+    }
+    let fifo = std::process::Command::new("mkfifo")
+        .arg(folder.join("fifo.png"))
+        .status();
+    assert!(fifo.expect("mkfifo").success());
+    fs::write(&path, "[[outputs]]\nfile = 'fifo.png'\n").expect("room for a file");
+    let error = load(&path, &LoadSettings::default()).expect_err("a FIFO");
+    assert!(error.to_string().contains("no regular file"), "{error}");
     fs::write(&path, "[[outputs]]\nfile = 'new/a.png'\n").expect("room for a file");
     let model = load(&path, &LoadSettings::default()).expect("a scene");
     assert_eq!(model.world.outputs[0].path, folder.join("new/a.png"));

@@ -10,6 +10,7 @@ mod shader;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
 use firsthit::render::{Appearance, Resolved, world_up};
 use firsthit::shoot::Cpu;
@@ -185,7 +186,7 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         args.picture.output.iter().map(with_channels).collect()
     } else if of_file.is_empty() {
         let path = default_output(&args.file);
-        if path.to_string_lossy().contains(output::PLACEHOLDER) {
+        if path.to_string_lossy().contains(PLACEHOLDER) {
             let name = firsthit::error::escaped(&path);
             return Err(Failure::usage(format!(
                 "--output must be given: {name} would be a template of names"
