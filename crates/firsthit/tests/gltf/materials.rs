@@ -140,6 +140,26 @@ fn numbers_out_of_range_are_moved_into_it_with_one_warning() {
 }
 
 #[test]
+fn a_surface_sends_back_no_more_light_than_it_gets() {
+    let specular_glossiness = json!({
+        "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [3, 0.5, -1, 2]}}
+    });
+    let metal_rough =
+        json!({"pbrMetallicRoughness": {"baseColorFactor": [3, 0.5, -1, 2], "metallicFactor": 0}});
+    for (material_json, name) in [
+        (metal_rough, "baseColorFactor"),
+        (specular_glossiness, "diffuseFactor"),
+    ] {
+        let model = of(&material_json).load().unwrap();
+        let material = material(&model);
+        assert_eq!(material.color, Color::new(1.0, 0.5, 0.0));
+        assert_eq!(material.alpha, 1.0);
+        let warning = format!("/{name}: must be from 0 to 1, got 3: 1 is taken");
+        assert!(model.warnings[0].contains(&warning), "{:?}", model.warnings);
+    }
+}
+
+#[test]
 fn maps_multiply_in_their_channels_and_data_is_no_colour() {
     let mut builder = of(&json!({
         "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}, "baseColorTexture": {"index": 0, "texCoord": 3}},

@@ -14,7 +14,6 @@ use super::model::Numbers;
 use super::place::Entry;
 use super::resource::{file_name, resource};
 use crate::error::escape_controls;
-use crate::geometry::Color;
 use crate::scene::{AlphaMode, Filter, MapRole, Maps, Material, Texture, TextureMap, UvSet, Wrap};
 
 /// A material as it is used.
@@ -50,13 +49,13 @@ impl Looks {
         let entry = Entry::new("materials", index);
         let material = document.materials.get(index);
         let material = material.ok_or_else(|| entry.fault("", "there is no such material"))?;
-        let [red, green, blue, alpha] = material.base();
         let (maps, sets) = self.maps(document, (material, entry), buffers, report);
         let alpha_mode = alpha_mode(material, entry)?;
         let name = escape_controls(material.name.as_deref().unwrap_or_default());
         let bytes = name.len() + size_of::<Material>();
         report.budget.charge(bytes as u64, "a material")?;
         let mut numbers = Numbers { entry, report };
+        let (color, alpha) = numbers.base(material);
         let of_normals = [MapRole::Normal, MapRole::ClearcoatNormal];
         let mut of_normals = of_normals.into_iter().filter_map(|role| maps.get(role));
         let look = Look {
@@ -65,7 +64,7 @@ impl Looks {
             has_alpha: alpha_mode != AlphaMode::Opaque,
             materials: Arc::new([Material {
                 name: name.into(),
-                color: Color::new(red, green, blue),
+                color,
                 alpha,
                 model: numbers.model(material),
                 emission: numbers.emission(material),

@@ -283,13 +283,16 @@ impl MaterialEntry<'_> {
             .filter_map(|(role, (texture, place))| Some((role, place, texture?)))
     }
 
-    /// The linear colour and alpha.
-    pub(super) fn base(&self) -> [f64; 4] {
-        let factor = match &self.extensions.diffuse {
-            Some(diffuse) => diffuse.diffuse_factor,
-            None => self.pbr_metallic_roughness.base_color_factor,
+    /// The linear colour and alpha, and the name of the key that has them.
+    pub(super) fn base(&self) -> ([f64; 4], &'static str) {
+        let (factor, name) = match &self.extensions.diffuse {
+            Some(diffuse) => (diffuse.diffuse_factor, "diffuseFactor"),
+            None => {
+                let base = self.pbr_metallic_roughness.base_color_factor;
+                (base, "baseColorFactor")
+            }
         };
-        factor.unwrap_or([1.0; 4])
+        (factor.unwrap_or([1.0; 4]), name)
     }
 }
 

@@ -43,6 +43,14 @@ impl Numbers<'_> {
         Color::from(color.map(|level| self.within((0.0, 1.0), level, name)))
     }
 
+    /// The linear colour, and alpha.
+    pub(super) fn base(&mut self, material: &MaterialEntry<'_>) -> (Color, f64) {
+        let (factor, name) = material.base();
+        let [red, green, blue, alpha] = factor;
+        let color = self.reflectance([red, green, blue], name);
+        (color, self.share(Some(alpha), 1.0, name))
+    }
+
     /// The radiance that the material gives off.
     pub(super) fn emission(&mut self, material: &MaterialEntry<'_>) -> Color {
         let strength = material.extensions.emissive_strength.as_ref();
