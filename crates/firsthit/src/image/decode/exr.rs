@@ -29,6 +29,10 @@ fn decode_checked(bytes: &[u8], most: u64) -> Result<Output, String> {
     let mut output = Output::default();
     let text = reader.headers().iter().find_map(text);
     output.metadata = metadata_of(text.as_deref(), &mut output.notes);
+    if reader.headers().iter().any(is_part) {
+        let note = "its data window is a part of its display window alone, and only that is read";
+        output.notes.push(note.to_owned());
+    }
     let mut chunks = reader.all_chunks(false).map_err(words)?;
     let mut seen = 0;
     while let Some(chunk) = chunks.read_next_chunk() {
@@ -80,6 +84,12 @@ fn check_claims(headers: &[Header], length: usize, most: u64) -> Result<(), Stri
         return Err(format!("{total} samples are more than the file can hold"));
     }
     Ok(())
+}
+
+/// Whether a layer has not all pixels of the picture.
+fn is_part(header: &Header) -> bool {
+    let window = header.shared_attributes.display_window;
+    header.own_attributes.layer_position != window.position || header.layer_size != window.size
 }
 
 fn text(header: &Header) -> Option<String> {
@@ -257,6 +267,30 @@ fn place(block: &UncompressedBlock, meta: &MetaData, layers: &mut [Planes]) {
                     _ => 0,
                 };
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::{Image, IntegerBounds, SpecificChannels, WritableImage};
+
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_picture_is_told() {
+        for (position, told) in [((0, 0), 0), ((4, 2), 1)] {
+            let channels = SpecificChannels::rgb(|_| (0.5_f32, 0.25_f32, 1.0_f32));
+            let mut image = Image::from_channels((16, 8), channels);
+            image.layer_data.attributes.layer_position = position.into();
+            if told == 1 {
+                image.attributes.display_window = IntegerBounds::new((0, 0), (32, 16));
+            }
+            let mut bytes = Cursor::new(Vec::new());
+            image.write().to_buffered(&mut bytes).unwrap();
+            let output = decode(bytes.get_ref(), 1 << 20).unwrap();
+            assert_eq!(output.notes.len(), told, "{:?}", output.notes);
+            assert_eq!(output.arrays[0].shape[..2], [8, 16]);
         }
     }
 }

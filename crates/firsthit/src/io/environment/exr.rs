@@ -1,6 +1,7 @@
 //! `OpenEXR`: the first layer that has R, G and B, or else one with luminance alone.
 
 use super::{Picture, charge};
+use crate::error::Place;
 use crate::image::{Array, Numbers, decode_exr};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::size_in_words;
@@ -14,6 +15,9 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Picture> {
             "{what} ({left} of memory are left of what is allowed)"
         ))
     })?;
+    for note in &output.notes {
+        report.warn("exr", &Place::File, || note.clone());
+    }
     let named = |name: &str, components: usize| {
         let found = output.array(name);
         found.filter(|array| array.components == components)
