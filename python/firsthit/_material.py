@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -413,6 +414,10 @@ class Material:
             occlusion_strength=number("occlusion_strength", occlusion_strength),
         )
         settle(self, alpha_mode=text("alpha_mode", alpha_mode), cutoff=number("cutoff", cutoff))
+        if not 0 <= self.alpha <= 1:
+            raise ValueError(f"alpha must be from 0 to 1, got {self.alpha}")
+        if not math.isfinite(self.cutoff):
+            raise ValueError(f"cutoff must be finite, got {self.cutoff}")
         settle(self, unlit=flag("unlit", unlit))
         settle(self, double_sided=flag("double_sided", double_sided), name=text("name", name))
         for name in ("texture", "alpha_texture", *(f"{role}_texture" for role in _ROLES)):

@@ -229,6 +229,9 @@ def test_a_material_is_matte_unless_it_says_more():
         (lambda: fh.Material(kind="wood"), "material must be one of matte"),
         (lambda: fh.Material(emission=(-1, 0, 0)), "emission must be"),
         (lambda: fh.Material(occlusion_strength=2), "occlusion_strength must be"),
+        (lambda: fh.Material(alpha=np.nan), "alpha must be from 0 to 1"),
+        (lambda: fh.Material(alpha=-1), "alpha must be from 0 to 1"),
+        (lambda: fh.Material(cutoff=np.nan), "cutoff must be finite"),
         (lambda: fh.Material(normal_scale=np.nan), "normal_scale must be"),
     ],
 )
