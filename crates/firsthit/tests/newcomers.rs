@@ -185,6 +185,7 @@ fn a_picture_of_which_nothing_is_said_is_the_full_form_with_the_defaults() {
     let lit = scene.clone().with_borrowed_lights(lights);
     let lit = lit.with_borrowed_environment(environment);
     let shade = Shading {
+        upwards: camera.upwards(),
         background: BACKGROUND,
         ground: Ground::under(&scene, DVec3::Z),
         ..Shader::named("direct").unwrap().on(&lit)
