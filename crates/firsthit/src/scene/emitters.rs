@@ -78,6 +78,11 @@ impl Emitters {
         self.powers.is_none()
     }
 
+    /// Whether any surface shines.
+    pub(crate) fn are_any(&self) -> bool {
+        self.has_others || !self.is_empty()
+    }
+
     /// Whether surfaces shine that are not drawn.
     pub(crate) fn has_others(&self) -> bool {
         self.has_others
@@ -106,7 +111,7 @@ impl Emitters {
             (towards, weights, pdf * towards.length_squared() / cosine)
         } else {
             let sphere = sphere(object)?;
-            if is_clear_of(&sphere, at) {
+            if is_seen_in_part(object, &sphere, at) {
                 let arriving = Light::from(sphere).sample(at, u)?;
                 (arriving.towards, DVec2::ZERO, arriving.pdf?)
             } else {
@@ -135,7 +140,7 @@ impl Emitters {
         is_light(light).then_some((
             LightSample {
                 towards,
-                distance: BEFORE_END,
+                distance: 1.0,
                 light,
                 pdf: Some(pdf),
             },
@@ -198,7 +203,7 @@ impl Emitters {
                 let Some(light) = sphere(object) else {
                     return 0.0;
                 };
-                let pdf = if is_clear_of(&light, from) {
+                let pdf = if is_seen_in_part(object, &light, from) {
                     let met = Light::from(light).intersect(from, direction);
                     met.map_or(0.0, |met| met.pdf)
                 } else {
@@ -214,9 +219,6 @@ impl Emitters {
 
 /// Of more than so many surfaces irradiance is not summed up.
 const MOST_SUMMED: usize = 64;
-
-/// Rays to a sampled point end so much before it: what is nearer to the surface, as a copy of it may be by rounding, is at its place.
-const BEFORE_END: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
 
 impl Object {
     /// Whether any of its materials shines.
@@ -248,8 +250,15 @@ fn place(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
     place
 }
 
-/// Whether a point is outside of a sphere, and not on it by rounding. From there the part that it sees is drawn; from elsewhere all of the
-/// sphere, evenly by area.
+/// Whether a point sees a part of a sphere alone, which is then drawn. From within, and through a translucent one, it sees all of the sphere,
+/// which is drawn evenly by area.
+fn is_seen_in_part(object: &Object, sphere: &SphereLight, at: DVec3) -> bool {
+    let material = object.material(0);
+    let is_translucent = material.is_some_and(|material| material.alpha_mode == AlphaMode::Blend);
+    !is_translucent && is_clear_of(sphere, at)
+}
+
+/// Whether a point is outside of a sphere, and not on it by rounding.
 fn is_clear_of(sphere: &SphereLight, at: DVec3) -> bool {
     (at - sphere.center).length() > (1.0 + 1e-9) * sphere.radius
 }

@@ -34,10 +34,10 @@ pub(super) fn shade(
     points: &Points<'_>,
     colors: &mut [Color],
 ) {
-    let has_others = shading.scene.emitters().has_others();
+    let has_emitters = shading.scene.emitters().are_any();
     let mut vertices = first_vertices(points, colors);
     for vertex in &mut vertices {
-        vertex.finds_lights = settings.shadows && (has_others || !vertex.bsdf.is_diffuse());
+        vertex.finds_lights = settings.shadows && (has_emitters || !vertex.bsdf.is_diffuse());
         vertex.occlusion = vertex.bsdf.occlusion();
     }
     let limits = (settings.shadows, settings.reach);
@@ -53,12 +53,12 @@ fn add_bsdf_rays(
     colors: &mut [Color],
 ) {
     let environment = shading.scene.environment();
-    let has_others = shading.scene.emitters().has_others();
+    let has_emitters = shading.scene.emitters().are_any();
     let mut shadow_rays = ShadowRays::with_capacity(vertices.len());
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
     let (mut drawn, mut draws) = (Vec::new(), Vec::new());
     for (k, vertex) in vertices.iter_mut().enumerate() {
-        let searches = has_others || !vertex.bsdf.is_diffuse();
+        let searches = has_emitters || !vertex.bsdf.is_diffuse();
         if environment.is_none() && !searches {
             continue;
         }

@@ -124,7 +124,7 @@ impl Lit {
                 let between = self.normal.dot(self.geometric);
                 softened(cosine, towards.dot(self.geometric), between)
             };
-            let ray = Ray::new(self.position, arriving.towards).up_to(arriving.distance);
+            let ray = Ray::new(self.position, arriving.towards).up_to(arriving.ray_end());
             let incoming = Incoming {
                 towards,
                 cosine,

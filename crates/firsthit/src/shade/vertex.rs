@@ -150,15 +150,9 @@ pub(super) fn add_direct_light(
             let u = vertex.draws.split(key).two();
             let drawn = light.sample(vertex.position, u);
             let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));
-            if let Some((
-                LightSample {
-                    towards, distance, ..
-                },
-                light,
-            )) = seen
-            {
-                let (ray, filter) = vertex.ray(towards);
-                rays.push((ray.up_to(distance), filter), vertex.sum, light);
+            if let Some((drawn, light)) = seen {
+                let (ray, filter) = vertex.ray(drawn.towards);
+                rays.push((ray.up_to(drawn.ray_end()), filter), vertex.sum, light);
             }
         }
         rays.add_to(sums, shading, shadows);
@@ -174,7 +168,7 @@ pub(super) fn add_direct_light(
             if let Some(light) = vertex.seen(&arriving) {
                 let (ray, mut filter) = vertex.ray(arriving.towards);
                 filter.skip[1] = Some(surface);
-                rays.push((ray.up_to(arriving.distance), filter), vertex.sum, light);
+                rays.push((ray.up_to(arriving.ray_end()), filter), vertex.sum, light);
             }
         }
         rays.add_to(sums, shading, shadows);

@@ -214,3 +214,82 @@ fn lights_beyond_all_range_make_no_nan() {
         }
     }
 }
+
+/// Through the front of a translucent sphere its back is seen: a + (1 - a) a of the light of an opaque one.
+#[test]
+fn a_translucent_sphere_emits_with_its_back_too() {
+    let opacity = 0.5;
+    let material = Material {
+        alpha: opacity,
+        alpha_mode: firsthit::scene::AlphaMode::Blend,
+        ..glowing(0.0, 1.0)
+    };
+    let sphere = Sphere::new(DVec3::new(0.3, 0.2, 3.0), 1.0).unwrap();
+    let sphere = Object::new(sphere).with_materials([material]);
+    let floor = quad(0.0, 9.0).with_materials([matte(1.0)]);
+    let scene = Scene::new(vec![floor, sphere]).unwrap();
+    let expected = (opacity + (1.0 - opacity) * opacity) / 9.0;
+    for name in ["direct", "path"] {
+        let depth = if name == "path" {
+            &[("depth", 1.0)][..]
+        } else {
+            &[]
+        };
+        let got = means(&scene, shader(name, depth), &DOWN, 8192)[0].x;
+        assert!(
+            (got / expected - 1.0).abs() < 0.02,
+            "{name}: {got} {expected}"
+        );
+    }
+}
+
+/// Under a large ceiling that emits, points of it are a poor sample: directions by the surface count as well.
+#[test]
+fn direct_light_of_a_near_ceiling_has_little_noise() {
+    let floor = quad(0.0, 1e3).with_materials([matte(1.0)]);
+    let ceiling = quad(1.0, 1e2).with_materials([glowing(0.0, 1.0)]);
+    let scene = Scene::new(vec![floor, ceiling]).unwrap();
+    let shading = shader("direct", &[]).on(&scene);
+    let (mean, error) = seen(&shading, &DOWN, 256)[0];
+    assert!(
+        (mean.x - 1.0).abs() < 0.02 && error.x < 0.02,
+        "{mean} {error}"
+    );
+}
+
+/// A lamp that lies in its ceiling, exactly: the ceiling does not hide it.
+#[test]
+fn lights_in_a_surface_are_not_hidden_by_it() {
+    let ceiling = || {
+        let low = DVec3::new(-5.0, -5.0, 2.3);
+        Object::new(firsthit::Cuboid::new(low, DVec3::new(5.0, 5.0, 3.0)).unwrap())
+    };
+    let rectangle = firsthit::scene::RectangleLight {
+        center: DVec3::new(0.1, 0.0, 2.3),
+        edge_u: DVec3::new(0.0, 2.0, 0.0),
+        edge_v: DVec3::new(2.0, 0.0, 0.0),
+        emission: Color::ONE,
+    };
+    let point = firsthit::scene::PointLight {
+        position: DVec3::new(0.1, 0.0, 2.3),
+        intensity: Color::ONE,
+    };
+    for light in [firsthit::Light::from(rectangle), point.into()] {
+        for name in ["direct", "path", "whitted", "lambert"] {
+            let lit = |objects: Vec<Object>| {
+                let floor = quad(0.0, 9.0).with_materials([matte(0.8)]);
+                let all = [vec![floor], objects].concat();
+                let scene = Scene::new(all).unwrap().with_lights(vec![light]);
+                let depth = if name == "path" {
+                    &[("depth", 1.0)][..]
+                } else {
+                    &[]
+                };
+                means(&scene, shader(name, depth), &DOWN, 512)[0].x
+            };
+            let (open, under) = (lit(vec![]), lit(vec![ceiling().colored(Color::ZERO)]));
+            assert!(open > 0.05);
+            assert!((under / open - 1.0).abs() < 1e-3, "{name}: {under} {open}");
+        }
+    }
+}

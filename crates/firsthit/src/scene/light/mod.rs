@@ -15,7 +15,7 @@ pub use rectangle::RectangleLight;
 pub use sphere::SphereLight;
 pub use spot::SpotLight;
 
-use crate::geometry::{Color, DVec2, DVec3, Domain, Settings, Value, kinds};
+use crate::geometry::{Color, DVec2, DVec3, Domain, Settings, Value, kinds, single};
 use crate::sampling::key;
 
 /// A point drawn of a light, as seen from a point of a surface.
@@ -29,6 +29,24 @@ pub struct LightSample {
     pub light: Color,
     /// The probability density of this direction, per steradian. `None` for a light without a size: there is one direction.
     pub pdf: Option<f64>,
+}
+
+/// Rays towards a point of a light end so much before it, as a share of their length: what is nearer to the light is at its place, as the
+/// ceiling that a lamp lies in, or a copy of a surface that emits.
+const BEFORE_END: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
+
+impl LightSample {
+    /// Where a ray in the direction of [`towards`](Self::towards) ends, so that the light itself does not block it.
+    pub(crate) fn ray_end(&self) -> f64 {
+        BEFORE_END * self.distance
+    }
+}
+
+impl LightHit {
+    /// Whether a surface so far away does not hide it.
+    pub(crate) fn is_before(&self, length: f64) -> bool {
+        BEFORE_END * self.distance < length || length == f64::INFINITY
+    }
 }
 
 /// What a ray sees of a light that has a size, in the world.
@@ -142,6 +160,11 @@ macro_rules! lights {
                 match self { $(Self::$kind(light) => key_of(light),)* }
             }
 
+            /// Whether it takes light away: whether a number of its colour is below 0.
+            pub(crate) fn takes_away(&self) -> bool {
+                match self { $(Self::$kind(light) => takes_away(light),)* }
+            }
+
             /// The same light, so many times as strong.
             #[must_use]
             pub fn scaled(&self, factor: f64) -> Self {
@@ -166,15 +189,25 @@ lights! {
     "rectangle" => Rectangle(RectangleLight);
 }
 
-/// A number that stands for all settings but how strong the light is.
+fn takes_away<S: Settings>(light: &S) -> bool {
+    let mut values = S::LIST.iter().zip(light.values());
+    values.any(|(setting, value)| match value {
+        Value::Vector(color) => setting.domain == Domain::Light && color.min_element() < 0.0,
+        _ => false,
+    })
+}
+
+/// A number that stands for all settings but how strong the light is. They count in float32: a camera's lights are rounded, and a picture of
+/// the same scene in another unit has the same noise.
 fn key_of<S: Settings>(light: &S) -> u64 {
     let values = S::LIST.iter().zip(light.values());
     let values = values.filter(|(setting, _)| setting.domain != Domain::Light);
-    key(values.flat_map(|(_, value)| match value {
+    let rounded = values.flat_map(|(_, value)| match value {
         Value::Flag(flag) => [f64::from(flag), 0.0, 0.0],
         Value::Number(number) => [number, 0.0, 0.0],
         Value::Vector(vector) => vector.to_array(),
-    }))
+    });
+    key(rounded.map(|number| f64::from(single(number))))
 }
 
 /// Light from a point of a flat surface of that area and radiance, whose normal has length one. `None` behind it.
@@ -223,6 +256,21 @@ fn met_flat(
 mod tests {
     use super::*;
     use crate::sampling::Draws;
+
+    /// What rounding does to a camera's lights changes no numbers, and what is another light does.
+    #[test]
+    fn the_key_of_a_light_is_that_of_its_place() {
+        let sun = |x: f64, color: f64| {
+            Light::from(DirectionalLight {
+                direction: DVec3::new(x, 0.5, -1.0),
+                color: Color::splat(color),
+                angle_degrees: 3.0,
+            })
+        };
+        assert_eq!(sun(0.3, 1.0).key(), sun(0.3 + 1e-16, 7.0).key());
+        assert_ne!(sun(0.3, 1.0).key(), sun(0.301, 1.0).key());
+        assert!(sun(0.3, -1.0).takes_away() && !sun(-0.3, 1.0).takes_away());
+    }
 
     /// Lights with a size, each seen from some points: the directions that are drawn meet the light where they say, with the
     /// pdf they say, and their mean is the integral over all directions.
