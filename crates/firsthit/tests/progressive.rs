@@ -108,6 +108,37 @@ impl Shade for OneLoud {
     }
 }
 
+/// Black but for one sample of a pixel, which is very bright: a firefly.
+struct OneFirefly(u64);
+
+impl Shade for OneFirefly {
+    fn shade(&self, _: f64, _: DVec3, _: DVec3, _: &Hit) -> Color {
+        Color::ZERO
+    }
+
+    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], _coverage: &mut [f64]) {
+        for (color, &pixel) in colors.iter_mut().zip(samples.pixels) {
+            let is_met = samples.sample == 5 && pixel == self.0;
+            *color = Color::splat(if is_met { 80.0 } else { 0.0 });
+        }
+    }
+}
+
+/// One bright sample makes its pixel white; that is no reason to stop there.
+#[test]
+fn a_pixel_that_one_sample_made_white_is_not_quiet() {
+    let scene = Scene::new(vec![]).unwrap();
+    let camera = example::camera(16, 16).unwrap();
+    let channels = shaded();
+    let picture = Picture {
+        samples: 64,
+        noise: Some(0.01),
+        ..Picture::new(&scene, &camera, &OneFirefly(20), &channels)
+    };
+    let frame = picture.render(&()).unwrap();
+    assert!(counts(&frame).iter().all(|&count| count == 64));
+}
+
 fn counts(frame: &Frame) -> &[i32] {
     match &frame.channel("samples").unwrap().data {
         Data::Int32(counts) => counts,
@@ -291,8 +322,28 @@ fn a_state_in_memory_is_refused_for_another_size_and_for_channels_that_would_be_
     assert!(part.contains("another size"), "{part}");
     let more = refused(Picture {
         channels: &plain,
-        ..picture
+        ..picture.clone()
     });
+    // An edited state is not taken as it is.
+    for (name, wrong) in [
+        ("sums", f64::NAN),
+        ("squares", -1.0),
+        ("squares", f64::INFINITY),
+    ] {
+        let mut edited = Frame::new(state.shape().to_vec());
+        for channel in state.channels() {
+            let mut channel = channel.clone();
+            if let (true, Data::Float64(values)) = (channel.name == name, &mut channel.data) {
+                values[3] = wrong;
+            }
+            edited.push(channel).unwrap();
+        }
+        let error = picture.resume(&edited).err().unwrap().to_string();
+        assert!(
+            error.contains("no sums of colours"),
+            "{name} {wrong}: {error}"
+        );
+    }
     assert!(more.contains("got t"), "{more}");
 }
 

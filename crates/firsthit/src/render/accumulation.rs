@@ -18,6 +18,9 @@ pub(super) struct Accumulation {
     pub(super) counts: Vec<u32>,
 }
 
+/// The place of the alpha among the sums of a pixel.
+pub(super) const ALPHA: usize = 3;
+
 /// The names of the channels of a state that is kept.
 const NAMES: [&str; 3] = ["sums", "squares", "samples"];
 
@@ -44,8 +47,9 @@ impl Accumulation {
         *count += 1;
     }
 
-    /// The means of some of the sums, for each pixel one after the other.
-    pub(super) fn means<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
+    /// The means of some of the sums, for each pixel one after the other. Colours are at least `least`, and alpha is from 0 to 1: what is
+    /// beyond is noise, of shadows on the ground, of which a sample may be darkened by more than all.
+    pub(super) fn means<const N: usize>(&self, which: [usize; N], least: f64) -> Result<Data> {
         let mut means = zeroed::<f32>(self.sums.len().saturating_mul(N))?;
         let chunk = 1 << 12;
         let sums = self
@@ -57,7 +61,13 @@ impl Accumulation {
             for ((out, sum), &count) in out.chunks_mut(N).zip(sums).zip(counts) {
                 let count = f64::from(count.max(1));
                 for (out, which) in out.iter_mut().zip(which) {
-                    *out = single(sum[which] / count);
+                    let mean = sum[which] / count;
+                    // Written so that a NaN stays one.
+                    *out = single(match which {
+                        ALPHA => mean.clamp(0.0, 1.0),
+                        _ if mean < least => least,
+                        _ => mean,
+                    });
                 }
             }
         });
@@ -73,14 +83,16 @@ impl Accumulation {
         Ok(Data::Int32(counts))
     }
 
-    /// The standard error of a pixel's brightness as a picture shows it, from 0, black, to 1, white.
+    /// The standard error of a pixel's brightness as a picture shows it, from 0, black, to 1, white: upwards or downwards, whichever shows
+    /// more. Of a pixel that one bright sample has made white, only downwards shows.
     fn error(&self, pixel: usize) -> f64 {
         let count = f64::from(self.counts[pixel]);
         let [red, green, blue, _] = self.sums[pixel];
         let mean = luminance(Color::new(red, green, blue)) / count;
         let variance = (self.squares[pixel] / count - mean * mean).max(0.0);
         let error = (variance / (count - 1.0)).sqrt();
-        srgb_encode(mean + error) - srgb_encode(mean)
+        let [below, here, above] = [mean - error, mean, mean + error].map(srgb_encode);
+        (above - here).max(here - below)
     }
 
     /// Adds what is known to the state of a picture, to be gone on with.
@@ -123,6 +135,10 @@ impl Accumulation {
         let shape = [sums.len(), squares.len(), counts.len()];
         if shape != [4 * pixels, pixels, pixels] {
             return Err(wrong("one of another size"));
+        }
+        let is_number = |x: &f64| x.is_finite();
+        if !(sums.iter().all(is_number) && squares.iter().all(|&x| x >= 0.0 && x.is_finite())) {
+            return Err(wrong("one of sums that are no sums of colours"));
         }
         let mut made = Self::new(pixels)?;
         made.sums.as_flattened_mut().copy_from_slice(sums);

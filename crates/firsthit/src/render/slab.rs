@@ -11,7 +11,7 @@
 use rayon::prelude::*;
 
 use super::Picture;
-use super::accumulation::{Accumulation, Activity};
+use super::accumulation::{ALPHA, Accumulation, Activity};
 use super::mattes::Mattes;
 use super::region::{Part, Region};
 use crate::channel::{self, Kind, Shots};
@@ -247,7 +247,7 @@ impl<'a> Slab<'a> {
             } else if !kind.needs_shade() {
                 plain.next().expect("it was made with the first sample")
             } else if self.picture.shade.is_transparent() {
-                kind.transparent_channel(self.colors([0, 1, 2, 3])?)
+                kind.transparent_channel(self.colors([0, 1, 2, ALPHA])?)
             } else {
                 kind.channel(self.colors([0, 1, 2])?)
             })?;
@@ -257,7 +257,13 @@ impl<'a> Slab<'a> {
 
     /// Means of colours, with lines of edges and the bar of a colour map where there is one.
     fn colors<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
-        let mut means = self.known.means(which)?;
+        let is_nonnegative = self.picture.shade.is_nonnegative();
+        let least = if is_nonnegative {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        };
+        let mut means = self.known.means(which, least)?;
         self.draw_lines::<N>(&mut means);
         if let Some(bar) = &self.bar {
             let Region { rows, columns } = &self.part.region;
@@ -269,12 +275,12 @@ impl<'a> Slab<'a> {
     /// The alpha of the colours, lines and bar included.
     fn alpha(&self) -> Result<Data> {
         if self.line_color().is_none() && self.bar.is_none() {
-            return self.known.means([3]);
+            return self.known.means([ALPHA], 0.0);
         }
         let mut alpha = zeroed::<f32>(self.part.len())?;
-        if let Data::Float32(colors) = self.colors([0, 1, 2, 3])? {
+        if let Data::Float32(colors) = self.colors([0, 1, 2, ALPHA])? {
             for (alpha, color) in alpha.iter_mut().zip(colors.chunks_exact(4)) {
-                *alpha = color[3];
+                *alpha = color[ALPHA];
             }
         }
         Ok(Data::Float32(alpha))

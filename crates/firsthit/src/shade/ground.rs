@@ -15,7 +15,8 @@ use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
 /// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else sees the background through it,
 /// darkened by the share of light that things keep from it.
 ///
-/// With noise, linear colours on it may be a little below 0: a sample may be darkened by more than all, and only the mean is right.
+/// A sample may be darkened by more than all, and only the mean is right. Pictures have 0 where a mean is below 0 by noise, and an alpha of
+/// at most 1.
 ///
 /// It is no object: no other ray meets it, and pictures are as fast as without it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,8 +110,7 @@ impl Shadows {
         shadows.add_lights(shading, up, points);
         shadows.add_emitters(shading, up, points);
         let emitters = shading.scene.emitters();
-        let has_emitters = !emitters.is_empty() || emitters.has_others();
-        let has_light = !shading.scene.lights().is_empty() || has_emitters;
+        let has_light = !shading.scene.lights().is_empty() || emitters.are_any();
         match shading.scene.environment() {
             Some(environment) => shadows.add_environment(shading, environment, up, points),
             // Where nothing shines, as for shaders without light, it is as under a white sky.
@@ -303,7 +303,7 @@ impl BlockedRays {
         end: Option<SurfaceId>,
     ) {
         let Some(arriving) = arriving else { return };
-        let ray = Ray::new(point.position, arriving.towards).up_to(arriving.distance);
+        let ray = Ray::new(point.position, arriving.towards).up_to(arriving.ray_end());
         self.push_ray(ray, end, index, || taken_of(arriving, up));
     }
 

@@ -39,7 +39,7 @@ use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Side, Value, ki
 use crate::sampling::Draws;
 #[cfg(feature = "frame")]
 use crate::scene::ColorBy;
-use crate::scene::{Background, Scene, SurfaceInteraction};
+use crate::scene::{Background, Light, Scene, SurfaceInteraction};
 use crate::shoot::{Cpu, Engine};
 
 /// The colour that a ray sees. Replaceable: any function of the right form is one.
@@ -75,6 +75,11 @@ pub trait Shade: Sync {
 
     /// Whether it draws numbers, so that a pixel's samples differ even where they see the same.
     fn is_random(&self) -> bool {
+        false
+    }
+
+    /// Whether colours are never below 0 but by noise. Pictures then have 0 in place of a mean below 0.
+    fn is_nonnegative(&self) -> bool {
         false
     }
 
@@ -427,6 +432,10 @@ impl Shade for Shading<'_> {
 
     fn is_random(&self) -> bool {
         self.shader.is_random() || self.ground.is_some()
+    }
+
+    fn is_nonnegative(&self) -> bool {
+        !self.scene.lights().iter().any(Light::takes_away)
     }
 
     #[cfg(feature = "frame")]

@@ -292,3 +292,48 @@ fn the_ground_is_seen_through_translucent_surfaces() {
     assert!((beside - 0.5).abs() < 0.01, "{beside}");
     assert!((through - 0.75 * beside).abs() < 0.01, "{through} {beside}");
 }
+
+/// A single sample of the ground may be darkened by more than all; a picture has no colour below 0, and no alpha above 1.
+#[test]
+fn pictures_of_the_ground_have_no_colour_below_black() {
+    let scene = Scene::new(vec![disc()]).unwrap();
+    let sun = DirectionalLight {
+        direction: DVec3::new(0.1, 0.2, -1.0),
+        color: Color::ONE,
+        angle_degrees: 60.0,
+    };
+    let scene = scene.with_lights(vec![sun.into()]);
+    let camera = firsthit::Camera::look_at(
+        DVec3::new(0.0, -6.0, 3.0),
+        DVec3::ZERO,
+        DVec3::Z,
+        40.0,
+        24,
+        32,
+    );
+    let shading = Shading {
+        background: Background::Uniform(Color::ONE),
+        ground: Some(Ground {
+            point: DVec3::ZERO,
+            up: DVec3::Z,
+        }),
+        ..shader("direct", &[]).on(&scene)
+    };
+    let camera = camera.unwrap();
+    let kinds = ["color", "alpha"].map(|name| firsthit::channel::kind(name).unwrap());
+    let picture = firsthit::render::Picture {
+        samples: 1,
+        ..firsthit::render::Picture::new(&scene, &camera, &shading, &kinds)
+    };
+    let frame = picture.render(&()).unwrap();
+    let [colors, alphas] = [0, 1].map(|index| {
+        let data = &frame.channels()[index].data;
+        (0..data.len()).map(|k| data.value(k)).collect::<Vec<_>>()
+    });
+    assert!(colors.iter().all(|&x| (0.0..=1.0).contains(&x)));
+    assert!(alphas.iter().all(|&x| (0.0..=1.0).contains(&x)));
+    // It is a test only where samples are beyond.
+    let rays: Vec<Ray> = (0..24 * 32).map(|k| camera.ray(k / 32, k % 32)).collect();
+    let sampled = seen(&shading, &rays, 1);
+    assert!(sampled.iter().any(|(color, _)| color.x < -0.01));
+}
