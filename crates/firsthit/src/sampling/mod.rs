@@ -5,9 +5,11 @@ mod draws;
 #[cfg(feature = "frame")]
 mod pixel;
 mod sobol;
+mod tangent_frame;
 pub(crate) mod warp;
 
 pub use draws::Draws;
 pub(crate) use draws::key;
 #[cfg(feature = "frame")]
 pub(crate) use pixel::{offset, on_lens};
+pub(crate) use tangent_frame::TangentFrame;

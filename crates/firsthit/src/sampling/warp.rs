@@ -75,24 +75,6 @@ pub(crate) fn triangle(u: DVec2) -> DVec2 {
     }
 }
 
-/// Two directions that make a right-handed frame of axes with `z`, which has length one (Duff and others, "Building an Orthonormal
-/// Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017).
-pub(crate) fn axes_around(z: DVec3) -> [DVec3; 2] {
-    let sign = 1.0_f64.copysign(z.z);
-    let a = -1.0 / (sign + z.z);
-    let b = z.x * z.y * a;
-    [
-        DVec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x),
-        DVec3::new(b, sign + z.y * z.y * a, -z.y),
-    ]
-}
-
-/// A direction in the frame of `z`, in the world.
-pub(crate) fn around(z: DVec3, direction: DVec3) -> DVec3 {
-    let [x, y] = axes_around(z);
-    direction.x * x + direction.y * y + direction.z * z
-}
-
 /// The density per solid angle of [`cap`].
 pub(crate) fn cap_density(height: f64) -> f64 {
     1.0 / (2.0 * PI * height)
@@ -146,18 +128,5 @@ mod tests {
         assert!(weights.all(|w| w.min_element() >= 0.0 && w.element_sum() <= 1.0));
         assert!((mean(|u| triangle(u).x) - 1.0 / 3.0).abs() < 1e-3);
         assert!((mean(|u| triangle(u).y * triangle(u).y) - 1.0 / 6.0).abs() < 1e-3);
-    }
-
-    #[test]
-    fn axes_are_right_handed_and_of_length_one() {
-        for z in [
-            DVec3::Z,
-            DVec3::NEG_Z,
-            DVec3::X,
-            DVec3::new(0.48, -0.6, -0.64),
-        ] {
-            let [x, y] = axes_around(z);
-            assert!((x.cross(y) - z).length() < 1e-14 && (x.length() - 1.0).abs() < 1e-14);
-        }
     }
 }

@@ -9,7 +9,7 @@ use super::{Shading, stream};
 use crate::geometry::{
     Bounds, Color, DVec2, DVec3, Hit, Ray, RayFilter, SurfaceId, is_light, unit,
 };
-use crate::sampling::{Draws, warp};
+use crate::sampling::{Draws, TangentFrame, warp};
 use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
 
 /// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else sees the background through it,
@@ -184,10 +184,11 @@ impl Shadows {
     ) {
         let mut rays = BlockedRays::new(self.blocking);
         let full = environment.irradiance(up);
+        let frame = TangentFrame::around(up);
         for (index, point) in points.iter().enumerate() {
             self.full[index] += full;
             let mut draws = point.draws;
-            let towards = warp::around(up, warp::cosine_hemisphere(draws.two()));
+            let towards = frame.world(warp::cosine_hemisphere(draws.two()));
             rays.push_infinite(point, index, towards, || {
                 let own = towards.dot(up).max(0.0) / PI;
                 let share = power_heuristic(own, environment.pdf(towards));

@@ -4,7 +4,7 @@
 use super::depth_cue::{self, DepthCue};
 use super::{Points, Shading, seen_normal};
 use crate::geometry::{Color, DVec3, Domain, settings, unit};
-use crate::sampling::warp;
+use crate::sampling::TangentFrame;
 
 settings! {
     /// The settings of the matcap. The default ones are those of clay.
@@ -68,8 +68,8 @@ fn frame(direction: DVec3, upwards: DVec3) -> [DVec3; 3] {
     if right.is_finite() {
         [right, back.cross(right), back]
     } else {
-        let [right, up] = warp::axes_around(back);
-        [right, up, back]
+        let TangentFrame { x, y, z } = TangentFrame::around(back);
+        [x, y, z]
     }
 }
 

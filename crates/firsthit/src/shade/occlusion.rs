@@ -4,7 +4,7 @@
 use super::shadow::ShadowRays;
 use super::{Points, Shading};
 use crate::geometry::{Color, DVec2, DVec3, Domain, Ray, settings};
-use crate::sampling::{Draws, warp};
+use crate::sampling::{Draws, TangentFrame, warp};
 use crate::scene::SurfaceInteraction;
 
 settings! {
@@ -40,7 +40,7 @@ fn sky_ray(
 ) -> Option<(Ray, crate::geometry::RayFilter)> {
     let normal = surface.side() * surface.normal();
     let u: DVec2 = draws.two();
-    let towards: DVec3 = warp::around(normal, warp::cosine_hemisphere(u));
+    let towards: DVec3 = TangentFrame::around(normal).world(warp::cosine_hemisphere(u));
     towards.is_finite().then(|| {
         let (ray, filter) = surface.leave(towards);
         (ray.up_to(reach), filter)

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Environment, EnvironmentKind};
 use crate::geometry::{Color, DMat3, DVec3, unit};
-use crate::sampling::{Draws, warp};
+use crate::sampling::{Draws, TangentFrame, warp};
 
 /// The irradiance of one normal, computed when it is first asked for: it takes milliseconds.
 #[derive(Debug, Default)]
@@ -87,9 +87,10 @@ impl Environment {
             }
         };
         let mut sum = Color::ZERO;
+        let frame = TangentFrame::around(normal);
         for sample in 0..COUNT {
             let u = Draws::new(0, sample).two();
-            sum += brought(warp::around(normal, warp::cosine_hemisphere(u)));
+            sum += brought(frame.world(warp::cosine_hemisphere(u)));
             if let Some(drawn) = self.sample(u) {
                 sum += brought(unit(drawn.towards));
             }

@@ -1,6 +1,6 @@
 use super::{LightHit, LightSample, LightSource};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
-use crate::sampling::warp;
+use crate::sampling::{TangentFrame, warp};
 
 settings! {
     /// Parallel light from infinitely far away. With an angle it comes from a round sun of that diameter, and shadows are soft.
@@ -27,8 +27,7 @@ impl DirectionalLight {
         let (height, towards) = (self.height(), -unit(self.direction));
         Sun {
             height,
-            towards,
-            axes: warp::axes_around(towards),
+            frame: TangentFrame::around(towards),
             parallel: -self.direction,
             // A surface that faces the middle takes `color`: the mean cosine over the sun is 1 - height / 2.
             light: self.color / (1.0 - 0.5 * height),
@@ -59,10 +58,8 @@ impl Sun {
                 pdf: None,
             };
         }
-        let [x, y] = self.axes;
-        let within = warp::cap(u, self.height);
         LightSample {
-            towards: within.x * x + within.y * y + within.z * self.towards,
+            towards: self.frame.world(warp::cap(u, self.height)),
             distance,
             light: self.light,
             pdf: Some(warp::cap_density(self.height)),

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use super::{LightHit, LightSample, LightSource, from_area, met_flat};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings, unit};
-use crate::sampling::warp;
+use crate::sampling::{TangentFrame, warp};
 
 settings! {
     /// A disc that shines on one side, evenly.
@@ -27,7 +27,7 @@ impl DiscLight {
 impl LightSource for DiscLight {
     fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
         let normal = unit(self.normal);
-        let [x, y] = warp::axes_around(normal);
+        let TangentFrame { x, y, .. } = TangentFrame::around(normal);
         let within = self.radius * warp::disc(u);
         let point = self.center + within.x * x + within.y * y;
         from_area(at, point, normal, self.area(), self.emission)

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use crate::geometry::{DVec3, unit};
-use crate::sampling::warp::axes_around;
+use crate::sampling::TangentFrame;
 
 /// That of a disc in the sky, as a sun or a sphere is: by the cosine from the normal to its middle, and sine and cosine of the angle from its
 /// middle to its edge. Where the horizon cuts the disc, the part above it counts (Snyder, "Area Light Sources for Real-Time Graphics",
@@ -33,9 +33,8 @@ pub(crate) fn of_disc_to_facing(cosine: f64, [edge, inner]: [f64; 2]) -> f64 {
 /// That of a triangle, whichever side is seen: by the corners from the point, and the normal, of length one. What is below the horizon
 /// is cut off, and the rest is a sum over its edges (Lambert, *Photometria*, 1760).
 pub(crate) fn of_triangle(corners: [DVec3; 3], normal: DVec3) -> f64 {
-    let [x, y] = axes_around(normal);
-    let local = |v: DVec3| DVec3::new(v.dot(x), v.dot(y), v.dot(normal));
-    let corners = corners.map(local);
+    let frame = TangentFrame::around(normal);
+    let corners = corners.map(|corner| frame.local(corner));
     let mut above = [DVec3::ZERO; 4];
     let mut count = 0;
     let mut push = |corner: DVec3| {
@@ -84,12 +83,13 @@ mod tests {
                 let elevation = (share * degrees).clamp(-90.0, 90.0);
                 let (cosine, level) = libm::sincos(elevation.to_radians());
                 let middle = DVec3::new(level, 0.0, cosine);
+                let frame = TangentFrame::around(middle);
                 let height = 1.0 - inner;
                 let cells = (0..SIDE * SIDE).map(|cell| {
                     let cell = DVec2::from([cell % SIDE, cell / SIDE].map(f64::from));
                     (cell + 0.5) / f64::from(SIDE)
                 });
-                let heights = cells.map(|u| warp::around(middle, warp::cap(u, height)).z.max(0.0));
+                let heights = cells.map(|u| frame.world(warp::cap(u, height)).z.max(0.0));
                 // Of the solid angle, over pi.
                 let mean = 2.0 * height * heights.sum::<f64>() / f64::from(SIDE * SIDE);
                 let got = of_disc(cosine, [edge, inner]);

@@ -2,7 +2,7 @@ use std::f64::consts::PI;
 
 use super::{LightHit, LightSample, LightSource};
 use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
-use crate::sampling::warp;
+use crate::sampling::{TangentFrame, warp};
 
 settings! {
     /// A sphere that shines, outwards and evenly.
@@ -40,7 +40,7 @@ impl LightSource for SphereLight {
     fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
         let (to_center, height) = self.cone(at)?;
         let middle = to_center / to_center.length();
-        let direction = warp::around(middle, warp::cap(u, height));
+        let direction = TangentFrame::around(middle).world(warp::cap(u, height));
         let distance = self.distance(to_center, direction);
         // Written so that a NaN fails.
         (distance > 0.0).then(|| LightSample {

@@ -20,7 +20,7 @@ pub(super) use layered::Layers;
 use layered::Layered;
 
 use crate::geometry::{Color, DVec2, DVec3, is_light, unit};
-use crate::sampling::warp;
+use crate::sampling::{TangentFrame, warp};
 use crate::scene::SurfaceInteraction;
 
 /// The bidirectional scattering distribution function at a point of a surface, for the ray that sees it.
@@ -163,7 +163,7 @@ impl Bsdf {
         match &self.kind {
             Kind::Matte(color) => {
                 let local = warp::cosine_hemisphere(DVec2::new(u[0], u[1]));
-                let towards = warp::around(self.frame.normal, local);
+                let towards = TangentFrame::around(self.frame.normal).world(local);
                 let cosine = towards.dot(self.frame.normal);
                 let value = self.frame.cosine(towards);
                 (value > 0.0).then(|| BsdfSample {

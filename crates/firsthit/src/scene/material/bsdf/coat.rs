@@ -1,9 +1,10 @@
 //! A clear coat over everything else: glTF's `KHR_materials_clearcoat`. Its index is 1.5.
 
-use super::frame::{Frame, TangentFrame};
+use super::frame::Frame;
 use super::fresnel;
 use super::microfacet::{self, Microfacets};
 use crate::geometry::{DVec2, DVec3};
+use crate::sampling::TangentFrame;
 
 /// A coat, in the space of its own normal, which has nothing to do with that of the surface below it.
 #[derive(Debug, Clone, Copy)]

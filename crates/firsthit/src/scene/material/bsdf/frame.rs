@@ -1,7 +1,6 @@
 //! Where light is scattered: normals, and the direction of whoever looks.
 
 use crate::geometry::{DVec3, unit};
-use crate::sampling::warp;
 use crate::scene::softened;
 
 /// A point of a surface that is seen. All directions are in the world, of length one; normals are on the side that is seen.
@@ -54,26 +53,6 @@ impl Frame {
         let raised = unit(reflected + (least - height) * geometric);
         let normal = unit(out + raised);
         Self { normal, ..self }
-    }
-}
-
-/// The axes of a normal's own space, in the world.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TangentFrame([DVec3; 3]);
-
-impl TangentFrame {
-    pub(super) fn around(normal: DVec3) -> Self {
-        let [x, y] = warp::axes_around(normal);
-        Self([x, y, normal])
-    }
-
-    pub(super) fn local(&self, direction: DVec3) -> DVec3 {
-        DVec3::from(self.0.map(|axis| axis.dot(direction)))
-    }
-
-    pub(super) fn world(&self, local: DVec3) -> DVec3 {
-        let [x, y, z] = self.0;
-        local.x * x + local.y * y + local.z * z
     }
 }
 

@@ -6,12 +6,13 @@ use std::f64::consts::PI;
 
 use super::coat::Coat;
 use super::dielectric::{Dielectric, Split};
-use super::frame::{Frame, TangentFrame};
+use super::frame::Frame;
 use super::fresnel;
 use super::lobes::LobeProbabilities;
 use super::microfacet::{self, Microfacets, half};
 use super::sheen::Sheen;
 use crate::geometry::{Color, DVec3};
+use crate::sampling::TangentFrame;
 
 /// What a surface is made of, where it is seen.
 #[derive(Debug, Clone, Copy)]
