@@ -1,4 +1,4 @@
-use super::{DAffine3, DVec3};
+use super::{DAffine3, DVec3, Ray};
 
 /// An axis-aligned box, both corners part of it.
 ///
@@ -56,20 +56,23 @@ impl Bounds {
         self.low.is_finite() && self.high.is_finite()
     }
 
-    /// Whether a ray may meet the box, at any parameter from 0 on: false only where it does not, more than rounding away from it.
-    pub(crate) fn may_be_met(&self, origin: DVec3, direction: DVec3) -> bool {
-        let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
-        for axis in 0..3 {
-            let inverse = 1.0 / direction[axis];
-            let [a, b] =
-                [self.low, self.high].map(|corner| (corner[axis] - origin[axis]) * inverse);
+    /// Whether a ray may come nearer to the box than `margin`, from its origin, or where it begins before that, up to its end: false only
+    /// where it does not, more than rounding away from it.
+    #[inline]
+    pub(crate) fn may_be_met(&self, ray: &Ray, margin: f64) -> bool {
+        let inverse = ray.direction.recip();
+        let low = (self.low - margin - ray.origin) * inverse;
+        let high = (self.high + margin - ray.origin) * inverse;
+        let (mut enters, mut leaves) = (ray.t_min.min(0.0), ray.t_max);
+        for (a, b) in low.to_array().into_iter().zip(high.to_array()) {
             // A ray along a face gives NaN: this axis says nothing then.
             if !a.is_nan() && !b.is_nan() {
                 enters = enters.max(a.min(b));
                 leaves = leaves.min(a.max(b));
             }
         }
-        enters <= leaves * (1.0 + 1e-12)
+        // Beside the box, along an axis in which it does not go, it enters at infinity.
+        enters <= leaves + 1e-12 * leaves.abs() && enters < f64::INFINITY
     }
 
     /// Whether `point` is inside or on the border.
@@ -131,12 +134,27 @@ mod tests {
             let u = |axis: usize| (f64::from(k) * step(axis)).fract();
             let target = bounds.low + DVec3::new(u(0), u(1), u(2)) * bounds.size();
             let origin = 6.0 * DVec3::new(u(3), u(4), u(5)) - 2.0;
-            assert!(bounds.may_be_met(origin, target - origin));
+            let there = Ray::new(origin, target - origin);
+            assert!(bounds.may_be_met(&there, 0.0));
             let along = DVec3::new(bounds.low.x, origin.y, bounds.low.z);
-            assert!(bounds.may_be_met(along, DVec3::new(0.0, 0.25 - along.y, 0.0)));
-            misses += u32::from(!bounds.may_be_met(origin, origin - target));
+            let along = Ray::new(along, DVec3::new(0.0, 0.25 - along.y, 0.0));
+            assert!(bounds.may_be_met(&along, 0.0));
+            let back = Ray::new(origin, origin - target);
+            misses += u32::from(!bounds.may_be_met(&back, 0.0));
+            // It begins behind its origin, and so far that it meets the box; or it ends too early.
+            let begins = Ray {
+                t_min: -1.5,
+                ..back
+            };
+            assert!(bounds.may_be_met(&begins, 0.0));
+            let gap = bounds.low.max(origin.min(bounds.high)) - origin;
+            let least = gap.length() / there.direction.length();
+            assert!(least == 0.0 || !bounds.may_be_met(&there.up_to(0.5 * least), 0.0));
         }
         assert!(misses > 900, "{misses}");
-        assert!(Bounds::EVERYTHING.may_be_met(DVec3::ONE, DVec3::X));
+        let beside = Ray::new(DVec3::new(0.0, 1.0, 0.0), DVec3::Z);
+        assert!(!bounds.may_be_met(&beside, 0.4) && bounds.may_be_met(&beside, 0.6));
+        let ray = Ray::new(DVec3::ONE, DVec3::X);
+        assert!(Bounds::EVERYTHING.may_be_met(&ray, 0.0));
     }
 }

@@ -91,6 +91,13 @@ impl Transform {
         self.is_identity
     }
 
+    /// Whether both are the same map.
+    #[inline]
+    pub(crate) fn is_same_as(&self, other: &Self) -> bool {
+        // That of nearly all objects, at a glance.
+        self.is_identity && other.is_identity || self.world_from_object == other.world_from_object
+    }
+
     /// Whether a box stays a box: every axis goes to an axis.
     pub fn keeps_axes(&self) -> bool {
         let m = self.world_from_object.matrix3;

@@ -5,7 +5,7 @@ use super::duplicates::Duplicates;
 use crate::accel::{Bvh, Nearby, Walk, WalkStack};
 use crate::geometry::{Bounds, DVec3, Ray};
 
-/// Up to this many objects are all asked.
+/// Up to this many objects are all asked, each behind its box.
 const FEW: usize = 4;
 
 /// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
@@ -16,9 +16,11 @@ const LARGEST_SLACK: f64 = 1e-8;
 #[derive(Debug, Clone)]
 pub(super) struct TopTree {
     tree: Bvh,
-    /// The objects that every ray is a candidate for: they have no finite box, or only a vague one, or there are so few
-    /// that asking the tree would take longer.
+    /// The objects that are in no tree: they have no finite box, or only a vague one, or there are so few that asking the tree would take
+    /// longer.
     unconditional: Vec<u32>,
+    /// What a ray must meet for each of these: its box, or everything.
+    around_unconditional: Vec<Bounds>,
     pub(super) duplicates: Duplicates,
     /// A box around each object.
     boxes: Vec<Bounds>,
@@ -43,7 +45,9 @@ impl TopTree {
         let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
         let is_out = |k: u32| duplicates.contains(k) || objects[k as usize].is_hidden();
         let loose = (0..count).filter(|&k| is_loose(k) && !is_out(k));
-        let unconditional = loose.collect();
+        let unconditional: Vec<u32> = loose.collect();
+        let around = |&k: &u32| around(&objects[k as usize], boxes[k as usize]);
+        let around_unconditional = unconditional.iter().map(around).collect();
         let slack = (0..count)
             .filter(|&k| !is_loose(k))
             .map(|k| objects[k as usize].slack())
@@ -58,6 +62,7 @@ impl TopTree {
         Self {
             tree: Bvh::build(count, padded, slack),
             unconditional,
+            around_unconditional,
             duplicates,
             boxes,
             moves: 0,
@@ -95,11 +100,14 @@ impl TopTree {
         if self.duplicates.contains(moved) || !self.duplicates.of(moved).is_empty() {
             return false;
         }
-        let was_loose = self.unconditional.binary_search(&moved).is_ok();
+        let loose = self.unconditional.binary_search(&moved).ok();
         let is_loose = is_loose(objects, index, &bounds);
         let slack = self.tree.slack();
-        if was_loose || is_loose || object.slack() > slack {
-            return was_loose && is_loose;
+        if loose.is_some() || is_loose || object.slack() > slack {
+            if let Some(place) = loose {
+                self.around_unconditional[place] = around(object, bounds);
+            }
+            return loose.is_some() && is_loose;
         }
         let boxes = &self.boxes;
         let padded = |k: u32| objects[k as usize].padded(boxes[k as usize], slack);
@@ -122,6 +130,7 @@ impl TopTree {
     pub(super) fn on_the_way(&self) -> OnTheWay<'_> {
         OnTheWay {
             unconditional: &self.unconditional,
+            around_unconditional: &self.around_unconditional,
             tree: (self.unconditional.len() < self.boxes.len()).then_some(&self.tree),
             walk: None,
         }
@@ -161,6 +170,15 @@ fn is_loose(objects: &[Object], index: usize, bounds: &Bounds) -> bool {
     objects.len() <= FEW || is_unbounded(bounds) || objects[index].slack() > LARGEST_SLACK
 }
 
+/// What a ray must meet to be a candidate for an object that is in no tree.
+fn around(object: &Object, bounds: Bounds) -> Bounds {
+    if is_unbounded(&bounds) || object.slack() > LARGEST_SLACK {
+        Bounds::EVERYTHING
+    } else {
+        object.padded(bounds, object.slack().max(Bvh::OBJECTS))
+    }
+}
+
 pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
     !bounds.is_empty() && !bounds.is_finite()
 }
@@ -168,6 +186,7 @@ pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
 /// See [`TopTree::on_the_way`].
 pub(crate) struct OnTheWay<'a> {
     unconditional: &'a [u32],
+    around_unconditional: &'a [Bounds],
     /// Of all other objects.
     tree: Option<&'a Bvh>,
     /// Begun when the tree's turn comes.
@@ -179,9 +198,15 @@ impl OnTheWay<'_> {
     /// grow, and `ray` and `stack` must be the same.
     #[inline(always)]
     pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
-        if let Some((&index, rest)) = self.unconditional.split_first() {
-            self.unconditional = rest;
-            return Some(index);
+        while let [index, rest @ ..] = self.unconditional
+            && let [around, boxes_left @ ..] = self.around_unconditional
+        {
+            (self.unconditional, self.around_unconditional) = (rest, boxes_left);
+            // As wide as the boxes of the tree are by the ray's own coordinates.
+            let margin = Bvh::OBJECTS * ray.origin.abs().max_element();
+            if around.may_be_met(&ray.up_to(t_max), margin) {
+                return Some(*index);
+            }
         }
         self.tree
             .is_some()

@@ -95,8 +95,8 @@ struct Point {
 struct Shadows {
     missing: Vec<Color>,
     full: Vec<Color>,
-    /// Outside of it nothing blocks light.
-    blocking: Option<Bounds>,
+    /// What blocks light is in there; `None` where that has no end.
+    blocking: Option<Enclosure>,
 }
 
 impl Shadows {
@@ -105,7 +105,7 @@ impl Shadows {
             missing: vec![Color::ZERO; points.len()],
             // What nothing blocks is there, and is never missing.
             full: vec![shading.shader.ambient(); points.len()],
-            blocking: shading.scene.blocking_bounds(),
+            blocking: shading.scene.blocking_bounds().map(Enclosure::new),
         };
         shadows.add_lights(shading, up, points);
         shadows.add_emitters(shading, up, points);
@@ -219,35 +219,62 @@ impl Shadows {
     }
 }
 
-/// The directions of a sun, and a ball around everything.
+/// A box, and the ball around it.
+#[derive(Clone, Copy)]
+struct Enclosure {
+    bounds: Bounds,
+    center: DVec3,
+    radius: f64,
+}
+
+impl Enclosure {
+    fn new(bounds: Bounds) -> Self {
+        Self {
+            bounds,
+            center: bounds.centre(),
+            radius: 0.5 * bounds.size().length(),
+        }
+    }
+
+    /// Whether a ray may meet what is in the box. Most that do not pass the ball by already, which is seen without a division.
+    fn may_be_met(&self, ray: &Ray) -> bool {
+        let way = self.center - ray.origin;
+        let along = way.dot(ray.direction);
+        // Of the way to where the ray touches the ball; below zero within it.
+        let squared = way.length_squared() - self.radius * self.radius;
+        let touching = (1.0 - 1e-9) * squared * ray.direction.length_squared();
+        let passes_by = squared > 0.0 && (along < 0.0 || along * along < touching);
+        !passes_by && self.bounds.may_be_met(ray, 0.0)
+    }
+}
+
+/// The directions of a sun, and what may block them.
 #[derive(Clone, Copy)]
 struct Cone {
     towards: DVec3,
     /// The sine and the cosine of the angle from the sun's middle to its edge.
     half: [f64; 2],
-    center: DVec3,
-    radius: f64,
+    blocking: Enclosure,
 }
 
 impl Cone {
-    fn of_sun(light: &Light, blocking: Option<Bounds>) -> Option<Self> {
-        let (Light::Directional(sun), Some(bounds)) = (light, blocking) else {
+    fn of_sun(light: &Light, blocking: Option<Enclosure>) -> Option<Self> {
+        let (Light::Directional(sun), Some(blocking)) = (light, blocking) else {
             return None;
         };
         let (sine, cosine) = libm::sincos((0.5 * sun.angle_degrees).to_radians());
         Some(Self {
             towards: -unit(sun.direction),
             half: [sine, cosine],
-            center: bounds.centre(),
-            radius: 0.5 * bounds.size().length(),
+            blocking,
         })
     }
 
     /// Whether all of the sun passes the ball by, seen from a point.
     fn is_clear(&self, point: DVec3) -> bool {
-        let way = self.center - point;
+        let way = self.blocking.center - point;
         let distance = way.length();
-        let sine = self.radius / distance;
+        let sine = self.blocking.radius / distance;
         let cosine = (1.0 - sine * sine).sqrt();
         let [sun_sine, sun_cosine] = self.half;
         // The ball and the sun touch where the angle between them is the sum of theirs, less than half a turn. Written so that a NaN, as
@@ -282,12 +309,12 @@ const DRAWS_OF_EMITTERS: u32 = 32;
 struct BlockedRays {
     rays: ShadowRays,
     brought: Vec<(usize, Color)>,
-    /// Rays that pass this box by are not traced.
-    blocking: Option<Bounds>,
+    /// Rays that pass it by are not traced.
+    blocking: Option<Enclosure>,
 }
 
 impl BlockedRays {
-    fn new(blocking: Option<Bounds>) -> Self {
+    fn new(blocking: Option<Enclosure>) -> Self {
         Self {
             rays: ShadowRays::default(),
             brought: Vec::new(),
@@ -325,7 +352,7 @@ impl BlockedRays {
         index: usize,
         brought: impl FnOnce() -> Color,
     ) {
-        let may_be_blocked = |bounds: Bounds| bounds.may_be_met(ray.origin, ray.direction);
+        let may_be_blocked = |blocking: Enclosure| blocking.may_be_met(&ray);
         if !self.blocking.is_none_or(may_be_blocked) {
             return;
         }

@@ -147,6 +147,9 @@ pub(super) fn add_direct_light(
     for light in shading.scene.lights() {
         let (key, light) = (light.key(), light.prepared());
         for vertex in vertices {
+            if vertex.bsdf.is_diffuse() && light.is_behind(vertex.bsdf.geometric()) {
+                continue;
+            }
             let u = vertex.draws.split(key).two();
             let drawn = light.sample(vertex.position, u);
             let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));

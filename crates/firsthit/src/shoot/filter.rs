@@ -49,7 +49,7 @@ fn corners_left(scene: &Scene, surface: SurfaceId, index: u32) -> Option<[DVec3;
     let mesh = left.mesh()?;
     let triangle = usize::try_from(surface.primitive).ok()?;
     let is_same_space =
-        surface.object.cast_unsigned() == index || left.transform() == here.transform();
+        surface.object.cast_unsigned() == index || left.transform().is_same_as(here.transform());
     (is_same_space && triangle < mesh.triangles().len()).then(|| mesh.corners(triangle))
 }
 

@@ -39,15 +39,21 @@ impl DirectionalLight {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sun {
     height: f64,
-    /// Towards its middle, of length one.
-    towards: DVec3,
-    axes: [DVec3; 2],
-    /// The same of the length that was given.
+    /// Its z is towards the sun's middle.
+    frame: TangentFrame,
+    /// Towards the middle, of the length that was given.
     parallel: DVec3,
     light: Color,
 }
 
 impl Sun {
+    pub(super) fn is_behind(&self, normal: DVec3) -> bool {
+        let cosine = 1.0 - self.height;
+        let sine = (1.0 - cosine * cosine).sqrt();
+        // More than rounding below the horizon. A sun of half a turn and more is everywhere.
+        cosine > 0.0 && self.frame.z.dot(normal) < -(sine + 1e-9)
+    }
+
     pub(super) fn sample(&self, u: DVec2) -> LightSample {
         let distance = f64::INFINITY;
         if self.height <= 0.0 {

@@ -75,6 +75,14 @@ impl PreparedLight {
             Self::Other(light) => light.sample(at, u),
         }
     }
+
+    /// Whether all of its light is known to come from behind a surface with this normal of length one.
+    pub(crate) fn is_behind(&self, normal: DVec3) -> bool {
+        match self {
+            Self::Sun(sun) => sun.is_behind(normal),
+            Self::Other(_) => false,
+        }
+    }
 }
 
 impl Light {
