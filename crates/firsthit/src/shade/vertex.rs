@@ -25,6 +25,9 @@ pub(super) struct Vertex {
     pub(super) absorption: Color,
     /// Whether it is seen by mirrors and through clear matter alone: then so is the background.
     pub(super) is_specular_path: bool,
+    /// The square of the index of the matter that the path is in, relative to where it began: what refraction took of its throughput, and
+    /// gives back where it leaves.
+    pub(super) eta_squared: f64,
 }
 
 /// The vertices that the camera sees; each sum begins with the emission of its surface.
@@ -85,6 +88,7 @@ impl Vertex {
             occlusion: 1.0,
             absorption,
             is_specular_path: true,
+            eta_squared: 1.0,
         })
     }
 
@@ -100,8 +104,19 @@ impl Vertex {
     }
 
     /// The contribution of a sampled light if nothing is in its way; `None` for none. It is weighted where the surface's BSDF-sampled rays
-    /// may meet the light too.
+    /// count it too.
     pub(super) fn seen(&self, arriving: &LightSample) -> Option<Color> {
+        self.weighted(arriving, self.finds_lights)
+    }
+
+    /// The same of a sampled direction of the environment, which BSDF-sampled rays always count.
+    fn seen_environment(&self, arriving: &LightSample) -> Option<Color> {
+        let light = self.weighted(arriving, true)?;
+        let light = self.occlusion * light;
+        is_light(light).then_some(light)
+    }
+
+    fn weighted(&self, arriving: &LightSample, is_found_too: bool) -> Option<Color> {
         let towards = unit(arriving.towards);
         let mut light = self.throughput * self.bsdf.value(towards) * arriving.light;
         let absorption = self.absorption_towards(towards);
@@ -109,7 +124,7 @@ impl Vertex {
             light *= transmittance(absorption, arriving.distance * arriving.towards.length());
         }
         let share = match arriving.pdf {
-            Some(pdf) if self.finds_lights => power_heuristic(pdf, self.bsdf.pdf(towards)),
+            Some(pdf) if is_found_too => power_heuristic(pdf, self.bsdf.pdf(towards)),
             _ => 1.0,
         };
         let light = share * light;
@@ -186,14 +201,8 @@ pub(super) fn add_direct_light(
             let Some(arriving) = environment.sample(u) else {
                 continue;
             };
-            let towards = unit(arriving.towards);
-            let value = vertex.throughput * vertex.bsdf.value(towards) * arriving.light;
-            // BSDF-sampled rays always count the environment.
-            let own = vertex.bsdf.pdf(towards);
-            let share = arriving.pdf.map_or(1.0, |pdf| power_heuristic(pdf, own));
-            let light = share * vertex.occlusion * value;
-            if is_light(light) {
-                let (ray, filter) = vertex.ray(towards);
+            if let Some(light) = vertex.seen_environment(&arriving) {
+                let (ray, filter) = vertex.ray(unit(arriving.towards));
                 rays.push((ray.up_to(reach), filter), vertex.sum, light);
             }
         }

@@ -229,3 +229,28 @@ fn light_is_absorbed_on_its_way_to_what_it_lights() {
         assert!((got - expected).length() < 1e-3, "{name}: {got} {expected}");
     }
 }
+
+/// Refraction into a diamond leaves a sixth of the radiance, and the way out gives it back. A path that ended by what it brings inside
+/// would be noisy, where every path is worth as much as any other.
+#[test]
+fn roulette_ends_no_path_in_clear_glass() {
+    let glass = Glass {
+        ior: 2.4,
+        absorption: Color::ZERO,
+    };
+    let glass = Material {
+        model: Model::Glass(glass),
+        ..Material::default()
+    };
+    let white = Environment::new(EnvironmentKind::Uniform(Color::ONE));
+    let scene = Scene::new(vec![ball(DVec3::ZERO, 1.0, glass)]).unwrap();
+    let scene = scene.with_environment(Some(Arc::new(white)));
+    let rays = [-0.9, -0.3, 0.2, 0.6].map(|x| Ray::new(DVec3::new(x, 0.1, 5.0), DVec3::NEG_Z));
+    let shading = shader("path", &[("depth", 64.0), ("roulette", 1.0)]).on(&scene);
+    for (mean, error) in crate::seen(&shading, &rays, 256) {
+        assert!(
+            (mean.x - 1.0).abs() < 1e-9 && error.x < 1e-6,
+            "{mean} {error}"
+        );
+    }
+}
