@@ -642,16 +642,9 @@ def render(
     scene: Scene,
     camera: Camera | Sensor,
     channels: Sequence[str],
-    shading: _Shading,
-    background: list[_Vector] | None,
-    up: _Vector,
-    samples: int,
-    region: tuple[int, int, int, int],
-    cull: Side | None,
-    edges: EdgesTuple | None,
-    noise: float | None,
-    threads: int,
-    report: _Report | None,
+    picture: _Picture,
+    resume: Path | None,
+    how: tuple[int, _Report | None],
 ) -> tuple[list[npt.NDArray[Any]], str]: ...
 
 #: What a picture looks like: the shading, the background, which way is up, samples, the region, the

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
@@ -74,6 +75,8 @@ class Picture(NamedTuple):
     up: Vector
     samples: int
     noise: float | None
+    #: Where the state is kept, and goes on from.
+    resume: Path | None
     filters: Filters | None
     lines: Edges | None
     own: OwnShade | None
@@ -96,6 +99,7 @@ class Picture(NamedTuple):
         own = _own(given)
         look = _look(scene.shading, given)
         noise = _noise(given.get("noise"), own)
+        resume = _resume(given.get("resume"), own)
         if noise is not None and look.samples is None:
             look = look._but(samples=_SAMPLES_WITH_NOISE)
         usual = scene.edges if camera is None or isinstance(camera, Camera) else None
@@ -119,7 +123,7 @@ class Picture(NamedTuple):
             _firsthit.check_samples(camera._native, samples)
         part = Region.of(given["region"], (camera.rows, camera.columns))
         seen = built, native, camera, part, names, asked, look, back, scene.up, samples
-        return cls(*seen, noise, filters, lines, own, threads, scene.display)
+        return cls(*seen, noise, resume, filters, lines, own, threads, scene.display)
 
     def frame(self, progress: Progress | None) -> Frame:
         """Make it."""
@@ -148,7 +152,7 @@ class Picture(NamedTuple):
             least = 2  # it has a lens
         corner = self._settings(min(least, self.samples), self.part.corner())
         camera = self.camera._native
-        _, origin = _firsthit.render(self.native, camera, self.asked, *corner, 1, None)
+        _, origin = _firsthit.render(self.native, camera, self.asked, corner, None, (1, None))
         return self._frames(_Steps.of(self, least), origin, progress)
 
     def _frames(self, steps: _Steps, origin: str, progress: Progress | None) -> Iterator[Frame]:
@@ -195,9 +199,9 @@ class Picture(NamedTuple):
         self, channels: list[str], samples: int, report: Report | None
     ) -> tuple[dict[str, npt.NDArray[Any]], str]:
         """Return channels, and the JSON of where they come from."""
-        settings, how = self._settings(samples, self.part), (self.threads, report)
-        camera = self.camera._native
-        arrays, origin = _firsthit.render(self.native, camera, channels, *settings, *how)
+        picture, how = self._settings(samples, self.part), (self.threads, report)
+        native, camera = self.native, self.camera._native
+        arrays, origin = _firsthit.render(native, camera, channels, picture, self.resume, how)
         return self._shaped(channels, arrays), origin
 
     def _more(
@@ -310,6 +314,15 @@ def _noise(noise: object, own: OwnShade | None) -> float | None:
     if not 0 < wanted < math.inf:
         raise ValueError(f"noise must be a positive, finite number, got {wanted}")
     return wanted
+
+
+def _resume(path: object, own: OwnShade | None) -> Path | None:
+    """Return the file of a state that a user gave."""
+    if path is None:
+        return None
+    if own is not None:
+        raise ValueError("resume does nothing with a shade of one's own; leave it out")
+    return Path(cast("str", path))
 
 
 def _look(said: Shading, given: dict[str, Any]) -> Shading:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ._picture import Picture
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterator, Sequence
 
     import numpy.typing as npt
@@ -32,6 +33,7 @@ def render(
     environment: Environment | None = None,
     samples: int | None = None,
     noise: float | None = None,
+    resume: str | os.PathLike[str] | None = None,
     region: tuple[slice, slice] | None = None,
     cull: Side | None = None,
     edges: Edges | float | None = None,
@@ -84,10 +86,17 @@ def render(
         `Scene.shading`; where that does not say either, it is 16 with shaders that draw numbers
         and with a ground, and 4 with others.
     noise : float, optional
-        Pixels take no more samples where the standard error of their brightness is below this, in
-        linear colours: it is asked after 32, 64, 128, ... samples for tiles of 16 x 16 pixels. The
-        channel ``samples`` has how many there were. ``samples`` are then the most of a pixel; 256
-        if nothing says otherwise. Only whole pictures by the library's shaders have a noise.
+        Pixels take no more samples where the standard error of their brightness is below this, as
+        a picture shows it from 0, black, to 1, white, before exposure and tone map. It is asked
+        after 32, 64, 128, ... samples for tiles of 16 x 16 pixels. The channel ``samples`` has how
+        many there were. ``samples`` are then the most of a pixel; 256 if nothing says otherwise.
+        Only whole pictures by the library's shaders have a noise.
+    resume : str or path, optional
+        A file ``.npz`` that keeps the state of the picture: it goes on from there if the file
+        exists, after Ctrl-C or with more ``samples``, and has the bytes of a picture that was made
+        at once. The state of another scene, camera or light is refused. Only pictures by the
+        library's shaders have one, and only ``color``, ``alpha`` and ``samples`` go on; all else is
+        made anew.
     region : tuple of two slices, optional
         The part of the picture to make: its rows and its columns, without steps, such as
         ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for
@@ -215,6 +224,7 @@ def render(
         environment=environment,
         samples=samples,
         noise=noise,
+        resume=resume,
         region=region,
         cull=cull,
         edges=edges,

@@ -125,32 +125,22 @@ impl PictureIn {
     }
 }
 
-/// Renders channels: a flat array for each, in their order, and the JSON of where they come from.
+/// Renders channels: a flat array for each, in their order, and the JSON of where they come from. Its state is kept in the file `resume`, if
+/// there is to be one, and goes on from there.
 #[pyfunction]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "what to see and how to work, sent by the Python half alone"
-)]
 pub(crate) fn render<'py>(
     py: Python<'py>,
     scene: &Scene,
     camera: SensorIn<'py>,
     channels: Vec<String>,
-    shading: ShadingIn,
-    background: Option<Vec<[f64; 3]>>,
-    up: [f64; 3],
-    samples: u32,
-    region: [usize; 4],
-    cull: Option<String>,
-    edges: Option<EdgesIn>,
-    noise: Option<f64>,
-    threads: usize,
-    report: Option<Bound<'py, PyAny>>,
+    picture: PictureIn,
+    resume: Option<PathBuf>,
+    how: HowIn<'py>,
 ) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
-    let picture = PictureIn(shading, background, up, samples, region, cull, edges, noise);
-    let (seen, how) = ((&scene.0, &camera), (threads, report));
-    let frame = picture.with(py, seen, &channels, &how, |picture, stop| {
-        picture.render(stop)
+    let seen = (&scene.0, &camera);
+    let frame = picture.with(py, seen, &channels, &how, |picture, stop| match &resume {
+        Some(path) => picture.render_resumed(path, stop),
+        None => picture.render(stop),
     })?;
     let origin = serde_json::to_string(frame.origin());
     let origin = origin.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;

@@ -263,3 +263,52 @@ def test_ambient_occlusion_up_to_a_distance_is_a_channel():
     assert near.mean() > far.mean()
     with pytest.raises(ValueError, match=r"positive distance, such as ao:0\.5, got ao:-1"):
         fh.render(scene, camera, channels="ao:-1")
+
+
+def test_a_picture_goes_on_from_the_state_in_a_file(scene, tmp_path):
+    state = tmp_path / "state.npz"
+    fh.render(scene, CAMERA, channels=CHANNELS, samples=3, resume=state)
+    assert state.exists()
+    resumed = fh.render(scene, CAMERA, channels=CHANNELS, samples=8, resume=str(state))
+    assert_same(resumed, fh.render(scene, CAMERA, channels=CHANNELS, samples=8))
+    # All is known: only what is not of the state is made anew.
+    again = fh.render(scene, CAMERA, channels=CHANNELS, samples=8, resume=state)
+    assert_same(again, resumed)
+    for wrong, message in [
+        ({"samples": 4, "resume": state}, "samples must be at least as many .* got 4, and .* has 8"),
+        ({"samples": 8, "resume": state, "light": "sun"}, "state must be .* other light"),
+        ({"resume": tmp_path / "state.npy"}, "resume must be a file whose name ends in .npz"),
+        ({"resume": state, "channels": "z"}, "resume must be left out without color"),
+        ({"resume": state, "shade": lambda hits: np.zeros((*hits.shape, 3))}, "one's own"),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            fh.render(scene, CAMERA, **wrong)
+    with pytest.raises(TypeError):
+        fh.render(scene, CAMERA, resume=3)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are sent by number")
+def test_ctrl_c_keeps_the_state_of_a_picture(tmp_path):
+    state = tmp_path / "state.npz"
+    program = f"""
+import firsthit as fh
+scene = fh.Scene()
+scene.add(fh.Sphere((0, 0, 0), 1))
+camera = fh.Camera.look_at((0, -6, 3), (0, 0, 0), (0, 0, 1), 40, rows=200, columns=300)
+told = lambda done: done and print("begun", flush=True)
+try:
+    fh.render(scene, camera, samples=100_000, resume={str(state)!r}, progress=told)
+except KeyboardInterrupt:
+    print("stopped", flush=True)
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "begun\n"
+        process.send_signal(signal.SIGINT)
+        rest, _ = process.communicate(timeout=60)
+    assert rest.endswith("stopped\n")
+    known = np.load(state)["samples"]
+    assert (known == known.flat[0]).all()
+    assert 0 < known.flat[0] < 100_000

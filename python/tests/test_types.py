@@ -82,8 +82,8 @@ def test_words_that_are_typed_are_those_that_there_are():
 def natively_shaded(shader):
     # Of the native half, which knows all shaders.
     shading = shader, [], None, None, 1, None
-    how = shading, None, (0, 0, 1), 1, (0, 2, 0, 2), None, None, None, 0, None
-    _firsthit.render(ball()._native(), small()._native, ["color"], *how)
+    picture = shading, None, (0, 0, 1), 1, (0, 2, 0, 2), None, None, None
+    _firsthit.render(ball()._native(), small()._native, ["color"], picture, None, (0, None))
 
 
 def natively_shown(tone_map):

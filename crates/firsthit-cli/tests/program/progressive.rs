@@ -61,7 +61,7 @@ fn a_state_of_more_samples_than_are_asked_for_is_refused() {
     lab.fails(
         &format!("{render} --samples 4"),
         2,
-        "--resume s.npz: the state has 8 samples already, and --samples is 4",
+        "samples must be at least as many as the state has, got 4, and s.npz has 8",
     );
     lab.ok(&format!("{render} --samples 8"));
     lab.fails(

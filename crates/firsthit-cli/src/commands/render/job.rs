@@ -12,13 +12,12 @@ use firsthit::{Camera, DisplayTransform, Scene, Shading, Side};
 use serde_json::{Value, json};
 
 use super::idle::do_nothing;
-use super::resume;
 use crate::args::{DisplayArgs, RunArgs};
 use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
 use crate::legend;
 use crate::output::{self, Order};
-use crate::progress::Progress;
+use crate::progress::{Keeping, Progress};
 
 /// A picture to be made.
 pub(crate) struct Job<'a> {
@@ -98,14 +97,17 @@ pub(crate) fn picture(
         ..Picture::new(scene, camera, shade, &kinds)
     };
     let mut whole = match resume {
-        Some(path) => resume::resumed(&picture, path, &progress)?,
+        Some(path) => {
+            let _keeping = Keeping::begin();
+            picture.render_resumed(path, &progress)?
+        }
         None => picture.render(&progress)?,
     };
     let objects = match whole.channel("object").map(|channel| &channel.data) {
         Some(Data::Int32(objects)) => objects.as_slice(),
         _ => &[],
     };
-    let samples = whole.origin().samples.unwrap_or(samples);
+    let taken = Taken::of(&whole, samples);
     let hit = objects.iter().filter(|&&object| object >= 0).count();
     let rows = legend.map(|_| legend::rows(scene, objects));
     let legends = write_all(&mut whole, orders, settings, interrupted)?;
