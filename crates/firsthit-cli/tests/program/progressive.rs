@@ -43,8 +43,13 @@ fn the_number_of_samples_is_that_of_the_picture() {
     let render = format!("render square.ply {WIDE} --channels color,samples -o a.npz");
     let said = report(&lab, &format!("{render} --samples 70 --noise 0.9"));
     assert_eq!(said["samples"], 32);
+    assert_eq!(
+        (&said["mean_samples"], &said["share_with_all_samples"]),
+        (&32.into(), &0.into())
+    );
     let said = report(&lab, &format!("{render} --samples 3"));
     assert_eq!(said["samples"], 3);
+    assert!(said["mean_samples"].is_null());
     let said = report(
         &lab,
         &format!("{render} --samples 70 --noise 0.9 --resume s.npz"),
@@ -145,9 +150,16 @@ fn a_noise_has_the_samples_to_act_on_or_says_so() {
         "{}",
         outcome.stderr
     );
-    lab.ok(&format!("{render} 0.001"));
+    let noisy = lab.ok(&format!("{render} 0.001"));
     let counts = &lab.npz("a.npz")["samples"].values;
     assert_eq!([counts[0], counts[48]], [32.0, 256.0]);
+    let (pixels, mean) = (
+        counts.len() as f64,
+        counts.iter().sum::<f64>() / counts.len() as f64,
+    );
+    let all = 100.0 * counts.iter().filter(|&&count| count == 256.0).count() as f64 / pixels;
+    let told = format!("{mean:.1} samples a pixel ({all:.1} % took all 256)");
+    assert!(noisy.stderr.contains(&told), "{told}: {}", noisy.stderr);
     let idle = "warning: --noise does nothing with";
     let few = lab.ok(&format!("{render} 0.9 --samples 32")).stderr;
     assert!(few.contains(&format!("{idle} 32 samples")), "{few}");

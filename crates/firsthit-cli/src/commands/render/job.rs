@@ -86,7 +86,7 @@ pub(crate) fn picture(
         edges,
         ..
     } = job;
-    let kinds = all_kinds(orders)?;
+    let kinds = all_kinds(orders, noise)?;
     let total = work(camera.pixels(), &kinds, samples);
     let progress = Progress::new(total, args.quiet || args.json, interrupted);
     let picture = Picture {
@@ -117,7 +117,36 @@ pub(crate) fn picture(
     drop(progress);
     warn(&crate::hints::hints(scene, camera, hit));
     let seconds = started.elapsed().as_secs_f64();
-    tell(job, (orders, &legends), args, (hit, samples, seconds))
+    tell(job, (orders, &legends), args, (hit, &taken, seconds))
+}
+
+/// How many samples pixels had.
+struct Taken {
+    /// The most that a pixel had.
+    most: u32,
+    /// Their mean, and the share of pixels that had all that there could be, where a noise may end them sooner.
+    by_noise: Option<(f64, f64)>,
+}
+
+impl Taken {
+    fn of(whole: &Frame, limit: u32) -> Self {
+        let counts = whole.channel("samples").map(|channel| &channel.data);
+        let by_noise = counts.and_then(|counts| {
+            let Data::Int32(counts) = counts else {
+                return None;
+            };
+            let pixels = counts.len() as f64;
+            let sum: f64 = counts.iter().map(|&count| f64::from(count)).sum();
+            let all = counts
+                .iter()
+                .filter(|&&count| i64::from(count) == i64::from(limit));
+            Some((sum / pixels, all.count() as f64 / pixels))
+        });
+        Self {
+            most: whole.origin().samples.unwrap_or(limit),
+            by_noise,
+        }
+    }
 }
 
 /// Says that a picture is made.
@@ -125,7 +154,7 @@ fn tell(
     job: &Job<'_>,
     (orders, legends): (&[Order], &[Vec<Option<String>>]),
     args: &RunArgs,
-    (hit, samples, seconds): (usize, u32, f64),
+    (hit, taken, seconds): (usize, &Taken, f64),
 ) -> Result<(), Failure> {
     let &Job {
         scene,
@@ -135,7 +164,7 @@ fn tell(
     } = job;
     let pixels = camera.pixels() as u64;
     if args.json {
-        let done = done(job, orders, legends, (hit, samples, seconds));
+        let done = done(job, orders, legends, (hit, taken, seconds));
         end_report(done).map_err(|error| Failure::stdout(&error))?;
     } else if !args.quiet {
         let guessed = if guessed.is_empty() {
@@ -143,8 +172,16 @@ fn tell(
         } else {
             format!("; guessed: {}", guessed.join(", "))
         };
+        let samples = match (job.noise, taken.by_noise) {
+            (Some(_), Some((mean, all))) => format!(
+                ", {mean:.1} samples a pixel ({:.1} % took all {})",
+                100.0 * all,
+                job.samples
+            ),
+            _ => String::new(),
+        };
         say(format_args!(
-            "{}: {} x {} pixels, {:.1} % hit, {}, {}, {:.2} s{guessed}",
+            "{}: {} x {} pixels, {:.1} % hit, {}, {}{samples}, {:.2} s{guessed}",
             output::names(orders.iter().flat_map(|order| &order.targets)),
             camera.columns(),
             camera.rows(),
@@ -178,9 +215,12 @@ fn write_all(
     Ok(legends)
 }
 
-/// The kinds of all outputs, each once, and the object, from which it is known what was hit.
-fn all_kinds(orders: &[Order]) -> Result<Vec<&'static Kind>, Failure> {
+/// The kinds of all outputs, each once; the object, from which it is known what was hit; and the samples where a noise ends them.
+fn all_kinds(orders: &[Order], noise: Option<f64>) -> Result<Vec<&'static Kind>, Failure> {
     let mut kinds: Vec<&'static Kind> = vec![firsthit::channel::kind("object")?];
+    if noise.is_some() && orders.iter().any(needs_shade) {
+        kinds.push(firsthit::channel::kind("samples")?);
+    }
     for kind in orders.iter().flat_map(|order| &order.kinds) {
         if !output::has(&kinds, kind)? {
             kinds.push(kind);
@@ -194,7 +234,7 @@ fn done(
     job: &Job<'_>,
     orders: &[Order],
     legends: &[Vec<Option<String>>],
-    (hits, samples, seconds): (usize, u32, f64),
+    (hits, taken, seconds): (usize, &Taken, f64),
 ) -> Value {
     let of_order = |(order, legends): (&Order, &Vec<Option<String>>)| {
         output::as_json(&order.targets, &order.kinds, legends)
@@ -206,7 +246,9 @@ fn done(
         "columns": job.camera.columns(),
         "rows": job.camera.rows(),
         "hits": hits,
-        "samples": samples,
+        "samples": taken.most,
+        "mean_samples": job.noise.and(taken.by_noise).map(|(mean, _)| mean),
+        "share_with_all_samples": job.noise.and(taken.by_noise).map(|(_, all)| all),
         "guessed": job.guessed,
         "objects": job.scene.objects().len(),
         "triangles": job.scene.triangles(),
