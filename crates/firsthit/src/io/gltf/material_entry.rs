@@ -285,12 +285,10 @@ impl MaterialEntry<'_> {
 
     /// The linear colour and alpha, and the name of the key that has them.
     pub(super) fn base(&self) -> ([f64; 4], &'static str) {
+        let base = self.pbr_metallic_roughness.base_color_factor;
         let (factor, name) = match &self.extensions.diffuse {
             Some(diffuse) => (diffuse.diffuse_factor, "diffuseFactor"),
-            None => {
-                let base = self.pbr_metallic_roughness.base_color_factor;
-                (base, "baseColorFactor")
-            }
+            None => (base, "baseColorFactor"),
         };
         (factor.unwrap_or([1.0; 4]), name)
     }
