@@ -231,7 +231,7 @@ def test_ctrl_c_ends_a_step_and_leaves_what_was_made(between):
 def test_a_noise_ends_the_samples_of_quiet_tiles():
     scene = fh.Scene()
     scene.add(fh.Sphere((0, 0, 0), 1))
-    camera = fh.Camera.look_at((0, -5, 2), (0, 0, 0), (0, 0, 1), 60, rows=48, columns=64)
+    camera = fh.Camera.look_at((0, -5, 2), (0, 0, 0), (0, 0, 1), 60, rows=96, columns=128)
     asked = {"channels": ("color", "samples"), "ground": False}
     noisy = fh.render(scene, camera, noise=0.02, **asked)
     samples = noisy["samples"]
@@ -295,7 +295,7 @@ import firsthit as fh
 scene = fh.Scene()
 scene.add(fh.Sphere((0, 0, 0), 1))
 camera = fh.Camera.look_at((0, -6, 3), (0, 0, 0), (0, 0, 1), 40, rows=200, columns=300)
-told = lambda done: done and print("begun", flush=True)
+told = lambda done, total: done and print("begun", flush=True)
 try:
     fh.render(scene, camera, samples=100_000, resume={str(state)!r}, progress=told)
 except KeyboardInterrupt:
