@@ -153,3 +153,23 @@ fn the_fingerprint_of_a_moved_scene_is_that_of_one_built_anew() {
     assert_eq!(moved.fingerprint(), anew.fingerprint());
     assert_ne!(moved.fingerprint(), before);
 }
+
+/// From no object that is in the way to one, and back: with few objects, which are in no tree, and with more.
+#[test]
+fn what_moves_into_the_way_of_a_ray_is_met() {
+    let ball = |x: f64| Object::new(Sphere::new(DVec3::new(x, 0.0, 0.0), 0.5).unwrap());
+    let down = Ray::new(DVec3::new(100.0, 0.1, 9.0), DVec3::NEG_Z);
+    let there = Transform::translation(DVec3::new(100.0, 0.0, 0.0)).unwrap();
+    for count in 1..=7 {
+        let mut scene = scene((0..count).map(|k| ball(2.0 * f64::from(k))).collect());
+        assert!(agree(&scene, &down).is_miss(), "{count}");
+        scene.move_object(0, there).unwrap();
+        assert_eq!(agree(&scene, &down).object, 0, "{count}");
+        scene.hide_objects(&[(0, true)]).unwrap();
+        assert!(agree(&scene, &down).is_miss(), "{count}");
+        scene.hide_objects(&[(0, false)]).unwrap();
+        assert_eq!(agree(&scene, &down).object, 0, "{count}");
+        scene.move_object(0, Transform::IDENTITY).unwrap();
+        assert!(agree(&scene, &down).is_miss(), "{count}");
+    }
+}

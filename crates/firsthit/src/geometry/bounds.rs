@@ -56,8 +56,8 @@ impl Bounds {
         self.low.is_finite() && self.high.is_finite()
     }
 
-    /// Whether a ray may come nearer to the box than `margin`, from its origin, or where it begins before that, up to its end: false only
-    /// where it does not, more than rounding away from it.
+    /// Whether a ray may pass within `margin` of the box, from its origin, or where it begins if that is before, up to its end. False only
+    /// for a certain miss.
     #[inline]
     pub(crate) fn may_be_met(&self, ray: &Ray, margin: f64) -> bool {
         let inverse = ray.direction.recip();

@@ -5,7 +5,7 @@ use super::duplicates::Duplicates;
 use crate::accel::{Bvh, Nearby, Walk, WalkStack};
 use crate::geometry::{Bounds, DVec3, Ray};
 
-/// Up to this many objects are all asked, each behind its box.
+/// With at most this many objects no tree is walked: the box of each is tested.
 const FEW: usize = 4;
 
 /// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
@@ -18,14 +18,45 @@ pub(super) struct TopTree {
     tree: Bvh,
     /// The objects that are in no tree: they have no finite box, or only a vague one, or there are so few that asking the tree would take
     /// longer.
-    unconditional: Vec<u32>,
-    /// What a ray must meet for each of these: its box, or everything.
-    around_unconditional: Vec<Bounds>,
+    outside: Vec<Outside>,
     pub(super) duplicates: Duplicates,
     /// A box around each object.
     boxes: Vec<Bounds>,
     /// How often an object was moved since the tree was built.
     moves: usize,
+}
+
+/// An object that is in no tree, and the box that a ray must meet to be a candidate for it.
+#[derive(Debug, Clone)]
+struct Outside {
+    object: u32,
+    candidate_box: Bounds,
+    /// How much wider the box is for a ray from far away, as a share of the coordinates of its origin.
+    slack: f64,
+}
+
+impl Outside {
+    fn new(objects: &[Object], index: u32, bounds: Bounds) -> Self {
+        let object = &objects[index as usize];
+        let slack = object.slack().max(Bvh::OBJECTS);
+        let is_vague = is_unbounded(&bounds) || object.slack() > LARGEST_SLACK;
+        Self {
+            object: index,
+            candidate_box: if is_vague {
+                Bounds::EVERYTHING
+            } else {
+                object.padded(bounds, slack)
+            },
+            slack,
+        }
+    }
+
+    /// Whether a ray may meet the object at a parameter of at most `t_max`.
+    #[inline(always)]
+    fn may_be_met(&self, ray: &Ray, t_max: f64) -> bool {
+        let margin = self.slack * ray.origin.abs().max_element();
+        self.candidate_box.may_be_met(&ray.up_to(t_max), margin)
+    }
 }
 
 impl TopTree {
@@ -45,9 +76,8 @@ impl TopTree {
         let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
         let is_out = |k: u32| duplicates.contains(k) || objects[k as usize].is_hidden();
         let loose = (0..count).filter(|&k| is_loose(k) && !is_out(k));
-        let unconditional: Vec<u32> = loose.collect();
-        let around = |&k: &u32| around(&objects[k as usize], boxes[k as usize]);
-        let around_unconditional = unconditional.iter().map(around).collect();
+        let outside = loose.map(|k| Outside::new(objects, k, boxes[k as usize]));
+        let outside = outside.collect();
         let slack = (0..count)
             .filter(|&k| !is_loose(k))
             .map(|k| objects[k as usize].slack())
@@ -61,8 +91,7 @@ impl TopTree {
         };
         Self {
             tree: Bvh::build(count, padded, slack),
-            unconditional,
-            around_unconditional,
+            outside,
             duplicates,
             boxes,
             moves: 0,
@@ -100,12 +129,13 @@ impl TopTree {
         if self.duplicates.contains(moved) || !self.duplicates.of(moved).is_empty() {
             return false;
         }
-        let loose = self.unconditional.binary_search(&moved).ok();
+        let key = |outside: &Outside| outside.object;
+        let loose = self.outside.binary_search_by_key(&moved, key).ok();
         let is_loose = is_loose(objects, index, &bounds);
         let slack = self.tree.slack();
         if loose.is_some() || is_loose || object.slack() > slack {
             if let Some(place) = loose {
-                self.around_unconditional[place] = around(object, bounds);
+                self.outside[place] = Outside::new(objects, moved, bounds);
             }
             return loose.is_some() && is_loose;
         }
@@ -129,9 +159,8 @@ impl TopTree {
     #[inline(always)]
     pub(super) fn on_the_way(&self) -> OnTheWay<'_> {
         OnTheWay {
-            unconditional: &self.unconditional,
-            around_unconditional: &self.around_unconditional,
-            tree: (self.unconditional.len() < self.boxes.len()).then_some(&self.tree),
+            outside: &self.outside,
+            tree: (self.outside.len() < self.boxes.len()).then_some(&self.tree),
             walk: None,
         }
     }
@@ -141,7 +170,7 @@ impl TopTree {
     /// The objects around a point.
     pub(super) fn around(&self, point: DVec3, stack: &mut WalkStack) -> Around<'_> {
         Around {
-            unconditional: &self.unconditional,
+            outside: &self.outside,
             nearby: self.tree.nearby(point, stack),
         }
     }
@@ -149,7 +178,7 @@ impl TopTree {
 
 /// See [`TopTree::around`].
 pub(crate) struct Around<'a> {
-    unconditional: &'a [u32],
+    outside: &'a [Outside],
     nearby: Nearby<'a>,
 }
 
@@ -157,9 +186,9 @@ impl Around<'_> {
     /// The next object of which a point may be at a distance with a square of at most `limit`. From call to call `limit` must
     /// not grow, and `stack` must be the same.
     pub(crate) fn next(&mut self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
-        if let Some((&index, rest)) = self.unconditional.split_first() {
-            self.unconditional = rest;
-            return Some(index);
+        if let Some((first, rest)) = self.outside.split_first() {
+            self.outside = rest;
+            return Some(first.object);
         }
         self.nearby.next(limit, stack)
     }
@@ -170,23 +199,13 @@ fn is_loose(objects: &[Object], index: usize, bounds: &Bounds) -> bool {
     objects.len() <= FEW || is_unbounded(bounds) || objects[index].slack() > LARGEST_SLACK
 }
 
-/// What a ray must meet to be a candidate for an object that is in no tree.
-fn around(object: &Object, bounds: Bounds) -> Bounds {
-    if is_unbounded(&bounds) || object.slack() > LARGEST_SLACK {
-        Bounds::EVERYTHING
-    } else {
-        object.padded(bounds, object.slack().max(Bvh::OBJECTS))
-    }
-}
-
 pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
     !bounds.is_empty() && !bounds.is_finite()
 }
 
 /// See [`TopTree::on_the_way`].
 pub(crate) struct OnTheWay<'a> {
-    unconditional: &'a [u32],
-    around_unconditional: &'a [Bounds],
+    outside: &'a [Outside],
     /// Of all other objects.
     tree: Option<&'a Bvh>,
     /// Begun when the tree's turn comes.
@@ -198,14 +217,10 @@ impl OnTheWay<'_> {
     /// grow, and `ray` and `stack` must be the same.
     #[inline(always)]
     pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
-        while let [index, rest @ ..] = self.unconditional
-            && let [around, boxes_left @ ..] = self.around_unconditional
-        {
-            (self.unconditional, self.around_unconditional) = (rest, boxes_left);
-            // As wide as the boxes of the tree are by the ray's own coordinates.
-            let margin = Bvh::OBJECTS * ray.origin.abs().max_element();
-            if around.may_be_met(&ray.up_to(t_max), margin) {
-                return Some(*index);
+        while let Some((first, rest)) = self.outside.split_first() {
+            self.outside = rest;
+            if first.may_be_met(ray, t_max) {
+                return Some(first.object);
             }
         }
         self.tree
