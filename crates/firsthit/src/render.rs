@@ -14,6 +14,7 @@ pub use appearance::{Appearance, Resolved, world_up};
 pub use region::Region;
 pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};
+pub use state::check_state_file;
 
 use std::borrow::Cow;
 
@@ -62,8 +63,9 @@ pub struct Picture<'a> {
     pub channels: &'a [&'a Kind],
     /// Of how many points of a pixel its colour is the mean; 1 is the pixel's centre.
     pub samples: u32,
-    /// Where the standard error of a pixel's brightness is below this, 1 being white, no more samples are taken: of tiles of 16 x 16
-    /// pixels, with their neighbours, after 32, 64, 128, ... samples. `None`: all pixels get as many.
+    /// A threshold: where the standard error of a pixel's brightness is below this, no more samples are taken. It is checked after 32, 64,
+    /// 128, ... samples, for tiles of 16 x 16 pixels with their neighbours. Brightness is as sRGB shows it, 1 being white, and over white
+    /// where the background is transparent. `None`: all pixels get as many samples.
     pub noise: Option<f64>,
     /// The side of surfaces that the sensor's rays pass through, as into a room through its walls. Those that a shader shoots do not.
     pub cull: Option<Side>,
@@ -226,12 +228,16 @@ impl<'a> Picture<'a> {
     ///
     /// Those of [`Picture::render`].
     pub fn start(&'a self) -> Result<Progressive<'a>> {
+        self.start_watched(&())
+    }
+
+    fn start_watched(&'a self, watch: &dyn Watch) -> Result<Progressive<'a>> {
         let region = self.checked()?;
         if self.needs_samples() {
             check_samples(self.sensor, self.samples)?;
         }
-        let lines = self.lines(&region, &())?;
-        let slab = Slab::new(self, region, lines.as_ref(), &())?;
+        let lines = self.lines(&region, watch)?;
+        let slab = Slab::new(self, region, lines.as_ref(), watch)?;
         Ok(Progressive { slab })
     }
 
@@ -243,12 +249,13 @@ impl<'a> Picture<'a> {
     /// Those of [`Picture::render`], and [`Error::Argument`] for the state of another picture, and for a channel
     /// that would be missing.
     pub fn resume(&'a self, state: &Frame) -> Result<Progressive<'a>> {
-        self.resume_checked(|_| Ok(Cow::Borrowed(state)))
+        self.resume_checked(&(), |_| Ok(Cow::Borrowed(state)))
     }
 
     /// Goes on from a state that is made or checked by what the new picture says of itself.
     fn resume_checked<'s>(
         &'a self,
+        watch: &dyn Watch,
         state: impl FnOnce(&Frame) -> Result<Cow<'s, Frame>>,
     ) -> Result<Progressive<'a>> {
         let is_lost = |kind: &&&Kind| !kind.needs_shade();
@@ -256,7 +263,7 @@ impl<'a> Picture<'a> {
             let expected = "color, alpha or samples of a picture that is gone on with";
             return Err(Error::argument("channel", expected, &*kind.name));
         }
-        let mut progressive = self.start()?;
+        let mut progressive = self.start_watched(watch)?;
         let state = state(&progressive.state()?)?;
         progressive.slab.resume(&state)?;
         Ok(progressive)
@@ -329,16 +336,20 @@ impl<'a> Picture<'a> {
         self.channels.iter().any(|kind| kind.needs_samples())
     }
 
-    /// A recipe whose digest knows which side of surfaces the sensor's rays pass through.
-    fn culled(&self, recipe: Recipe) -> Recipe {
-        let Some(side) = self.cull else { return recipe };
+    /// A recipe whose digest knows which side of surfaces the sensor's rays pass through, and which noise ends the samples.
+    fn complete(&self, recipe: Recipe) -> Recipe {
         let mut digest = Digest::default();
-        digest.word("firsthit culled shading 1");
         digest.word(&recipe.digest);
-        digest.word(match side {
-            Side::Front => "front",
-            Side::Back => "back",
-        });
+        if let Some(side) = self.cull {
+            digest.word(match side {
+                Side::Front => "front culled",
+                Side::Back => "back culled",
+            });
+        }
+        if let Some(noise) = self.noise {
+            digest.word("noise");
+            digest.numbers(&[noise]);
+        }
         Recipe {
             digest: digest.name(),
             ..recipe
@@ -350,7 +361,7 @@ impl<'a> Picture<'a> {
         let first_pixel = [region.rows.start as u64, region.columns.start as u64];
         let origin = origin(self.scene, Some(self.sensor), Some(samples), self.channels);
         Frame::new(region.shape()).from_origin(Origin {
-            shading: (self.shade.recipe()).map(|recipe| record(self.culled(recipe))),
+            shading: (self.shade.recipe()).map(|recipe| record(self.complete(recipe))),
             first_pixel,
             ..origin
         })
@@ -377,6 +388,10 @@ impl Progressive<'_> {
     /// How many samples there are.
     pub fn samples(&self) -> u32 {
         self.slab.samples()
+    }
+
+    fn pixels(&self) -> usize {
+        self.slab.pixels()
     }
 
     /// What is known of the pixels, for [`Picture::resume`]: sums of colours and of squares of luminance in float64, and the number of

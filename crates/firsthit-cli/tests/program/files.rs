@@ -148,3 +148,22 @@ fn quiet_says_nothing() {
         );
     }
 }
+
+/// With the file's own channels it was refused, and with others on the command line it was written through the link.
+#[cfg(unix)]
+#[test]
+fn no_output_of_a_scene_leaves_its_folder_whatever_the_channels() {
+    let lab = Lab::with_square();
+    std::fs::create_dir(lab.path("scene")).unwrap();
+    std::fs::copy(lab.path("square.ply"), lab.path("scene/square.ply")).unwrap();
+    std::os::unix::fs::symlink("../out.png", lab.path("scene/z.png")).unwrap();
+    lab.write(
+        "scene/a.toml",
+        "[[objects]]\nfile = \"square.ply\"\n[[outputs]]\nfile = \"{channel}.png\"\n",
+    );
+    let words = "output must be in the folder of the scene file, got z.png: refused";
+    lab.fails("render scene/a.toml --size 8x8 --channels z", 2, words);
+    assert!(!lab.path("out.png").exists());
+    lab.ok("render scene/a.toml --size 8x8 --channels t,object");
+    assert!(lab.path("scene/t.png").exists() && lab.path("scene/object.png").exists());
+}

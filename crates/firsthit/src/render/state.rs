@@ -4,33 +4,30 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use super::{Picture, Progressive};
+use super::{Picture, Progressive, work};
 use crate::channel::Kind;
 use crate::error::{Error, Result, escaped};
 use crate::image::{
     self, Array, Channel, Data, Description, Display, Frame, Metadata, Numbers, Origin, Unit,
 };
-use crate::watch::Watch;
+use crate::watch::{OnlyCounts, OnlyStops, Watch};
 
-/// How often the state of a picture is kept.
-const KEPT_EVERY: Duration = Duration::from_secs(20);
+/// How often the state of a picture is saved.
+const SAVE_INTERVAL: Duration = Duration::from_secs(20);
 
 impl<'a> Picture<'a> {
-    /// The picture, made from where the file of a state says that it was left, if that is there. The state is kept in the file: now and
-    /// then, at the end, and when the watch stops the work, which ends after the sample that is on the way.
+    /// Renders the picture, resuming from the state in the file if that exists. The state is saved every 20 s, at the end, and when the
+    /// watch stops the work, which takes effect after the current sample.
     ///
-    /// It has the bytes of [`render`](Self::render). More [`samples`](Self::samples) another time go on from there.
+    /// It has the bytes of [`render`](Self::render). More [`samples`](Self::samples) another time resume from there.
     ///
     /// # Errors
     ///
-    /// Those of [`render`](Self::render) and of [`resume_from`](Self::resume_from), and [`Error::Argument`] for a picture without colours,
-    /// for a file whose name does not end in `.npz`, and for a state that has more samples already.
+    /// Those of [`render`](Self::render) and of [`resume_from`](Self::resume_from), [`Error::Argument`] for a picture without colours, for
+    /// a file whose name does not end in `.npz`, and for a state that has more samples already, and [`Error::Write`] where the state
+    /// cannot be saved, before anything is rendered.
     pub fn render_resumed(&self, path: &Path, watch: &dyn Watch) -> Result<Frame> {
-        let extension = path.extension().unwrap_or_default();
-        if !extension.eq_ignore_ascii_case("npz") {
-            let expected = "a file whose name ends in .npz";
-            return Err(Error::argument("resume", expected, escaped(path)));
-        }
+        check_state_file(path)?;
         if !self.has_color() {
             let expected = "left out without color, alpha or samples among the channels";
             return Err(Error::argument("resume", expected, escaped(path)));
@@ -41,38 +38,42 @@ impl<'a> Picture<'a> {
             channels: &shaded,
             ..self.clone()
         };
-        let mut going_on = if path.exists() {
-            shaded.resume_from(path)?
+        let is_there = path.try_exists().map_err(|source| Error::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let mut progressive = if is_there {
+            shaded.resume_checked(watch, |own| read_state(path, own))?
         } else {
-            shaded.start()?
+            shaded.start_watched(watch)?
         };
-        if going_on.samples() > self.samples {
-            let known = going_on.samples();
-            let got = format!("{}, and {} has {known}", self.samples, escaped(path));
+        let known = progressive.samples();
+        if known > self.samples {
             let expected = "at least as many as the state has";
+            let got = format!("{}, and {} has {known}", self.samples, escaped(path));
             return Err(Error::argument("samples", expected, got));
         }
-        let mut kept = Instant::now();
-        while going_on.samples() < self.samples && going_on.add_sample(&Counted(watch))? {
-            let is_stopped = watch.is_stopped();
-            // What is done is not lost, whatever happens.
-            if is_stopped || kept.elapsed() > KEPT_EVERY {
-                going_on.state()?.save(path)?;
-                kept = Instant::now();
-            }
-            if is_stopped {
-                return Err(Error::Interrupted);
-            }
+        if known < self.samples {
+            image::check_writable(path)?;
         }
-        going_on.state()?.save(path)?;
-        // As many as there are of the colours: a noise may have ended them.
+        let pixels = progressive.pixels();
+        watch.advance(work(pixels, shaded.channels, known));
+        progressive.render_saved(self.samples, path, watch)?;
+        let colors = progressive.frame()?;
+        if plain.is_empty() {
+            return Ok(colors);
+        }
+        // Of as many samples as the colours: a noise may have ended them.
         let plain = Picture {
             channels: &plain,
-            samples: going_on.samples(),
+            samples: progressive.samples(),
             noise: None,
             ..self.clone()
         };
-        put_together(self.channels, going_on.frame()?, plain.render(watch)?)
+        let others = plain.render(&OnlyStops(watch))?;
+        let all = work(pixels, self.channels, progressive.samples());
+        watch.advance(all - work(pixels, shaded.channels, progressive.samples()));
+        put_together(self.channels, colors, others)
     }
 
     /// Resumes a progressive render whose state is in a file that [`Frame::save`] wrote of [`Progressive::state`], as [`Picture::resume`] does.
@@ -81,28 +82,67 @@ impl<'a> Picture<'a> {
     ///
     /// Those of [`Picture::resume`] and of [`image::read`], and [`Error::Argument`] for the state of another scene, camera or shading.
     pub fn resume_from(&'a self, path: &Path) -> Result<Progressive<'a>> {
-        self.resume_checked(|own| {
-            let output = image::read(path)?;
-            if let Some(what) = difference(&own.metadata(), output.metadata.as_ref()) {
-                let got = format!("{}, which has {what}", escaped(path));
-                return Err(Error::argument("state", "that of this picture", got));
-            }
-            let mut state = Frame::new(own.shape().to_vec());
-            for array in output.arrays {
-                state.push(channel(array)?)?;
-            }
-            Ok(Cow::Owned(state))
-        })
+        self.resume_checked(&(), |own| read_state(path, own))
     }
 }
 
-/// Counts, and is not stopped: half a sample could not be gone on with.
-struct Counted<'a>(&'a dyn Watch);
-
-impl Watch for Counted<'_> {
-    fn advance(&self, rays: u64) {
-        self.0.advance(rays);
+impl Progressive<'_> {
+    /// Adds samples up to so many, or until it is quiet, and saves the state.
+    fn render_saved(&mut self, samples: u32, path: &Path, watch: &dyn Watch) -> Result<()> {
+        let known = self.samples();
+        let mut saved = Instant::now();
+        while self.samples() < samples {
+            if watch.is_stopped() {
+                if self.samples() > known {
+                    self.state()?.save(path)?;
+                }
+                return Err(Error::Interrupted);
+            }
+            // Half a sample could not be resumed.
+            if !self.add_sample(&OnlyCounts(watch))? {
+                break;
+            }
+            if saved.elapsed() > SAVE_INTERVAL {
+                self.state()?.save(path)?;
+                saved = Instant::now();
+            }
+        }
+        if self.samples() > known {
+            self.state()?.save(path)?;
+        }
+        Ok(())
     }
+}
+
+/// Fails for a file that cannot hold a state.
+///
+/// # Errors
+///
+/// [`Error::Argument`] for one whose name does not end in `.npz`.
+pub fn check_state_file(path: &Path) -> Result<()> {
+    let extension = path.extension().unwrap_or_default();
+    if extension.eq_ignore_ascii_case("npz") {
+        return Ok(());
+    }
+    let expected = "a file whose name ends in .npz";
+    Err(Error::argument("resume", expected, escaped(path)))
+}
+
+/// The state in a file, of the picture whose empty state is `own`.
+fn read_state(path: &Path, own: &Frame) -> Result<Cow<'static, Frame>> {
+    let output = image::read(path)?;
+    if let Some(what) = difference(&own.metadata(), output.metadata.as_ref()) {
+        let got = format!("{}, which has {what}", escaped(path));
+        return Err(Error::argument("state", "that of this picture", got));
+    }
+    let mut state = Frame::new(own.shape().to_vec());
+    for array in output.arrays {
+        if array.shape[..array.shape.len().min(2)] != *own.shape() {
+            return Err(wrong_numbers());
+        }
+        state.push(channel(array)?)?;
+    }
+    Ok(Cow::Owned(state))
 }
 
 /// One frame of the colours and of all else, in the order that was asked for.
@@ -134,7 +174,7 @@ fn difference(own: &Metadata, other: Option<&Metadata>) -> Option<&'static str> 
     } else if (&other.shape, &other.pixels) != (&own.shape, &own.pixels) {
         Some("another part of the picture")
     } else if other.shading != own.shading {
-        Some("another shader, other light, or another background")
+        Some("another shader, other light, another background, or another noise")
     } else if other.colors != own.colors {
         Some("other colours by numbers")
     } else {
@@ -142,8 +182,11 @@ fn difference(own: &Metadata, other: Option<&Metadata>) -> Option<&'static str> 
     }
 }
 
+fn wrong_numbers() -> Error {
+    Error::argument("state", "that of this picture", "one of other numbers")
+}
+
 fn channel(array: Array) -> Result<Channel> {
-    let wrong = || Error::argument("state", "that of this picture", "one of other numbers");
     let data = match array.numbers {
         Numbers::Float64(values) => Data::Float64(values),
         Numbers::Integer(values) => {
@@ -151,13 +194,13 @@ fn channel(array: Array) -> Result<Channel> {
             Data::Int32(
                 values
                     .collect::<std::result::Result<_, _>>()
-                    .map_err(|_| wrong())?,
+                    .map_err(|_| wrong_numbers())?,
             )
         }
-        Numbers::Float32(_) => return Err(wrong()),
+        Numbers::Float32(_) => return Err(wrong_numbers()),
     };
     Ok(Channel {
-        name: array.name.ok_or_else(wrong)?.into(),
+        name: array.name.ok_or_else(wrong_numbers)?.into(),
         components: array.components,
         data,
         display: Display::Quantity,

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::section::Section;
 use super::table::{Form, Pick, Record, Variant, keys, optional, required};
 use crate::channel::{self, ATTRIBUTE, KINDS, PLACEHOLDER};
-use crate::error::escape_controls;
-use crate::image::{FORMATS, format_of, sidecar_of};
+use crate::error::{Error, Result, escape_controls};
+use crate::image::{FORMATS, Format, format_of, sidecar_of};
 use crate::io::fault::Checked;
 use crate::io::{Report, read};
 use crate::world::Output;
@@ -38,9 +38,7 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
         .source
         .base()
         .map_err(|reason| refused(name, reason))?;
-    let allowed =
-        |name: &str| read::sibling_to_be(scene, name).map_err(|reason| refused(name, reason));
-    let path = allowed(name)?;
+    let path = read::sibling_to_be(scene, name).map_err(|reason| refused(name, reason))?;
     let Ok(format) = format_of(&path) else {
         let known = FORMATS.iter().flat_map(|format| format.extensions);
         let known: Vec<String> = known.map(|extension| format!(".{extension}")).collect();
@@ -56,14 +54,46 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
         let default = format.holds.default_channels().iter();
         channels.extend(default.map(|&name| name.to_owned()));
     }
-    // So must every file that comes of it: links may stand under other names than its own.
-    for name in made(name, &channels) {
-        allowed(&name)?;
-        if format.has_sidecar {
-            allowed(&sidecar_of(Path::new(&name)).to_string_lossy())?;
+    check_made(scene, (name, format), &channels)
+        .map_err(|(name, reason)| refused(&name, reason))?;
+    Ok(Output { path, channels })
+}
+
+impl Output {
+    /// The same of other channels, for an output of the file `scene`. Each channel may be a file of its own.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a file that would lead out of the scene's folder, and for one that is not regular.
+    pub fn with_channels(&self, scene: &Path, channels: Vec<String>) -> Result<Self> {
+        let folder = scene.parent().unwrap_or(Path::new(""));
+        let name = self.path.strip_prefix(folder).unwrap_or(&self.path);
+        let name = name.to_string_lossy();
+        let made = check_made(scene, (&name, format_of(&self.path)?), &channels);
+        made.map_err(|(name, reason)| {
+            let got = format!("{}: {reason}", escape_controls(&name));
+            Error::argument("output", "in the folder of the scene file", got)
+        })?;
+        let path = self.path.clone();
+        Ok(Self { path, channels })
+    }
+}
+
+/// Refuses an output if a file that comes of it may not be written, with that file's name and the reason: links may stand under other names
+/// than its own.
+fn check_made(
+    scene: &Path,
+    (name, format): (&str, &Format),
+    channels: &[String],
+) -> std::result::Result<(), (String, String)> {
+    for name in made(name, channels) {
+        let sidecar = format.has_sidecar.then(|| sidecar_of(Path::new(&name)));
+        let sidecar = sidecar.map(|path| path.to_string_lossy().into_owned());
+        for name in [Some(name), sidecar].into_iter().flatten() {
+            read::sibling_to_be(scene, &name).map_err(|reason| (name, reason))?;
         }
     }
-    Ok(Output { path, channels })
+    Ok(())
 }
 
 /// The names of the files that are made: one, or one of each channel.

@@ -12,7 +12,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
-use firsthit::render::{Appearance, Resolved, world_up};
+use firsthit::render::{Appearance, Resolved, check_state_file, world_up};
 use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
 use firsthit::{Camera, Scene};
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
     light::check(&args.light)?;
     // What is wrong with these is told before large files are read.
     if let Some(path) = &args.picture.resume {
-        resume::check_name(path)?;
+        check_state_file(path)?;
     }
     let asked = (!args.picture.output.is_empty())
         .then(|| orders(args, &[]))
@@ -198,10 +198,12 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         own.map(|output| (output.path.clone(), output.channels.clone()))
             .collect()
     } else {
-        of_file
-            .iter()
-            .map(|output| with_channels(&output.path))
-            .collect()
+        let own = of_file.iter();
+        own.map(|output| {
+            let output = output.with_channels(&args.file, asked.clone())?;
+            Ok((output.path, output.channels))
+        })
+        .collect::<Result<_, Failure>>()?
     };
     output::orders(&outputs, &[&args.file], args.run.quiet || args.run.json)
 }
