@@ -10,6 +10,8 @@ pub(super) enum Kind {
     Normals,
     Coordinates,
     Colors,
+    /// Colours that are at most 1, as glTF has them.
+    Albedos,
 }
 
 /// Colours from here on are garbage, as coordinates are: their products would leave the range of float32.
@@ -33,6 +35,7 @@ impl Kind {
                     1.0
                 }
             }),
+            Self::Albedos => Self::Colors.mended(value).map(|level| level.min(1.0)),
         }
     }
 
@@ -52,6 +55,11 @@ impl Kind {
             Self::Colors => (
                 "bad colours",
                 "colours that are negative, not finite or not below 1e30",
+                "0 is taken for negative levels, 1 for the others",
+            ),
+            Self::Albedos => (
+                "bad colours",
+                "colours that are not from 0 to 1",
                 "0 is taken for negative levels, 1 for the others",
             ),
         }
