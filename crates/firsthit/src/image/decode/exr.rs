@@ -29,8 +29,8 @@ fn decode_checked(bytes: &[u8], most: u64) -> Result<Output, String> {
     let mut output = Output::default();
     let text = reader.headers().iter().find_map(text);
     output.metadata = metadata_of(text.as_deref(), &mut output.notes);
-    if reader.headers().iter().any(is_part) {
-        let note = "its data window is a part of its display window alone, and only that is read";
+    if reader.headers().iter().any(is_cropped) {
+        let note = "its data window covers only part of its display window; the rest is missing";
         output.notes.push(note.to_owned());
     }
     let mut chunks = reader.all_chunks(false).map_err(words)?;
@@ -86,10 +86,16 @@ fn check_claims(headers: &[Header], length: usize, most: u64) -> Result<(), Stri
     Ok(())
 }
 
-/// Whether a layer has not all pixels of the picture.
-fn is_part(header: &Header) -> bool {
-    let window = header.shared_attributes.display_window;
-    header.own_attributes.layer_position != window.position || header.layer_size != window.size
+/// Whether a layer lacks pixels of the picture. It may have more than all.
+fn is_cropped(header: &Header) -> bool {
+    let display = header.shared_attributes.display_window;
+    let data = header.data_window();
+    let (first, last) = (data.position, data.max());
+    let (first_shown, last_shown) = (display.position, display.max());
+    first.x() > first_shown.x()
+        || first.y() > first_shown.y()
+        || last.x() < last_shown.x()
+        || last.y() < last_shown.y()
 }
 
 fn text(header: &Header) -> Option<String> {
@@ -279,13 +285,17 @@ mod tests {
 
     #[test]
     fn a_part_of_a_picture_is_told() {
-        for (position, told) in [((0, 0), 0), ((4, 2), 1)] {
+        for (position, end, told) in [
+            ((0, 0), (16, 8), 0),
+            ((4, 2), (32, 16), 1),
+            ((0, 0), (16, 9), 1),
+            // More than all.
+            ((-2, -1), (12, 6), 0),
+        ] {
             let channels = SpecificChannels::rgb(|_| (0.5_f32, 0.25_f32, 1.0_f32));
             let mut image = Image::from_channels((16, 8), channels);
             image.layer_data.attributes.layer_position = position.into();
-            if told == 1 {
-                image.attributes.display_window = IntegerBounds::new((0, 0), (32, 16));
-            }
+            image.attributes.display_window = IntegerBounds::new((0, 0), end);
             let mut bytes = Cursor::new(Vec::new());
             image.write().to_buffered(&mut bytes).unwrap();
             let output = decode(bytes.get_ref(), 1 << 20).unwrap();
