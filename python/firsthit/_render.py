@@ -86,17 +86,19 @@ def render(
         `Scene.shading`; where that does not say either, it is 16 with shaders that draw numbers
         and with a ground, and 4 with others.
     noise : float, optional
-        Pixels take no more samples where the standard error of their brightness is below this, as
-        a picture shows it from 0, black, to 1, white, before exposure and tone map. It is asked
-        after 32, 64, 128, ... samples for tiles of 16 x 16 pixels. The channel ``samples`` has how
+        A threshold: pixels take no more samples where the standard error of their brightness is
+        below this, as a picture shows it from 0, black, to 1, white, before exposure and tone map;
+        a transparent background counts as white. The error is checked after 32, 64, 128, ...
+        samples, for tiles of 16 x 16 pixels. The channel ``samples`` has how
         many there were. ``samples`` are then the most of a pixel; 256 if nothing says otherwise.
         Only whole pictures by the library's shaders have a noise.
     resume : str or path, optional
-        A file ``.npz`` that keeps the state of the picture: it goes on from there if the file
-        exists, after Ctrl-C or with more ``samples``, and has the bytes of a picture that was made
-        at once. The state of another scene, camera or light is refused. Only pictures by the
-        library's shaders have one, and only ``color``, ``alpha`` and ``samples`` go on; all else is
-        made anew.
+        An ``.npz`` file in which the state of the picture is saved, every 20 seconds and at the
+        end. If it exists, rendering resumes from it, after Ctrl-C or for more ``samples``, and the
+        picture has the bytes of one that was made at once. Ctrl-C takes effect, and saves, after
+        the sample that is on its way. The state of another scene, camera, light or noise is
+        refused. Only pictures by the library's shaders have one, and only ``color``, ``alpha`` and
+        ``samples`` resume; all else is made anew.
     region : tuple of two slices, optional
         The part of the picture to make: its rows and its columns, without steps, such as
         ``np.s_[100:200, :]``. Its numbers are those of the same part of the whole picture, bit for

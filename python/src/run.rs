@@ -180,10 +180,16 @@ pub(crate) fn run_reported<T: Send>(
         });
         (result, signal)
     });
+    let result = result.expect("the scope ends after the work");
     if let Some(signal) = signal {
+        // What could not be kept on the way out is told too.
+        if let Ok(Err(error)) = &result
+            && !matches!(error, Error::Interrupted)
+        {
+            signal.set_cause(py, Some(raise(py, error)));
+        }
         return Err(signal);
     }
-    let result = result.expect("the scope ends after the work");
     let result = result.map_err(|panic| bug(&*panic))?;
     let result = result.map_err(|error: Error| raise(py, &error))?;
     report_done(

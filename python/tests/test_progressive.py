@@ -277,6 +277,7 @@ def test_a_picture_goes_on_from_the_state_in_a_file(scene, tmp_path):
     for wrong, message in [
         ({"samples": 4, "resume": state}, "samples must be at least .* got 4, and .* has 8"),
         ({"samples": 8, "resume": state, "light": "sun"}, "state must be .* other light"),
+        ({"samples": 8, "resume": state, "noise": 0.1}, "state must be .* another noise"),
         ({"resume": tmp_path / "state.npy"}, "resume must be a file whose name ends in .npz"),
         ({"resume": state, "channels": "z"}, "resume must be left out without color"),
         ({"resume": state, "shade": lambda hits: np.zeros((*hits.shape, 3))}, "one's own"),
@@ -312,3 +313,34 @@ except KeyboardInterrupt:
     known = np.load(state)["samples"]
     assert (known == known.flat[0]).all()
     assert 0 < known.flat[0] < 100_000
+
+
+def test_a_state_of_other_numbers_of_an_attribute_is_refused(tmp_path):
+    def painted(heat, of="vertex_properties"):
+        scene = fh.Scene()
+        corners = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
+        triangles = [[0, 1, 2], [0, 2, 3]]
+        scene.add(fh.Mesh(corners, triangles, **{of: {"heat": heat}}))
+        return scene
+
+    how = {"color_by": "attribute:heat", "color_range": (0, 9), "shade": "unlit"}
+    state = tmp_path / "state.npz"
+    fh.render(painted([0.0, 0, 0, 0]), CAMERA, samples=2, resume=state, **how)
+    fh.render(painted([0.0, 0, 0, 0]), CAMERA, samples=3, resume=state, **how)
+    for other in (painted([9.0, 0, 0, 0]), painted([0.0, 0], of="face_properties")):
+        with pytest.raises(ValueError, match="state must be that of this picture"):
+            fh.render(other, CAMERA, samples=4, resume=state, **how)
+
+
+def test_a_state_that_cannot_be_saved_is_told_before_the_work(scene, tmp_path):
+    told = []
+    for name in ("gone/state.npz", "."):
+        with pytest.raises((OSError, ValueError)):
+            fh.render(
+                scene,
+                CAMERA,
+                samples=4,
+                resume=tmp_path / name,
+                progress=lambda done, total: told.append(done),
+            )
+    assert not any(told)

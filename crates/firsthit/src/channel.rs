@@ -13,8 +13,6 @@ pub use asked::{ATTRIBUTE, MATTE_RANKS, PLACEHOLDER, asked};
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
 pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS, VISIBLE};
 
-use asked::Silent;
-
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
@@ -23,7 +21,7 @@ use crate::memory::filled;
 use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
 use crate::sensor::{Record, Sensor};
 use crate::shoot::{Hits, Prefetcher};
-use crate::watch::Watch;
+use crate::watch::{OnlyStops, Watch};
 
 /// Rays, what they met, and all that channels are made from.
 #[derive(Clone, Copy)]
@@ -269,7 +267,7 @@ pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec
             channels.extend(made.next());
             continue;
         };
-        let found = attribute(name, None, shots.scene, shots.hits, &Silent(watch))?;
+        let found = attribute(name, None, shots.scene, shots.hits, &OnlyStops(watch))?;
         let mut channel = kind.channel(Data::Float64(found.values));
         channel.components = found.components;
         channels.push(channel);

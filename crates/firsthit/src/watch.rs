@@ -18,6 +18,17 @@ pub trait Watch: Sync {
 
 impl Watch for () {}
 
+/// Tells another watch of the progress, and is not stopped by it: for a step that is of no use in part.
+#[cfg(feature = "frame")]
+pub(crate) struct OnlyCounts<'a>(pub(crate) &'a dyn Watch);
+
+#[cfg(feature = "frame")]
+impl Watch for OnlyCounts<'_> {
+    fn advance(&self, rays: u64) {
+        self.0.advance(rays);
+    }
+}
+
 /// Stops what another watch stops, and tells it of no progress: for a step of something whose progress is counted otherwise.
 pub(crate) struct OnlyStops<'a>(pub(crate) &'a dyn Watch);
 

@@ -7,12 +7,14 @@
 )]
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use firsthit::channel::{Kind, kind};
 use firsthit::image::{Data, Frame};
 use firsthit::render::{Picture, Region};
 use firsthit::scene::{ColorBy, Coloring, Environment, EnvironmentKind};
 use firsthit::shade::Samples;
+use firsthit::watch::Watch;
 use firsthit::{
     Camera, Color, DVec3, Hit, Object, Scene, Shade, Shader, Shading, Side, Sphere, example,
 };
@@ -256,7 +258,7 @@ fn a_state_of_another_picture_is_refused() {
         ("colours by numbers", with_scene(&colored, &on_colored)),
         ("shader", with_scene(&scene, &other_shade)),
         ("camera", moved),
-        ("light, or another background", culled),
+        ("another background", culled),
         ("part of the picture", part),
     ];
     assert_eq!(picture.resume_from(&file).unwrap().samples(), 1);
@@ -324,26 +326,6 @@ fn a_state_in_memory_is_refused_for_another_size_and_for_channels_that_would_be_
         channels: &plain,
         ..picture.clone()
     });
-    // An edited state is not taken as it is.
-    for (name, wrong) in [
-        ("sums", f64::NAN),
-        ("squares", -1.0),
-        ("squares", f64::INFINITY),
-    ] {
-        let mut edited = Frame::new(state.shape().to_vec());
-        for channel in state.channels() {
-            let mut channel = channel.clone();
-            if let (true, Data::Float64(values)) = (channel.name == name, &mut channel.data) {
-                values[3] = wrong;
-            }
-            edited.push(channel).unwrap();
-        }
-        let error = picture.resume(&edited).err().unwrap().to_string();
-        assert!(
-            error.contains("no sums of colours"),
-            "{name} {wrong}: {error}"
-        );
-    }
     assert!(more.contains("got t"), "{more}");
 }
 
@@ -390,4 +372,240 @@ fn a_single_sample_of_a_lens_is_refused_before_it_is_begun() {
         ..picture
     };
     assert!(plain.start().is_ok());
+}
+
+/// Counts rays, and stops after some.
+struct Counter {
+    done: AtomicU64,
+    most: u64,
+}
+
+impl Counter {
+    fn until(most: u64) -> Self {
+        let done = AtomicU64::new(0);
+        Self { done, most }
+    }
+}
+
+impl Watch for Counter {
+    fn advance(&self, rays: u64) {
+        self.done.fetch_add(rays, Ordering::Relaxed);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.done.load(Ordering::Relaxed) > self.most
+    }
+}
+
+#[test]
+fn a_picture_resumes_from_its_file_with_the_bytes_and_the_progress_of_one_run() {
+    let (scene, camera) = (
+        example::scene().unwrap(),
+        example::camera(ROWS, COLUMNS).unwrap(),
+    );
+    let shade = Shader::named("direct").unwrap().on(&scene);
+    let folder = tempfile::tempdir().unwrap();
+    let region = Region {
+        rows: 2..9,
+        columns: 3..11,
+    };
+    for (names, region) in [
+        (&["color"][..], None),
+        (&["object", "color", "ao", "z", "samples"], None),
+        (&["color", "z"], Some(region)),
+    ] {
+        let channels = kinds(names);
+        let with = |samples: u32| Picture {
+            samples,
+            region: region.clone(),
+            ..Picture::new(&scene, &camera, &shade, &channels)
+        };
+        let state = folder.path().join(format!("{}.npz", names.len()));
+        let whole = with(6);
+        let pixels = whole.render(&()).unwrap().channels()[0].data.len() / 3;
+        let pixels = if names[0] == "object" {
+            3 * pixels
+        } else {
+            pixels
+        };
+        let total = firsthit::render::work(pixels, &channels, 6);
+        // Stopped in the third sample, which is finished and saved.
+        let stopped = whole.render_resumed(&state, &Counter::until(5 * pixels as u64));
+        assert!(
+            matches!(stopped, Err(firsthit::Error::Interrupted)),
+            "{names:?}"
+        );
+        let known = whole_state(&state);
+        assert_eq!(known, 3, "{names:?}");
+        for _ in 0..2 {
+            let counter = Counter::until(u64::MAX);
+            let resumed = whole.render_resumed(&state, &counter).unwrap();
+            assert!(
+                said(&resumed) == said(&whole.render(&()).unwrap()),
+                "{names:?}"
+            );
+            assert_eq!(counter.done.into_inner(), total, "{names:?}");
+        }
+        let fewer = with(5).render_resumed(&state, &()).unwrap_err().to_string();
+        assert!(fewer.contains("got 5, and "), "{fewer}");
+    }
+}
+
+fn whole_state(state: &std::path::Path) -> u32 {
+    let output = firsthit::image::read(state).unwrap();
+    match &output.array("samples").unwrap().numbers {
+        firsthit::image::Numbers::Integer(counts) => u32::try_from(counts[0]).unwrap(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// It is told before the work, and not after hours.
+#[test]
+fn a_state_that_cannot_be_saved_is_told_before_anything_is_rendered() {
+    let (scene, camera) = (
+        example::scene().unwrap(),
+        example::camera(ROWS, COLUMNS).unwrap(),
+    );
+    let shade = Shader::named("direct").unwrap().on(&scene);
+    let folder = tempfile::tempdir().unwrap();
+    let channels = kinds(&["color"]);
+    let picture = Picture::new(&scene, &camera, &shade, &channels);
+    std::fs::create_dir(folder.path().join("folder.npz")).unwrap();
+    for name in ["gone/state.npz", "folder.npz", "state.npy"] {
+        let counter = Counter::until(u64::MAX);
+        let refused = picture.render_resumed(&folder.path().join(name), &counter);
+        assert!(refused.is_err(), "{name}");
+        assert_eq!(counter.done.into_inner(), 0, "{name}");
+    }
+    let plain = kinds(&["z"]);
+    let picture = Picture::new(&scene, &camera, &shade, &plain);
+    let refused = picture.render_resumed(&folder.path().join("z.npz"), &());
+    assert!(refused.unwrap_err().to_string().contains("without color"));
+}
+
+/// Tiles that one noise ended would stay as they are under a smaller one.
+#[test]
+fn a_state_of_another_noise_is_refused() {
+    let (scene, camera) = (
+        example::scene().unwrap(),
+        example::camera(ROWS, COLUMNS).unwrap(),
+    );
+    let shade = Shader::named("direct").unwrap().on(&scene);
+    let folder = tempfile::tempdir().unwrap();
+    let channels = kinds(&["color"]);
+    let with = |noise: Option<f64>| Picture {
+        samples: 33,
+        noise,
+        ..Picture::new(&scene, &camera, &shade, &channels)
+    };
+    for (before, after) in [
+        (Some(0.02), Some(0.01)),
+        (None, Some(0.01)),
+        (Some(0.02), None),
+    ] {
+        let state = folder.path().join("state.npz");
+        with(before).render_resumed(&state, &()).unwrap();
+        with(before).render_resumed(&state, &()).unwrap();
+        let refused = with(after).render_resumed(&state, &()).unwrap_err();
+        assert!(refused.to_string().contains("another noise"), "{refused}");
+        std::fs::remove_file(&state).unwrap();
+    }
+}
+
+/// Before a transparent background the shadow on the ground is in alpha alone.
+#[test]
+fn a_noise_sees_shadows_on_a_transparent_ground() {
+    let ball = Sphere::new(DVec3::new(0.0, 0.0, 1.0), 1.0).unwrap();
+    let scene = Scene::new(vec![Object::new(ball)]).unwrap();
+    let white = Environment::new(EnvironmentKind::Uniform(Color::ONE));
+    let scene = scene.with_environment(Some(Arc::new(Environment {
+        is_seen: false,
+        ..white
+    })));
+    let (from, to) = (DVec3::new(0.0, -40.0, 25.0), DVec3::ZERO);
+    let camera = Camera::look_at(from, to, DVec3::Z, 40.0, 96, 96).unwrap();
+    let shade = Shading {
+        background: firsthit::Background::Transparent,
+        ground: firsthit::shade::Ground::under(&scene, DVec3::Z),
+        ..Shader::named("direct").unwrap().on(&scene)
+    };
+    let channels = kinds(&["color", "samples", "object"]);
+    let picture = Picture {
+        samples: 128,
+        noise: Some(0.02),
+        ..Picture::new(&scene, &camera, &shade, &channels)
+    };
+    let frame = picture.render(&()).unwrap();
+    let Data::Int32(objects) = &frame.channel("object").unwrap().data else {
+        panic!("identifiers are int32");
+    };
+    // Beside the ball, in its shadow, and far away.
+    let at = |row: usize, column: usize| {
+        (
+            counts(&frame)[96 * row + column],
+            objects[96 * row + column],
+        )
+    };
+    assert_eq!(at(49, 48), (128, -1));
+    assert_eq!(at(0, 0), (32, -1));
+}
+
+#[test]
+fn an_edited_state_is_refused() {
+    let (scene, camera) = (
+        example::scene().unwrap(),
+        example::camera(ROWS, COLUMNS).unwrap(),
+    );
+    let (shade, own) = (Shader::named("direct").unwrap().on(&scene), OneLoud(0));
+    let channels = shaded();
+    let picture = Picture::new(&scene, &camera, &shade, &channels);
+    let mut begun = picture.start().unwrap();
+    begun.add_sample(&()).unwrap();
+    let state = begun.state().unwrap();
+    let edited = |edit: &dyn Fn(&mut firsthit::image::Channel)| {
+        let mut edited = Frame::new(state.shape().to_vec());
+        for channel in state.channels() {
+            let mut channel = channel.clone();
+            edit(&mut channel);
+            edited.push(channel).unwrap();
+        }
+        edited
+    };
+    for (name, wrong) in [
+        ("sums", f64::NAN),
+        ("sums", f64::INFINITY),
+        ("squares", -1.0),
+        ("squares", f64::NAN),
+    ] {
+        let state = edited(&|channel| {
+            if let (true, Data::Float64(values)) = (channel.name == name, &mut channel.data) {
+                values[3] = wrong;
+            }
+        });
+        let error = picture.resume(&state).err().unwrap().to_string();
+        assert!(
+            error.contains("no sums of colours"),
+            "{name} {wrong}: {error}"
+        );
+        // A shader of one's own may give any number.
+        let own = Picture {
+            shade: &own,
+            ..picture.clone()
+        };
+        assert!(own.resume(&state).is_ok(), "{name} {wrong}");
+    }
+    let uncounted = edited(&|channel| {
+        if let Data::Int32(counts) = &mut channel.data {
+            counts.fill(0);
+        }
+    });
+    let error = picture.resume(&uncounted).err().unwrap().to_string();
+    assert!(error.contains("sums without samples"), "{error}");
+    // Light beyond 1e154 has squares beyond all range.
+    let bright = edited(&|channel| {
+        if let (true, Data::Float64(values)) = (channel.name == "squares", &mut channel.data) {
+            values.fill(f64::INFINITY);
+        }
+    });
+    assert!(picture.resume(&bright).is_ok());
 }

@@ -80,9 +80,21 @@ fn a_file_that_cannot_keep_a_state_is_told_before_the_file_is_read() {
     let lab = Lab::new();
     lab.write("scene.npz", "");
     for (options, code, words) in [
-        ("--resume state", 2, "--resume: state must end in .npz"),
-        ("--resume st.png", 2, "must end in .npz"),
-        ("-o a.exr --resume st.exr", 2, "must end in .npz"),
+        (
+            "--resume state",
+            2,
+            "resume must be a file whose name ends in .npz, got state",
+        ),
+        (
+            "--resume st.png",
+            2,
+            "must be a file whose name ends in .npz",
+        ),
+        (
+            "-o a.exr --resume st.exr",
+            2,
+            "must be a file whose name ends in .npz",
+        ),
         (
             "-o a.exr --resume nope/s.npz",
             4,

@@ -7,7 +7,6 @@ use super::{Kind, Make, kind};
 use crate::error::{Error, Result};
 use crate::image::{Display, Unit};
 use crate::scene::Scene;
-use crate::watch::Watch;
 
 /// Stands for the channel's name in the name of a file.
 pub const PLACEHOLDER: &str = "{channel}";
@@ -120,12 +119,3 @@ impl Kind {
 
 /// So many characters of an attribute's name a channel's name has at most.
 const LONGEST_NAME: usize = 100;
-
-/// Stops as the other, and tells it nothing.
-pub(super) struct Silent<'a>(pub(super) &'a dyn Watch);
-
-impl Watch for Silent<'_> {
-    fn is_stopped(&self) -> bool {
-        self.0.is_stopped()
-    }
-}

@@ -47,6 +47,19 @@ pub fn write_whole(
     reported(path, watch, written)
 }
 
+/// Fails where [`write_whole`] could not make a whole file: a folder that is not there or is read-only, a folder in the place of the file,
+/// or a device.
+pub(crate) fn check_writable(path: &Path) -> Result<()> {
+    let tried = match target(path) {
+        Ok(Target::File(path, permissions)) => {
+            prepare(path, permissions, &(), |_| Ok(())).map(drop)
+        }
+        Ok(Target::Stream(_)) => Err(io::Error::other("is not a regular file")),
+        Err(error) => Err(error),
+    };
+    reported(path, &(), tried)
+}
+
 /// [`write_whole`] with a second file beside, called `path` with `.json` after it. Whatever happens in
 /// between, no old `sidecar` stays beside the new content: for an instant there is none.
 pub(super) fn write_with_sidecar(

@@ -53,6 +53,7 @@ pub(crate) use decode::exr::decode as decode_exr;
 #[cfg(feature = "npy")]
 pub use decode::npy::{NpyHeader, NpyValues};
 pub use decode::output::{Array, Numbers, Output};
+pub(crate) use file::check_writable;
 pub use file::{sidecar_of, write_whole};
 pub use format::{FORMATS, Format, Holds, format_named, format_of, write, write_channel};
 pub use frame::{Channel, Data, Description, Display, Frame, Unit};

@@ -6,16 +6,21 @@ use crate::error::{Error, Result};
 use crate::geometry::{Color, luminance, single, srgb_encode};
 use crate::image::{Channel, Data, Description, Display, Frame, Unit};
 use crate::memory::zeroed;
+use crate::shade::Shade;
 
 /// What is known of each pixel of a part of a picture. Sums are in the order of the samples, so it does not matter how many are
 /// added at a time.
 pub(super) struct Accumulation {
     /// Red, green, blue and coverage.
     pub(super) sums: Vec<[f64; 4]>,
-    /// Of the squares of luminance.
+    /// Of the squares of [`brightness`].
     pub(super) squares: Vec<f64>,
     /// How many samples there were.
     pub(super) counts: Vec<u32>,
+    /// Whether what is behind shows through, as alpha says.
+    is_transparent: bool,
+    /// Whether means below 0 can only be noise.
+    is_nonnegative: bool,
 }
 
 /// The place of the alpha among the sums of a pixel.
@@ -25,31 +30,33 @@ pub(super) const ALPHA: usize = 3;
 const NAMES: [&str; 3] = ["sums", "squares", "samples"];
 
 impl Accumulation {
-    pub(super) fn new(pixels: usize) -> Result<Self> {
+    pub(super) fn new(pixels: usize, shade: &dyn Shade) -> Result<Self> {
         Ok(Self {
             sums: zeroed(pixels)?,
             squares: zeroed(pixels)?,
             counts: zeroed(pixels)?,
+            is_transparent: shade.is_transparent(),
+            is_nonnegative: shade.is_nonnegative(),
         })
     }
 
     /// Adds a sample to a pixel.
     pub(super) fn add(
         (sum, square, count): (&mut [f64; 4], &mut f64, &mut u32),
-        color: Color,
-        covered: f64,
+        (color, covered): (Color, f64),
+        is_transparent: bool,
     ) {
         for (sum, value) in sum.iter_mut().zip([color.x, color.y, color.z, covered]) {
             *sum += value;
         }
-        let luminance = luminance(color);
-        *square += luminance * luminance;
+        let brightness = brightness(color, covered, is_transparent);
+        *square += brightness * brightness;
         *count += 1;
     }
 
-    /// The means of some of the sums, for each pixel one after the other. Colours are at least `least`, and alpha is from 0 to 1: what is
-    /// beyond is noise, of shadows on the ground, of which a sample may be darkened by more than all.
-    pub(super) fn means<const N: usize>(&self, which: [usize; N], least: f64) -> Result<Data> {
+    /// The means of some of the sums, for each pixel one after the other. Colours are at least 0 where less can only be noise, and alpha is
+    /// from 0 to 1: a sample of the ground's shadow may be darkened by more than all.
+    pub(super) fn means<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
         let mut means = zeroed::<f32>(self.sums.len().saturating_mul(N))?;
         let chunk = 1 << 12;
         let sums = self
@@ -65,7 +72,7 @@ impl Accumulation {
                     // Written so that a NaN stays one.
                     *out = single(match which {
                         ALPHA => mean.clamp(0.0, 1.0),
-                        _ if mean < least => least,
+                        _ if mean < 0.0 && self.is_nonnegative => 0.0,
                         _ => mean,
                     });
                 }
@@ -87,8 +94,8 @@ impl Accumulation {
     /// more. Of a pixel that one bright sample has made white, only downwards shows.
     fn error(&self, pixel: usize) -> f64 {
         let count = f64::from(self.counts[pixel]);
-        let [red, green, blue, _] = self.sums[pixel];
-        let mean = luminance(Color::new(red, green, blue)) / count;
+        let [red, green, blue, alpha] = self.sums[pixel].map(|sum| sum / count);
+        let mean = brightness(Color::new(red, green, blue), alpha, self.is_transparent);
         let variance = (self.squares[pixel] / count - mean * mean).max(0.0);
         let error = (variance / (count - 1.0)).sqrt();
         let [below, here, above] = [mean - error, mean, mean + error].map(srgb_encode);
@@ -123,7 +130,7 @@ impl Accumulation {
     /// # Errors
     ///
     /// [`Error::Argument`] for another frame.
-    pub(super) fn taken_from(state: &Frame, pixels: usize) -> Result<Self> {
+    pub(super) fn taken_from(state: &Frame, pixels: usize, shade: &dyn Shade) -> Result<Self> {
         let wrong = |got: &str| Error::argument("state", "that of this picture", got.to_owned());
         let data = |name: &str| state.channel(name).map(|channel| &channel.data);
         let [sums, squares, counts] = NAMES.map(data);
@@ -136,11 +143,18 @@ impl Accumulation {
         if shape != [4 * pixels, pixels, pixels] {
             return Err(wrong("one of another size"));
         }
-        let is_number = |x: &f64| x.is_finite();
-        if !(sums.iter().all(is_number) && squares.iter().all(|&x| x >= 0.0 && x.is_finite())) {
+        // A caller's own shader may give any number. Squares of light beyond 1e154 are infinite.
+        let is_own = shade.recipe().is_none();
+        let are_sums = sums.iter().all(|x| x.is_finite()) && squares.iter().all(|&x| x >= 0.0);
+        if !(is_own || are_sums) {
             return Err(wrong("one of sums that are no sums of colours"));
         }
-        let mut made = Self::new(pixels)?;
+        let is_empty =
+            |(sums, &count): (&[f64], &i32)| count == 0 && sums.iter().any(|&x| x != 0.0);
+        if sums.chunks_exact(4).zip(counts).any(is_empty) {
+            return Err(wrong("one of sums without samples"));
+        }
+        let mut made = Self::new(pixels, shade)?;
         made.sums.as_flattened_mut().copy_from_slice(sums);
         made.squares.copy_from_slice(squares);
         for (out, &count) in made.counts.iter_mut().zip(counts) {
@@ -149,6 +163,12 @@ impl Accumulation {
         }
         Ok(made)
     }
+}
+
+/// How bright a colour is: where what is behind shows through, over white, so that shadows count that alpha alone has.
+fn brightness(color: Color, alpha: f64, is_transparent: bool) -> f64 {
+    let behind = if is_transparent { 1.0 - alpha } else { 0.0 };
+    luminance(color) + behind
 }
 
 /// The side of the tiles that stop together, in pixels.
@@ -239,11 +259,13 @@ fn spread(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{DVec3, Hit};
 
     #[test]
     fn quiet_tiles_stop_unless_a_neighbour_is_loud() {
         let shape = [48, 64];
-        let mut known = Accumulation::new(48 * 64).unwrap();
+        let own = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
+        let mut known = Accumulation::new(48 * 64, &own).unwrap();
         for sample in 0..32_u32 {
             for pixel in 0..48 * 64 {
                 let is_loud = pixel == 20 * 64 + 60;
@@ -253,7 +275,7 @@ mod tests {
                     &mut known.squares[pixel],
                     &mut known.counts[pixel],
                 );
-                Accumulation::add(one, Color::splat(value), 1.0);
+                Accumulation::add(one, (Color::splat(value), 1.0), false);
             }
         }
         // The loud pixel is in the fourth tile of the second row of three.

@@ -78,7 +78,7 @@ impl<'a> Slab<'a> {
             mattes: mattes.collect::<Result<_>>()?,
             bar: picture.bar()?,
             picture,
-            known: Accumulation::new(pixels)?,
+            known: Accumulation::new(pixels, picture.shade)?,
             occlusion: occlusion.transpose()?,
             part,
             hits: Hits::default(),
@@ -90,7 +90,7 @@ impl<'a> Slab<'a> {
 
     /// Goes on where a picture was left, of which all samples but the channels of the first are known.
     pub(super) fn resume(&mut self, state: &Frame) -> Result<()> {
-        self.known = Accumulation::taken_from(state, self.part.len())?;
+        self.known = Accumulation::taken_from(state, self.part.len(), self.picture.shade)?;
         let counts = &self.known.counts;
         self.samples = counts.iter().copied().max().unwrap_or(0);
         let is_even = counts.iter().all(|&count| count == self.samples);
@@ -112,6 +112,10 @@ impl<'a> Slab<'a> {
     /// How many samples there are.
     pub(super) fn samples(&self) -> u32 {
         self.samples
+    }
+
+    pub(super) fn pixels(&self) -> usize {
+        self.part.len()
     }
 
     /// Adds the next sample, unless the picture is as quiet as was asked for; says whether it did.
@@ -157,10 +161,12 @@ impl<'a> Slab<'a> {
     fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
         let Picture { shade, cull, .. } = *self.picture;
+        let is_transparent = shade.is_transparent();
         let Accumulation {
             sums,
             squares,
             counts,
+            ..
         } = &mut self.known;
         let rest = squares
             .par_chunks_mut(SHADED)
@@ -182,7 +188,7 @@ impl<'a> Slab<'a> {
             let (colors, coverage) = batch.shade((shade, cull), sample);
             for ((k, color), covered) in active.into_iter().zip(colors).zip(coverage) {
                 let pixel = (&mut sums[k], &mut squares[k], &mut counts[k]);
-                Accumulation::add(pixel, *color, *covered);
+                Accumulation::add(pixel, (*color, *covered), is_transparent);
             }
             Ok(())
         })
@@ -257,13 +263,7 @@ impl<'a> Slab<'a> {
 
     /// Means of colours, with lines of edges and the bar of a colour map where there is one.
     fn colors<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
-        let is_nonnegative = self.picture.shade.is_nonnegative();
-        let least = if is_nonnegative {
-            0.0
-        } else {
-            f64::NEG_INFINITY
-        };
-        let mut means = self.known.means(which, least)?;
+        let mut means = self.known.means(which)?;
         self.draw_lines::<N>(&mut means);
         if let Some(bar) = &self.bar {
             let Region { rows, columns } = &self.part.region;
@@ -275,7 +275,7 @@ impl<'a> Slab<'a> {
     /// The alpha of the colours, lines and bar included.
     fn alpha(&self) -> Result<Data> {
         if self.line_color().is_none() && self.bar.is_none() {
-            return self.known.means([ALPHA], 0.0);
+            return self.known.means([ALPHA]);
         }
         let mut alpha = zeroed::<f32>(self.part.len())?;
         if let Data::Float32(colors) = self.colors([0, 1, 2, ALPHA])? {

@@ -8,7 +8,7 @@ use super::{
     Scene, TextureMap, UvSet, Wrap,
 };
 use crate::geometry::{Color, Digest, Value};
-use crate::shape::Surface;
+use crate::shape::{Property, Surface};
 
 impl Scene {
     /// A fingerprint of what can be seen: shapes, transforms, colours, lights, which objects are hidden. Scenes with the same
@@ -33,6 +33,33 @@ impl Scene {
         }
         if let Some(environment) = self.environment() {
             digest_environment(environment, digest);
+        }
+    }
+
+    /// Adds the numbers of an attribute of all meshes.
+    pub(crate) fn digest_attribute(&self, name: &str, digest: &mut Digest) {
+        digest.word("attribute");
+        for mesh in self.objects.iter().filter_map(Object::mesh) {
+            let named = mesh.properties().iter();
+            for property in named.filter(|property| property.name == name) {
+                let Property {
+                    name: _,
+                    of,
+                    components,
+                    between,
+                    values,
+                } = property;
+                digest.word(&format!("{of:?} {between:?}"));
+                digest.count(*components);
+                digest.count(values.len());
+                let mut chunk = Vec::new();
+                for first in (0..values.len()).step_by(512) {
+                    let rest = first..values.len().min(first + 512);
+                    chunk.clear();
+                    chunk.extend(rest.filter_map(|index| values.get(index)));
+                    digest.numbers(&chunk);
+                }
+            }
         }
     }
 

@@ -78,7 +78,8 @@ pub trait Shade: Sync {
         false
     }
 
-    /// Whether colours are never below 0 but by noise. Pictures then have 0 in place of a mean below 0.
+    /// Whether the expected colours are non-negative while samples may be negative, so that a negative mean can only be noise. Pictures
+    /// then have 0 in its place.
     fn is_nonnegative(&self) -> bool {
         false
     }
@@ -435,13 +436,13 @@ impl Shade for Shading<'_> {
     }
 
     fn is_nonnegative(&self) -> bool {
-        !self.scene.lights().iter().any(Light::takes_away)
+        self.ground.is_none() || !self.scene.lights().iter().any(Light::has_negative_color)
     }
 
     #[cfg(feature = "frame")]
     fn recipe(&self) -> Option<Recipe> {
         let mut digest = Digest::default();
-        digest.word("firsthit shading 3");
+        digest.word("firsthit shading 4");
         digest.word(self.shader.name());
         for (_, value) in self.shader.settings() {
             value.digest(&mut digest);
@@ -461,9 +462,14 @@ impl Shade for Shading<'_> {
             digest.vector(point);
             digest.vector(up);
         }
-        if let Some(ColorBy::Values(values)) = self.scene.colored().map(|c| &c.coloring().by) {
-            digest.word("values");
-            digest.numbers(values);
+        // What the colours by numbers are made from, as far as the scene's fingerprint does not know it.
+        match self.scene.colored().map(|colored| &colored.coloring().by) {
+            Some(ColorBy::Values(values)) => {
+                digest.word("values");
+                digest.numbers(values);
+            }
+            Some(ColorBy::Attribute(name)) => self.scene.digest_attribute(name, &mut digest),
+            _ => {}
         }
         Some(Recipe {
             shader: self.shader.name(),
