@@ -72,6 +72,17 @@ pub(crate) fn moderation(v: DVec3) -> f64 {
     }
 }
 
+/// How far a point of a surface may be off it, as a share of the largest coordinate: 2^-40, some hundred times what transforms and
+/// positions round. A surface that touches the one that is left may seem to be ahead of it or behind: from an object of another
+/// transform, only what is farther away is met. What is nearer to an end of a line of sight is at that end.
+pub(crate) const ROUNDED: f64 = 4096.0 * f64::EPSILON;
+
+/// The share of a line of sight that counts as its end, by [`ROUNDED`].
+pub(crate) fn share_at_end(from: DVec3, to: DVec3) -> f64 {
+    let largest = from.abs().max(to.abs()).max_element();
+    ROUNDED * largest / (to - from).abs().max_element()
+}
+
 /// Whether a colour adds or takes light away: whether it is finite and not black.
 pub(crate) fn is_light(color: Color) -> bool {
     color.is_finite() && color != Color::ZERO

@@ -79,7 +79,7 @@ impl Emitters {
     }
 
     /// Whether any surface shines.
-    pub(crate) fn are_any(&self) -> bool {
+    pub(crate) fn has_any(&self) -> bool {
         self.has_others || !self.is_empty()
     }
 
@@ -254,7 +254,12 @@ fn place(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
 /// which is drawn evenly by area.
 fn is_seen_in_part(object: &Object, sphere: &SphereLight, at: DVec3) -> bool {
     let material = object.material(0);
-    let is_translucent = material.is_some_and(|material| material.alpha_mode == AlphaMode::Blend);
+    let is_translucent = material.is_some_and(|material| {
+        let has_map =
+            [MapRole::Color, MapRole::Alpha].map(|role| material.maps.get(role).is_some());
+        let may_be_clear = material.alpha < 1.0 || has_map.contains(&true);
+        material.alpha_mode == AlphaMode::Blend && may_be_clear
+    });
     !is_translucent && is_clear_of(sphere, at)
 }
 

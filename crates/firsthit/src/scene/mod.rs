@@ -380,7 +380,7 @@ impl Scene {
     /// Whether nothing shines: neither lights nor an environment nor surfaces.
     pub fn is_unlit(&self) -> bool {
         let has_light = !self.lights.is_empty() || self.environment.is_some();
-        !has_light && self.emitters().is_empty() && !self.emitters().has_others()
+        !has_light && !self.emitters().has_any()
     }
 
     /// The smallest box around all objects in the world, infinite and hidden ones left out; empty without any.

@@ -4,8 +4,8 @@
 //!
 //! 1. Sample a point of each light, one of the emissive surfaces, and a direction of the environment by its luminance. Ask whether
 //!    they are seen (`vertex.rs`).
-//! 2. Sample a direction by the surface's BSDF. On a matte surface ask whether the environment is seen there; on others add all light that
-//!    a ray meets there (`found.rs`).
+//! 2. Sample a direction by the surface's BSDF, and add all light that a ray meets there (`found.rs`). On a matte surface where nothing else
+//!    emits it is enough to ask whether the environment is seen there.
 //!
 //! Where both may find the same light, they are weighted (multiple importance sampling). Without shadows only light sampling counts for
 //! lights, because BSDF-sampled rays end on things as always; mirrors show lights all the same.
@@ -34,10 +34,10 @@ pub(super) fn shade(
     points: &Points<'_>,
     colors: &mut [Color],
 ) {
-    let has_emitters = shading.scene.emitters().are_any();
+    let emitters = shading.scene.emitters();
     let mut vertices = first_vertices(points, colors);
     for vertex in &mut vertices {
-        vertex.finds_lights = settings.shadows && (has_emitters || !vertex.bsdf.is_diffuse());
+        vertex.finds_lights = settings.shadows && (emitters.has_any() || !vertex.bsdf.is_diffuse());
         vertex.occlusion = vertex.bsdf.occlusion();
     }
     let limits = (settings.shadows, settings.reach);
@@ -53,12 +53,13 @@ fn add_bsdf_rays(
     colors: &mut [Color],
 ) {
     let environment = shading.scene.environment();
-    let has_emitters = shading.scene.emitters().are_any();
+    let has_others = shading.scene.emitters().has_others();
     let mut shadow_rays = ShadowRays::with_capacity(vertices.len());
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
     let (mut drawn, mut draws) = (Vec::new(), Vec::new());
     for (k, vertex) in vertices.iter_mut().enumerate() {
-        let searches = has_emitters || !vertex.bsdf.is_diffuse();
+        // Other surfaces that emit are found by these rays alone, with shadows or without.
+        let searches = vertex.finds_lights || has_others || !vertex.bsdf.is_diffuse();
         if environment.is_none() && !searches {
             continue;
         }

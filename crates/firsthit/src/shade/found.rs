@@ -55,7 +55,7 @@ impl BsdfRay<'_> {
         let mut sum = Color::ZERO;
         for light in shading.scene.lights() {
             let met = light.intersect(self.ray.origin, self.ray.direction);
-            if let Some(met) = met.filter(|met| met.is_before(length)) {
+            if let Some(met) = met.filter(|met| met.is_visible_before(self.ray, length)) {
                 let left = transmittance(self.absorption, met.distance);
                 let light = self.share_of_light(met.pdf) * left * met.radiance;
                 if is_light(light) {

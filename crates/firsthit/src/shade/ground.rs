@@ -95,8 +95,8 @@ struct Point {
 struct Shadows {
     missing: Vec<Color>,
     full: Vec<Color>,
-    /// What blocks light is in there; `None` where that has no end.
-    blocking: Option<Enclosure>,
+    /// The bounds of everything that can block light; `None` where that has no end.
+    blocking: Option<BlockerBounds>,
 }
 
 impl Shadows {
@@ -105,12 +105,12 @@ impl Shadows {
             missing: vec![Color::ZERO; points.len()],
             // What nothing blocks is there, and is never missing.
             full: vec![shading.shader.ambient(); points.len()],
-            blocking: shading.scene.blocking_bounds().map(Enclosure::new),
+            blocking: shading.scene.blocking_bounds().map(BlockerBounds::new),
         };
         shadows.add_lights(shading, up, points);
         shadows.add_emitters(shading, up, points);
         let emitters = shading.scene.emitters();
-        let has_light = !shading.scene.lights().is_empty() || emitters.are_any();
+        let has_light = !shading.scene.lights().is_empty() || emitters.has_any();
         match shading.scene.environment() {
             Some(environment) => shadows.add_environment(shading, environment, up, points),
             // Where nothing shines, as for shaders without light, it is as under a white sky.
@@ -219,15 +219,15 @@ impl Shadows {
     }
 }
 
-/// A box, and the ball around it.
+/// The bounds of everything that can block light: a box, and the ball around it.
 #[derive(Clone, Copy)]
-struct Enclosure {
+struct BlockerBounds {
     bounds: Bounds,
     center: DVec3,
     radius: f64,
 }
 
-impl Enclosure {
+impl BlockerBounds {
     fn new(bounds: Bounds) -> Self {
         Self {
             bounds,
@@ -236,7 +236,7 @@ impl Enclosure {
         }
     }
 
-    /// Whether a ray may meet what is in the box. Most that do not pass the ball by already, which is seen without a division.
+    /// Whether a ray may meet what is in the box. Most rays that miss the box miss the ball too, which takes no division to see.
     fn may_be_met(&self, ray: &Ray) -> bool {
         let way = self.center - ray.origin;
         let along = way.dot(ray.direction);
@@ -254,11 +254,11 @@ struct Cone {
     towards: DVec3,
     /// The sine and the cosine of the angle from the sun's middle to its edge.
     half: [f64; 2],
-    blocking: Enclosure,
+    blocking: BlockerBounds,
 }
 
 impl Cone {
-    fn of_sun(light: &Light, blocking: Option<Enclosure>) -> Option<Self> {
+    fn of_sun(light: &Light, blocking: Option<BlockerBounds>) -> Option<Self> {
         let (Light::Directional(sun), Some(blocking)) = (light, blocking) else {
             return None;
         };
@@ -310,11 +310,11 @@ struct BlockedRays {
     rays: ShadowRays,
     brought: Vec<(usize, Color)>,
     /// Rays that pass it by are not traced.
-    blocking: Option<Enclosure>,
+    blocking: Option<BlockerBounds>,
 }
 
 impl BlockedRays {
-    fn new(blocking: Option<Enclosure>) -> Self {
+    fn new(blocking: Option<BlockerBounds>) -> Self {
         Self {
             rays: ShadowRays::default(),
             brought: Vec::new(),
@@ -331,7 +331,8 @@ impl BlockedRays {
         end: Option<SurfaceId>,
     ) {
         let Some(arriving) = arriving else { return };
-        let ray = Ray::new(point.position, arriving.towards).up_to(arriving.ray_end());
+        let ray =
+            Ray::new(point.position, arriving.towards).up_to(arriving.ray_end(point.position));
         self.push_ray(ray, end, index, || taken_of(arriving, up));
     }
 
@@ -352,7 +353,7 @@ impl BlockedRays {
         index: usize,
         brought: impl FnOnce() -> Color,
     ) {
-        let may_be_blocked = |blocking: Enclosure| blocking.may_be_met(&ray);
+        let may_be_blocked = |blocking: BlockerBounds| blocking.may_be_met(&ray);
         if !self.blocking.is_none_or(may_be_blocked) {
             return;
         }

@@ -124,7 +124,8 @@ impl Lit {
                 let between = self.normal.dot(self.geometric);
                 softened(cosine, towards.dot(self.geometric), between)
             };
-            let ray = Ray::new(self.position, arriving.towards).up_to(arriving.ray_end());
+            let ray =
+                Ray::new(self.position, arriving.towards).up_to(arriving.ray_end(self.position));
             let incoming = Incoming {
                 towards,
                 cosine,

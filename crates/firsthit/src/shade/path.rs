@@ -5,7 +5,7 @@
 //!    light, they are weighted (multiple importance sampling).
 //! 3. The surface that the ray meets is the next vertex. After some vertices a path goes on by chance only, the rarer the less
 //!    it can bring, and counts as much more (Russian roulette; Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990).
-//!    What refraction takes of its light does not count there, since the way out gives it back.
+//!    What refraction takes of its light does not count there, because leaving the medium gives it back.
 //!
 //! All paths of a batch take each step together, so that their rays are shot together.
 
@@ -86,7 +86,7 @@ struct Drawn {
     draws: Draws,
     is_specular_path: bool,
     /// See [`Vertex`].
-    eta_squared: f64,
+    eta_scale: f64,
 }
 
 /// A BSDF-sampled ray from a vertex; `None` where the path ends.
@@ -94,9 +94,9 @@ fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
     let scattered = vertex.bsdf.sample(vertex.draws.three())?;
     let mut throughput = vertex.throughput * scattered.weight;
     let eta = vertex.bsdf.eta(scattered.towards);
-    let eta_squared = vertex.eta_squared * eta * eta;
+    let eta_scale = vertex.eta_scale * eta * eta;
     if roulette {
-        let chance = (eta_squared * throughput.max_element()).min(1.0);
+        let chance = (eta_scale * throughput.max_element()).min(1.0);
         // Written so that a NaN fails.
         let goes_on = vertex.draws.one() < chance;
         if !goes_on {
@@ -114,7 +114,7 @@ fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
         sum: vertex.sum,
         draws: vertex.draws,
         is_specular_path: vertex.is_specular_path && scattered.pdf.is_none(),
-        eta_squared,
+        eta_scale,
     })
 }
 
@@ -136,6 +136,6 @@ fn next(shading: &Shading<'_>, drawn: &Drawn, met: &Found, colors: &mut [Color])
     };
     let mut vertex = Vertex::new(&surface, drawn.sum, drawn.draws, way)?;
     vertex.is_specular_path = drawn.is_specular_path;
-    vertex.eta_squared = drawn.eta_squared;
+    vertex.eta_scale = drawn.eta_scale;
     Some(vertex)
 }

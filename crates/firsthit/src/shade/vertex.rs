@@ -25,9 +25,9 @@ pub(super) struct Vertex {
     pub(super) absorption: Color,
     /// Whether it is seen by mirrors and through clear matter alone: then so is the background.
     pub(super) is_specular_path: bool,
-    /// The square of the index of the matter that the path is in, relative to where it began: what refraction took of its throughput, and
-    /// gives back where it leaves.
-    pub(super) eta_squared: f64,
+    /// The product of the squared relative indices of all refractions so far. For Russian roulette it undoes what refraction took of the
+    /// throughput.
+    pub(super) eta_scale: f64,
 }
 
 /// The vertices that the camera sees; each sum begins with the emission of its surface.
@@ -88,7 +88,7 @@ impl Vertex {
             occlusion: 1.0,
             absorption,
             is_specular_path: true,
-            eta_squared: 1.0,
+            eta_scale: 1.0,
         })
     }
 
@@ -170,7 +170,11 @@ pub(super) fn add_direct_light(
             let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));
             if let Some((drawn, light)) = seen {
                 let (ray, filter) = vertex.ray(drawn.towards);
-                rays.push((ray.up_to(drawn.ray_end()), filter), vertex.sum, light);
+                rays.push(
+                    (ray.up_to(drawn.ray_end(vertex.position)), filter),
+                    vertex.sum,
+                    light,
+                );
             }
         }
         rays.add_to(sums, shading, shadows);
@@ -186,7 +190,11 @@ pub(super) fn add_direct_light(
             if let Some(light) = vertex.seen(&arriving) {
                 let (ray, mut filter) = vertex.ray(arriving.towards);
                 filter.skip[1] = Some(surface);
-                rays.push((ray.up_to(arriving.ray_end()), filter), vertex.sum, light);
+                rays.push(
+                    (ray.up_to(arriving.ray_end(vertex.position)), filter),
+                    vertex.sum,
+                    light,
+                );
             }
         }
         rays.add_to(sums, shading, shadows);

@@ -1,7 +1,7 @@
 //! What a ray does not meet, object by object: a [`RayFilter`] brought into an object's space.
 
 use super::scaled_ray::ScaledRay;
-use crate::geometry::{DVec3, Ray, RayFilter, Side, SurfaceId};
+use crate::geometry::{DVec3, ROUNDED, Ray, RayFilter, Side, SurfaceId};
 use crate::scene::{Object, Scene};
 use crate::shape::triangle::MeshFilter;
 use crate::shape::{Crossing, Shape, Surface};
@@ -52,11 +52,6 @@ fn corners_left(scene: &Scene, surface: SurfaceId, index: u32) -> Option<[DVec3;
         surface.object.cast_unsigned() == index || left.transform().is_same_as(here.transform());
     (is_same_space && triangle < mesh.triangles().len()).then(|| mesh.corners(triangle))
 }
-
-/// How far a point of a surface may be off it, as a share of the largest coordinate: 2^-40, some hundred times what transforms and
-/// positions round. A surface that touches the one that is left may seem to be ahead of it or behind: from an object of another
-/// transform, only what is farther away is met. What is nearer to an end of a line of sight is at that end.
-pub(super) const ROUNDED: f64 = 4096.0 * f64::EPSILON;
 
 /// The largest number that the places of a start and of an object in the world are computed from.
 fn largest_coordinate(scene: &Scene, scaled: &ScaledRay, left: SurfaceId, object: &Object) -> f64 {

@@ -1,9 +1,8 @@
 //! Lines of sight: does one point see another?
 
-use super::filter::ROUNDED;
 use super::{Any, trace};
 use crate::error::Result;
-use crate::geometry::{DVec3, Ray, RayFilter, Rays, SurfaceId};
+use crate::geometry::{DVec3, Ray, RayFilter, Rays, SurfaceId, share_at_end};
 use crate::scene::Scene;
 use crate::watch::Watch;
 
@@ -97,8 +96,7 @@ impl Rays for Sights<'_> {
     fn ray(&self, index: usize) -> Ray {
         let [from, to] = self.ordered(index).map(|end| end.position);
         let ray = Ray::new(from, to - from);
-        let largest = from.abs().max(to.abs()).max_element();
-        let at_end = ROUNDED * largest / ray.direction.abs().max_element();
+        let at_end = share_at_end(from, to);
         ray.beyond(at_end).up_to(1.0 - at_end)
     }
 

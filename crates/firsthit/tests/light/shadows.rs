@@ -337,3 +337,30 @@ fn pictures_of_the_ground_have_no_colour_below_black() {
     let sampled = seen(&shading, &rays, 1);
     assert!(sampled.iter().any(|(color, _)| color.x < -0.01));
 }
+
+/// A light may take light away, and where there is nothing else the picture says so.
+#[test]
+fn lights_that_take_light_away_may_leave_less_than_none() {
+    let scene = Scene::new(vec![disc()]).unwrap();
+    let sun = DirectionalLight {
+        direction: DVec3::NEG_Z,
+        color: Color::splat(-0.5),
+        angle_degrees: 0.0,
+    };
+    let scene = scene.with_lights(vec![sun.into()]);
+    let (from, to) = (DVec3::new(0.0, -6.0, 3.0), DVec3::Z);
+    let camera = firsthit::Camera::look_at(from, to, DVec3::Z, 40.0, 24, 32).unwrap();
+    let shading = Shading {
+        background: Background::Uniform(Color::ONE),
+        ground: Some(Ground {
+            point: DVec3::ZERO,
+            up: DVec3::Z,
+        }),
+        ..shader("direct", &[]).on(&scene)
+    };
+    let kinds = [firsthit::channel::kind("color").unwrap()];
+    let picture = firsthit::render::Picture::new(&scene, &camera, &shading, &kinds);
+    let frame = picture.render(&()).unwrap();
+    let data = &frame.channels()[0].data;
+    assert!((0..data.len()).any(|k| data.value(k) < -0.1));
+}

@@ -15,7 +15,9 @@ pub use rectangle::RectangleLight;
 pub use sphere::SphereLight;
 pub use spot::SpotLight;
 
-use crate::geometry::{Color, DVec2, DVec3, Domain, Settings, Value, kinds, single};
+use crate::geometry::{
+    Color, DVec2, DVec3, Domain, Ray, Settings, Value, kinds, share_at_end, single, unit,
+};
 use crate::sampling::key;
 
 /// A point drawn of a light, as seen from a point of a surface.
@@ -31,22 +33,29 @@ pub struct LightSample {
     pub pdf: Option<f64>,
 }
 
-/// Rays towards a point of a light end so much before it, as a share of their length: what is nearer to the light is at its place, as the
-/// ceiling that a lamp lies in, or a copy of a surface that emits.
-const BEFORE_END: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
-
 impl LightSample {
-    /// Where a ray in the direction of [`towards`](Self::towards) ends, so that the light itself does not block it.
-    pub(crate) fn ray_end(&self) -> f64 {
-        BEFORE_END * self.distance
+    /// Where a ray to the light ends, from the point that the sample was drawn for.
+    pub(crate) fn ray_end(&self, at: DVec3) -> f64 {
+        end_of(&Ray::new(at, self.towards), self.distance)
     }
 }
 
 impl LightHit {
-    /// Whether a surface so far away does not hide it.
-    pub(crate) fn is_before(&self, length: f64) -> bool {
-        BEFORE_END * self.distance < length || length == f64::INFINITY
+    /// Whether a surface that a ray, of length one, meets after a distance leaves the light visible.
+    pub(crate) fn is_visible_before(&self, ray: &Ray, distance: f64) -> bool {
+        distance == f64::INFINITY || end_of(ray, self.distance) < distance
     }
+}
+
+/// Where a ray to a light ends. What is as near to the light as rounding takes things is at the light: the ceiling that a lamp lies in, or
+/// a copy of a surface that emits.
+fn end_of(ray: &Ray, distance: f64) -> f64 {
+    if distance == f64::INFINITY {
+        return distance;
+    }
+    let share = share_at_end(ray.origin, ray.at(distance));
+    // Above 0, since a ray that ends before it begins makes no sense.
+    (distance * (1.0 - share)).max(f64::MIN_POSITIVE)
 }
 
 /// What a ray sees of a light that has a size, in the world.
@@ -169,8 +178,8 @@ macro_rules! lights {
             }
 
             /// Whether it takes light away: whether a number of its colour is below 0.
-            pub(crate) fn takes_away(&self) -> bool {
-                match self { $(Self::$kind(light) => takes_away(light),)* }
+            pub(crate) fn has_negative_color(&self) -> bool {
+                match self { $(Self::$kind(light) => has_negative_color(light),)* }
             }
 
             /// The same light, so many times as strong.
@@ -197,7 +206,7 @@ lights! {
     "rectangle" => Rectangle(RectangleLight);
 }
 
-fn takes_away<S: Settings>(light: &S) -> bool {
+fn has_negative_color<S: Settings>(light: &S) -> bool {
     let mut values = S::LIST.iter().zip(light.values());
     values.any(|(setting, value)| match value {
         Value::Vector(color) => setting.domain == Domain::Light && color.min_element() < 0.0,
@@ -205,17 +214,19 @@ fn takes_away<S: Settings>(light: &S) -> bool {
     })
 }
 
-/// A number that stands for all settings but how strong the light is. They count in float32: a camera's lights are rounded, and a picture of
-/// the same scene in another unit has the same noise.
+/// A number that stands for all settings but how strong the light is. Directions count in float32: those of a camera's lights are rounded,
+/// and a picture of the same scene in another unit has the same noise.
 fn key_of<S: Settings>(light: &S) -> u64 {
     let values = S::LIST.iter().zip(light.values());
     let values = values.filter(|(setting, _)| setting.domain != Domain::Light);
-    let rounded = values.flat_map(|(_, value)| match value {
+    key(values.flat_map(|(setting, value)| match value {
         Value::Flag(flag) => [f64::from(flag), 0.0, 0.0],
         Value::Number(number) => [number, 0.0, 0.0],
+        Value::Vector(vector) if setting.domain == Domain::Direction => {
+            unit(vector).to_array().map(|x| f64::from(single(x)))
+        }
         Value::Vector(vector) => vector.to_array(),
-    });
-    key(rounded.map(|number| f64::from(single(number))))
+    }))
 }
 
 /// Light from a point of a flat surface of that area and radiance, whose normal has length one. `None` behind it.
@@ -277,7 +288,7 @@ mod tests {
         };
         assert_eq!(sun(0.3, 1.0).key(), sun(0.3 + 1e-16, 7.0).key());
         assert_ne!(sun(0.3, 1.0).key(), sun(0.301, 1.0).key());
-        assert!(sun(0.3, -1.0).takes_away() && !sun(-0.3, 1.0).takes_away());
+        assert!(sun(0.3, -1.0).has_negative_color() && !sun(-0.3, 1.0).has_negative_color());
     }
 
     /// Lights with a size, each seen from some points: the directions that are drawn meet the light where they say, with the
