@@ -70,7 +70,7 @@ fn a_state_of_more_samples_than_are_asked_for_is_refused() {
     lab.fails(
         &format!("{render} --samples 16 --shader matcap").replace("--shader unlit", ""),
         2,
-        "which has another shader, other light, or another background",
+        "which has another shader, other light, another background, or another noise",
     );
 }
 
