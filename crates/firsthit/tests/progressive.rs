@@ -26,6 +26,12 @@ fn kinds(names: &[&str]) -> Vec<&'static Kind> {
     names.iter().map(|name| kind(name).unwrap()).collect()
 }
 
+/// A small picture's scene and camera.
+fn example() -> (Scene, Camera) {
+    let camera = example::camera(ROWS, COLUMNS);
+    (example::scene().unwrap(), camera.unwrap())
+}
+
 /// All that can be gone on with.
 fn shaded() -> Vec<&'static Kind> {
     kinds(&["color", "alpha", "samples"])
@@ -67,10 +73,7 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 
 #[test]
 fn any_split_of_the_samples_has_the_bytes_of_all_at_once() {
-    let (scene, camera) = (
-        example::scene().unwrap(),
-        example::camera(ROWS, COLUMNS).unwrap(),
-    );
+    let (scene, camera) = example();
     let camera = camera.thin_lens(0.2, 8.0).unwrap();
     let shade = Shader::named("direct").unwrap().on(&scene);
     let channels = shaded();
@@ -399,10 +402,7 @@ impl Watch for Counter {
 
 #[test]
 fn a_picture_resumes_from_its_file_with_the_bytes_and_the_progress_of_one_run() {
-    let (scene, camera) = (
-        example::scene().unwrap(),
-        example::camera(ROWS, COLUMNS).unwrap(),
-    );
+    let (scene, camera) = example();
     let shade = Shader::named("direct").unwrap().on(&scene);
     let folder = tempfile::tempdir().unwrap();
     let region = Region {
@@ -462,10 +462,7 @@ fn whole_state(state: &std::path::Path) -> u32 {
 /// It is told before the work, and not after hours.
 #[test]
 fn a_state_that_cannot_be_saved_is_told_before_anything_is_rendered() {
-    let (scene, camera) = (
-        example::scene().unwrap(),
-        example::camera(ROWS, COLUMNS).unwrap(),
-    );
+    let (scene, camera) = example();
     let shade = Shader::named("direct").unwrap().on(&scene);
     let folder = tempfile::tempdir().unwrap();
     let channels = kinds(&["color"]);
@@ -486,10 +483,7 @@ fn a_state_that_cannot_be_saved_is_told_before_anything_is_rendered() {
 /// Tiles that one noise ended would stay as they are under a smaller one.
 #[test]
 fn a_state_of_another_noise_is_refused() {
-    let (scene, camera) = (
-        example::scene().unwrap(),
-        example::camera(ROWS, COLUMNS).unwrap(),
-    );
+    let (scene, camera) = example();
     let shade = Shader::named("direct").unwrap().on(&scene);
     let folder = tempfile::tempdir().unwrap();
     let channels = kinds(&["color"]);
@@ -552,10 +546,7 @@ fn a_noise_sees_shadows_on_a_transparent_ground() {
 
 #[test]
 fn an_edited_state_is_refused() {
-    let (scene, camera) = (
-        example::scene().unwrap(),
-        example::camera(ROWS, COLUMNS).unwrap(),
-    );
+    let (scene, camera) = example();
     let (shade, own) = (Shader::named("direct").unwrap().on(&scene), OneLoud(0));
     let channels = shaded();
     let picture = Picture::new(&scene, &camera, &shade, &channels);

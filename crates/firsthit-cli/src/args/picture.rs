@@ -67,8 +67,8 @@ pub(crate) struct PictureArgs {
     /// random numbers or there is a ground, else 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,
-    /// Stop sampling where the standard error of a pixel's brightness (as sRGB shows it, 1 is white) is below LEVEL. First checked after 32 samples.
-    /// 0.005 is about a level of 255 [default: all samples everywhere]
+    /// Stop sampling where the standard error of a pixel's brightness (as sRGB shows it, 1 is white) is below LEVEL. First checked
+    /// after 32 samples. 0.005 is about a level of 255 [default: all samples everywhere]
     #[arg(long, value_name = "LEVEL", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) noise: Option<f64>,
     /// Save the state of the picture to FILE (.npz), and continue from it if it exists. Several runs give the same bytes as one run.

@@ -154,8 +154,8 @@ fn quiet_says_nothing() {
 #[test]
 fn no_output_of_a_scene_leaves_its_folder_whatever_the_channels() {
     let lab = Lab::with_square();
-    std::fs::create_dir(lab.path("scene")).unwrap();
-    std::fs::copy(lab.path("square.ply"), lab.path("scene/square.ply")).unwrap();
+    fs::create_dir(lab.path("scene")).unwrap();
+    fs::copy(lab.path("square.ply"), lab.path("scene/square.ply")).unwrap();
     std::os::unix::fs::symlink("../out.png", lab.path("scene/z.png")).unwrap();
     lab.write(
         "scene/a.toml",

@@ -20,7 +20,7 @@ pub(super) struct Accumulation {
     /// Whether what is behind shows through, as alpha says.
     is_transparent: bool,
     /// Whether means below 0 can only be noise.
-    is_nonnegative: bool,
+    has_negative_noise: bool,
 }
 
 /// The place of the alpha among the sums of a pixel.
@@ -36,7 +36,7 @@ impl Accumulation {
             squares: zeroed(pixels)?,
             counts: zeroed(pixels)?,
             is_transparent: shade.is_transparent(),
-            is_nonnegative: shade.is_nonnegative(),
+            has_negative_noise: shade.has_negative_noise(),
         })
     }
 
@@ -72,7 +72,7 @@ impl Accumulation {
                     // Written so that a NaN stays one.
                     *out = single(match which {
                         ALPHA => mean.clamp(0.0, 1.0),
-                        _ if mean < 0.0 && self.is_nonnegative => 0.0,
+                        _ if mean < 0.0 && self.has_negative_noise => 0.0,
                         _ => mean,
                     });
                 }

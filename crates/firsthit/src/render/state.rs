@@ -1,4 +1,4 @@
-//! The state of a picture in a file, to go on with it another time.
+//! The state of a picture in a file, to resume it another time.
 
 use std::borrow::Cow;
 use std::path::Path;

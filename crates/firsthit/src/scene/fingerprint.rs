@@ -4,8 +4,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{
-    AlphaMode, Environment, EnvironmentKind, Filter, Light, MapRole, Material, Model, Object,
-    Scene, TextureMap, UvSet, Wrap,
+    AlphaMode, ColorBy, Environment, EnvironmentKind, Filter, Light, MapRole, Material, Model,
+    Object, Scene, TextureMap, UvSet, Wrap,
 };
 use crate::geometry::{Color, Digest, Value};
 use crate::shape::{Property, Surface};
@@ -36,8 +36,20 @@ impl Scene {
         }
     }
 
+    /// Adds the numbers that surfaces are coloured by, as far as the fingerprint does not know them.
+    pub(crate) fn digest_coloring(&self, digest: &mut Digest) {
+        match self.colored().map(|colored| &colored.coloring().by) {
+            Some(ColorBy::Values(values)) => {
+                digest.word("values");
+                digest.numbers(values);
+            }
+            Some(ColorBy::Attribute(name)) => self.digest_attribute(name, digest),
+            _ => {}
+        }
+    }
+
     /// Adds the numbers of an attribute of all meshes.
-    pub(crate) fn digest_attribute(&self, name: &str, digest: &mut Digest) {
+    fn digest_attribute(&self, name: &str, digest: &mut Digest) {
         digest.word("attribute");
         for mesh in self.objects.iter().filter_map(Object::mesh) {
             let named = mesh.properties().iter();

@@ -37,8 +37,6 @@ pub use xray::Xray;
 use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Side, Value, kinds};
 use crate::sampling::Draws;
-#[cfg(feature = "frame")]
-use crate::scene::ColorBy;
 use crate::scene::{Background, Light, Scene, SurfaceInteraction};
 use crate::shoot::{Cpu, Engine};
 
@@ -78,9 +76,9 @@ pub trait Shade: Sync {
         false
     }
 
-    /// Whether the expected colours are non-negative while samples may be negative, so that a negative mean can only be noise. Pictures
-    /// then have 0 in its place.
-    fn is_nonnegative(&self) -> bool {
+    /// Whether samples may be negative although no expected colour is, so that a negative mean can only be noise. Pictures then have 0 in
+    /// its place.
+    fn has_negative_noise(&self) -> bool {
         false
     }
 
@@ -435,8 +433,8 @@ impl Shade for Shading<'_> {
         self.shader.is_random() || self.ground.is_some()
     }
 
-    fn is_nonnegative(&self) -> bool {
-        self.ground.is_none() || !self.scene.lights().iter().any(Light::has_negative_color)
+    fn has_negative_noise(&self) -> bool {
+        self.ground.is_some() && !self.scene.lights().iter().any(Light::has_negative_color)
     }
 
     #[cfg(feature = "frame")]
@@ -462,15 +460,7 @@ impl Shade for Shading<'_> {
             digest.vector(point);
             digest.vector(up);
         }
-        // What the colours by numbers are made from, as far as the scene's fingerprint does not know it.
-        match self.scene.colored().map(|colored| &colored.coloring().by) {
-            Some(ColorBy::Values(values)) => {
-                digest.word("values");
-                digest.numbers(values);
-            }
-            Some(ColorBy::Attribute(name)) => self.scene.digest_attribute(name, &mut digest),
-            _ => {}
-        }
+        self.scene.digest_coloring(&mut digest);
         Some(Recipe {
             shader: self.shader.name(),
             settings: self.shader.settings(),

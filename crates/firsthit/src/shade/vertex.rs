@@ -97,6 +97,12 @@ impl Vertex {
         (Ray::new(self.position, towards), self.filter)
     }
 
+    /// A ray from here to a light, which ends before it.
+    pub(super) fn ray_to(&self, light: &LightSample) -> (Ray, RayFilter) {
+        let (ray, filter) = self.ray(light.towards);
+        (ray.up_to(light.ray_end(self.position)), filter)
+    }
+
     /// The absorption coefficient on the way of a ray from here on, per scene unit.
     pub(super) fn absorption_towards(&self, towards: DVec3) -> Color {
         let beyond = self.bsdf.beyond(towards);
@@ -169,12 +175,7 @@ pub(super) fn add_direct_light(
             let drawn = light.sample(vertex.position, u);
             let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));
             if let Some((drawn, light)) = seen {
-                let (ray, filter) = vertex.ray(drawn.towards);
-                rays.push(
-                    (ray.up_to(drawn.ray_end(vertex.position)), filter),
-                    vertex.sum,
-                    light,
-                );
+                rays.push(vertex.ray_to(&drawn), vertex.sum, light);
             }
         }
         rays.add_to(sums, shading, shadows);
@@ -188,13 +189,9 @@ pub(super) fn add_direct_light(
                 continue;
             };
             if let Some(light) = vertex.seen(&arriving) {
-                let (ray, mut filter) = vertex.ray(arriving.towards);
+                let (ray, mut filter) = vertex.ray_to(&arriving);
                 filter.skip[1] = Some(surface);
-                rays.push(
-                    (ray.up_to(arriving.ray_end(vertex.position)), filter),
-                    vertex.sum,
-                    light,
-                );
+                rays.push((ray, filter), vertex.sum, light);
             }
         }
         rays.add_to(sums, shading, shadows);

@@ -141,12 +141,7 @@ fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &
             let sample = light.sample(vertex.position, DVec2::splat(0.5));
             let seen = sample.and_then(|sample| Some((sample, vertex.seen(&sample)?)));
             if let Some((sample, light)) = seen {
-                let (ray, filter) = vertex.ray(sample.towards);
-                rays.push(
-                    (ray.up_to(sample.ray_end(vertex.position)), filter),
-                    vertex.sum,
-                    light,
-                );
+                rays.push(vertex.ray_to(&sample), vertex.sum, light);
             }
         }
         rays.add_to(colors, shading, settings.shadows);

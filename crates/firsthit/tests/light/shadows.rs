@@ -293,47 +293,58 @@ fn the_ground_is_seen_through_translucent_surfaces() {
     assert!((through - 0.75 * beside).abs() < 0.01, "{through} {beside}");
 }
 
+/// A disc over the ground, in a sun.
+fn disc_in(sun: DirectionalLight) -> Scene {
+    let scene = Scene::new(vec![disc()]).unwrap();
+    scene.with_lights(vec![sun.into()])
+}
+
+/// What is before white, with a ground or without one.
+fn before_white(scene: &Scene, has_ground: bool) -> Shading<'_> {
+    let ground = Ground {
+        point: DVec3::ZERO,
+        up: DVec3::Z,
+    };
+    Shading {
+        background: Background::Uniform(Color::ONE),
+        ground: has_ground.then_some(ground),
+        ..shader("direct", &[]).on(scene)
+    }
+}
+
+fn camera() -> firsthit::Camera {
+    let (from, to) = (DVec3::new(0.0, -6.0, 3.0), DVec3::ZERO);
+    firsthit::Camera::look_at(from, to, DVec3::Z, 40.0, 24, 32).unwrap()
+}
+
+/// The colours and alphas of a picture by one sample.
+fn picture(shading: &Shading<'_>) -> [Vec<f64>; 2] {
+    let kinds = ["color", "alpha"].map(|name| firsthit::channel::kind(name).unwrap());
+    let camera = camera();
+    let picture = firsthit::render::Picture {
+        samples: 1,
+        ..firsthit::render::Picture::new(shading.scene, &camera, shading, &kinds)
+    };
+    let frame = picture.render(&()).unwrap();
+    [0, 1].map(|index| {
+        let data = &frame.channels()[index].data;
+        (0..data.len()).map(|k| data.value(k)).collect()
+    })
+}
+
 /// A single sample of the ground may be darkened by more than all; a picture has no colour below 0, and no alpha above 1.
 #[test]
 fn pictures_of_the_ground_have_no_colour_below_black() {
-    let scene = Scene::new(vec![disc()]).unwrap();
-    let sun = DirectionalLight {
+    let scene = disc_in(DirectionalLight {
         direction: DVec3::new(0.1, 0.2, -1.0),
         color: Color::ONE,
         angle_degrees: 60.0,
-    };
-    let scene = scene.with_lights(vec![sun.into()]);
-    let camera = firsthit::Camera::look_at(
-        DVec3::new(0.0, -6.0, 3.0),
-        DVec3::ZERO,
-        DVec3::Z,
-        40.0,
-        24,
-        32,
-    );
-    let shading = Shading {
-        background: Background::Uniform(Color::ONE),
-        ground: Some(Ground {
-            point: DVec3::ZERO,
-            up: DVec3::Z,
-        }),
-        ..shader("direct", &[]).on(&scene)
-    };
-    let camera = camera.unwrap();
-    let kinds = ["color", "alpha"].map(|name| firsthit::channel::kind(name).unwrap());
-    let picture = firsthit::render::Picture {
-        samples: 1,
-        ..firsthit::render::Picture::new(&scene, &camera, &shading, &kinds)
-    };
-    let frame = picture.render(&()).unwrap();
-    let [colors, alphas] = [0, 1].map(|index| {
-        let data = &frame.channels()[index].data;
-        (0..data.len()).map(|k| data.value(k)).collect::<Vec<_>>()
     });
-    assert!(colors.iter().all(|&x| (0.0..=1.0).contains(&x)));
-    assert!(alphas.iter().all(|&x| (0.0..=1.0).contains(&x)));
+    let shading = before_white(&scene, true);
+    let within = |values: &Vec<f64>| values.iter().all(|x| (0.0..=1.0).contains(x));
+    assert!(picture(&shading).iter().all(within));
     // It is a test only where samples are beyond.
-    let rays: Vec<Ray> = (0..24 * 32).map(|k| camera.ray(k / 32, k % 32)).collect();
+    let rays: Vec<Ray> = (0..24 * 32).map(|k| camera().ray(k / 32, k % 32)).collect();
     let sampled = seen(&shading, &rays, 1);
     assert!(sampled.iter().any(|(color, _)| color.x < -0.01));
 }
@@ -341,26 +352,13 @@ fn pictures_of_the_ground_have_no_colour_below_black() {
 /// A light may take light away, and where there is nothing else the picture says so.
 #[test]
 fn lights_that_take_light_away_may_leave_less_than_none() {
-    let scene = Scene::new(vec![disc()]).unwrap();
-    let sun = DirectionalLight {
+    let scene = disc_in(DirectionalLight {
         direction: DVec3::NEG_Z,
         color: Color::splat(-0.5),
         angle_degrees: 0.0,
-    };
-    let scene = scene.with_lights(vec![sun.into()]);
-    let (from, to) = (DVec3::new(0.0, -6.0, 3.0), DVec3::Z);
-    let camera = firsthit::Camera::look_at(from, to, DVec3::Z, 40.0, 24, 32).unwrap();
-    let shading = Shading {
-        background: Background::Uniform(Color::ONE),
-        ground: Some(Ground {
-            point: DVec3::ZERO,
-            up: DVec3::Z,
-        }),
-        ..shader("direct", &[]).on(&scene)
-    };
-    let kinds = [firsthit::channel::kind("color").unwrap()];
-    let picture = firsthit::render::Picture::new(&scene, &camera, &shading, &kinds);
-    let frame = picture.render(&()).unwrap();
-    let data = &frame.channels()[0].data;
-    assert!((0..data.len()).any(|k| data.value(k) < -0.1));
+    });
+    for has_ground in [true, false] {
+        let [colors, _] = picture(&before_white(&scene, has_ground));
+        assert!(colors.iter().any(|&x| x < -0.1), "{has_ground}");
+    }
 }

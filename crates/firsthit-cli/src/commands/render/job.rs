@@ -107,7 +107,7 @@ pub(crate) fn picture(
         Some(Data::Int32(objects)) => objects.as_slice(),
         _ => &[],
     };
-    let taken = Taken::of(&whole, samples);
+    let taken = Taken::of(&whole, job);
     let hit = objects.iter().filter(|&&object| object >= 0).count();
     let rows = legend.map(|_| legend::rows(scene, objects));
     let legends = write_all(&mut whole, orders, settings, interrupted)?;
@@ -124,26 +124,27 @@ pub(crate) fn picture(
 struct Taken {
     /// The most that a pixel had.
     most: u32,
-    /// Their mean, and the share of pixels that had all that there could be, where a noise may end them sooner.
+    /// Their mean, and the share of pixels that had all that were allowed. `None` where no noise could end them sooner.
     by_noise: Option<(f64, f64)>,
 }
 
 impl Taken {
-    fn of(whole: &Frame, limit: u32) -> Self {
-        let counts = whole.channel("samples").map(|channel| &channel.data);
-        let by_noise = counts.and_then(|counts| {
-            let Data::Int32(counts) = counts else {
-                return None;
-            };
+    fn of(whole: &Frame, job: &Job<'_>) -> Self {
+        let counts = match whole.channel("samples").map(|channel| &channel.data) {
+            Some(Data::Int32(counts)) if job.noise.is_some() => Some(counts),
+            _ => None,
+        };
+        let by_noise = counts.map(|counts| {
             let pixels = counts.len() as f64;
             let sum: f64 = counts.iter().map(|&count| f64::from(count)).sum();
-            let all = counts
-                .iter()
-                .filter(|&&count| i64::from(count) == i64::from(limit));
-            Some((sum / pixels, all.count() as f64 / pixels))
+            let is_all = |count: &&i32| i64::from(**count) == i64::from(job.samples);
+            (
+                sum / pixels,
+                counts.iter().filter(is_all).count() as f64 / pixels,
+            )
         });
         Self {
-            most: whole.origin().samples.unwrap_or(limit),
+            most: whole.origin().samples.unwrap_or(job.samples),
             by_noise,
         }
     }
@@ -172,14 +173,10 @@ fn tell(
         } else {
             format!("; guessed: {}", guessed.join(", "))
         };
-        let samples = match (job.noise, taken.by_noise) {
-            (Some(_), Some((mean, all))) => format!(
-                ", {mean:.1} samples a pixel ({:.1} % took all {})",
-                100.0 * all,
-                job.samples
-            ),
-            _ => String::new(),
-        };
+        let samples = taken.by_noise.map_or_else(String::new, |(mean, all)| {
+            let (share, most) = (100.0 * all, job.samples);
+            format!(", {mean:.1} samples a pixel ({share:.1} % took all {most})")
+        });
         say(format_args!(
             "{}: {} x {} pixels, {:.1} % hit, {}, {}{samples}, {:.2} s{guessed}",
             output::names(orders.iter().flat_map(|order| &order.targets)),
@@ -247,8 +244,8 @@ fn done(
         "rows": job.camera.rows(),
         "hits": hits,
         "samples": taken.most,
-        "mean_samples": job.noise.and(taken.by_noise).map(|(mean, _)| mean),
-        "share_with_all_samples": job.noise.and(taken.by_noise).map(|(_, all)| all),
+        "mean_samples": taken.by_noise.map(|(mean, _)| mean),
+        "share_with_all_samples": taken.by_noise.map(|(_, all)| all),
         "guessed": job.guessed,
         "objects": job.scene.objects().len(),
         "triangles": job.scene.triangles(),
