@@ -13,6 +13,16 @@ pub(super) fn sees(filter: &RayFilter, index: u32, object: &Object) -> bool {
     is_asked_for && !object.is_hidden() && object.mask() & filter.mask != 0
 }
 
+/// Whether a ray may meet one of several objects in one place first and not another of them, which would come before it.
+#[inline(always)]
+pub(super) fn tells_copies_apart(filter: &RayFilter, index: u32, object: &Object) -> bool {
+    let is_of_it = |surface: &SurfaceId| is_of(surface, index);
+    // Where a ray leaves a mesh, it meets the copies of the triangle no more than that; see `triangle::departure`.
+    !sees(filter, index, object)
+        || filter.skip.iter().flatten().any(is_of_it)
+        || (filter.departure.is_some() && object.mesh().is_none())
+}
+
 /// What a ray does not meet of the mesh of an object.
 pub(super) fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
     let mut of_mesh = MeshFilter::NONE;

@@ -75,7 +75,11 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 copy
             } else {
                 let index = self.objects.next(&scaled.ray, self.t_max, stack)?;
-                if Q::ALL || Q::IS_FILTERED {
+                let object = &scene.objects()[index as usize];
+                if Q::ALL
+                    || Q::IS_FILTERED
+                        && filter::tells_copies_apart(self.query.filter(), index, object)
+                {
                     self.duplicates = scene.duplicates().of(index);
                 }
                 index
