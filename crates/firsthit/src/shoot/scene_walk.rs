@@ -69,24 +69,11 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         is_wanted: impl Fn(u32) -> bool,
     ) -> Option<Instance<'a>> {
         while self.t_max >= 0.0 {
-            let scaled = self.scaled.as_ref()?;
-            let index = if let Some((&copy, rest)) = self.duplicates.split_first() {
-                self.duplicates = rest;
-                copy
-            } else {
-                let index = self.objects.next(&scaled.ray, self.t_max, stack)?;
-                let object = &scene.objects()[index as usize];
-                if Q::ALL
-                    || Q::IS_FILTERED
-                        && filter::tells_copies_apart(self.query.filter(), index, object)
-                {
-                    self.duplicates = scene.duplicates().of(index);
-                }
-                index
-            };
+            let index = self.next_object(scene, stack)?;
             if !is_wanted(index) {
                 continue;
             }
+            let scaled = self.scaled.as_ref()?;
             let object = &scene.objects()[index as usize];
             if Q::IS_FILTERED && !filter::sees(self.query.filter(), index, object) {
                 continue;
@@ -130,6 +117,23 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             }
         }
         None
+    }
+
+    /// The next object that may be met.
+    #[inline(always)]
+    fn next_object(&mut self, scene: &'a Scene, stack: &mut WalkStack) -> Option<u32> {
+        if let Some((&copy, rest)) = self.duplicates.split_first() {
+            self.duplicates = rest;
+            return Some(copy);
+        }
+        let scaled = self.scaled.as_ref()?;
+        let index = self.objects.next(&scaled.ray, self.t_max, stack)?;
+        let object = &scene.objects()[index as usize];
+        let filter = self.query.filter();
+        if Q::ALL || (Q::IS_FILTERED && filter::tells_copies_apart(filter, index, object)) {
+            self.duplicates = scene.duplicates().of(index);
+        }
+        Some(index)
     }
 
     /// Whether float32 can tell what is ahead of the start.
