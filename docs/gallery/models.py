@@ -1,4 +1,4 @@
-"""Make the models of docs/gallery.md: `python models.py FOLDER`.
+"""Make the models of docs/gallery.md and other pages: `python models.py FOLDER [flange.stl ...]`.
 
 All of them are formulas: gears, vessels, a shell, mountains, a city, and a studio as a picture
 of light. World space has z up; a glTF file turns itself to y up.
@@ -10,9 +10,13 @@ import sys
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from files import Glb, write_ply, write_stl
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
 
 TURN = 2 * np.pi
 
@@ -804,28 +808,36 @@ def hoop() -> Mesh:
     return lathe(profile, 192)
 
 
-def main(folder: Path) -> None:
-    """Write all models."""
+def main(folder: Path, only: Collection[str] = ()) -> None:
+    """Write all models, or those that are named."""
+
+    def ply(model: Callable[[], Mesh]) -> Callable[[Path], None]:
+        return lambda path: write_ply(path, model())
+
+    pieces = (pawn, rook, bishop, queen, king)
+    models: dict[str, Callable[[Path], None]] = {
+        "flange.stl": lambda path: write_stl(path, flange()),
+        "knot.ply": ply(knot),
+        "net.ply": ply(lambda: knot(3, 4, 0.34, 150, 12)),
+        "shell.ply": ply(shell),
+        "island.ply": ply(island),
+        "city.ply": ply(city),
+        **{f"{piece.__name__}.ply": ply(piece) for piece in pieces},
+        "goblet.ply": ply(goblet),
+        "wine.ply": ply(wine),
+        "gearbox.glb": write_gearbox,
+        "balls.glb": write_balls,
+        "vase.glb": write_vase,
+        "extensions.glb": write_extensions,
+        "studio.hdr": write_studio,
+        "hoop.ply": ply(hoop),
+        "board.obj": lambda path: write_board(path.parent),
+        "sphereflake.toml": write_sphereflake,
+    }
     folder.mkdir(parents=True, exist_ok=True)
-    write_stl(folder / "flange.stl", flange())
-    write_ply(folder / "knot.ply", knot())
-    write_ply(folder / "net.ply", knot(3, 4, 0.34, 150, 12))
-    write_ply(folder / "shell.ply", shell())
-    write_ply(folder / "island.ply", island())
-    write_ply(folder / "city.ply", city())
-    for piece in (pawn, rook, bishop, queen, king):
-        write_ply(folder / f"{piece.__name__}.ply", piece())
-    write_ply(folder / "goblet.ply", goblet())
-    write_ply(folder / "wine.ply", wine())
-    write_gearbox(folder / "gearbox.glb")
-    write_balls(folder / "balls.glb")
-    write_vase(folder / "vase.glb")
-    write_extensions(folder / "extensions.glb")
-    write_studio(folder / "studio.hdr")
-    write_ply(folder / "hoop.ply", hoop())
-    write_board(folder)
-    write_sphereflake(folder / "sphereflake.toml")
+    for name in only or models:
+        models[name](folder / name)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), sys.argv[2:])
