@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -10,6 +9,7 @@ import sys
 import time
 
 import firsthit as fh
+import pages
 import pytest
 from dataset_support import PLANS, plan, record, tree
 
@@ -175,15 +175,15 @@ def test_the_plans_of_the_document_can_be_made(firsthit, tmp_path, name):
 
 
 def test_the_lines_of_the_document_run(tmp_path, monkeypatch):
-    text = (PLANS.parent / "datasets.md").read_text()
+    page = PLANS.parent / "datasets.md"
     for path in PLANS.glob("*.toml"):
         shutil.copy(path, tmp_path)
     monkeypatch.chdir(tmp_path)
-    (script,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    (script,) = pages.blocks(page, "python")
     told = {}
-    exec(script, told)
+    exec(script.text, told)
     assert told["made"].missing == 0
-    short, look = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    short, look = (block.text for block in pages.blocks(page, "toml"))
     (tmp_path / "short.toml").write_text(short)
     assert fh.Plan.load("short.toml").frames == 1000
     assert fh.dataset("short.toml", "short", part=(1, 500)).made == 2
@@ -198,7 +198,7 @@ def test_the_lines_of_the_document_run(tmp_path, monkeypatch):
     (tmp_path / "robot.toml").write_text(wrong)
     with pytest.raises(fh.FileFormatError) as caught:
         fh.Plan.load("robot.toml")
-    assert f"    {caught.value}\n" in text
+    assert f"    {caught.value}\n" in page.read_text()
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ import multiprocessing
 import os
 import pickle
 import random
-import re
 import shutil
 import signal
 import subprocess
@@ -20,6 +19,7 @@ from pathlib import Path
 import firsthit as fh
 import many_support
 import numpy as np
+import pages
 import pytest
 from firsthit._parts._engine import Task, results
 from firsthit._parts._job import begin_job
@@ -959,11 +959,10 @@ def test_the_lines_of_the_page_on_clusters_run(tmp_path, monkeypatch):
     fh.Scene.save(scene(), "bunny.fhs")
     page = (ROOT / "docs" / "cluster.md").read_text().replace("bunny.ply", "bunny.fhs")
     told = {}
-    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    for block in blocks:
-        if not any(word in block for word in ("Client(", "ray.init", "zarr.open")):
+    for block in pages.blocks(page, "python"):
+        if not any(word in block.text for word in ("Client(", "ray.init", "zarr.open")):
             # A hundredth of the rays and pixels will do.
-            small = block.replace("480, 640", "48, 64").replace("3_000_000", "30_000")
+            small = block.text.replace("480, 640", "48, 64").replace("3_000_000", "30_000")
             exec(small, told)
     assert told["made"].result["counts"].sum() > 0
     assert fh.parts("views").digest == fh.parts("views2").digest

@@ -1,6 +1,5 @@
 """README.md's example in Python and the lines of docs/guide.md and others run as they stand."""
 
-import re
 import shutil
 import subprocess
 import sys
@@ -8,18 +7,18 @@ from pathlib import Path
 
 import firsthit as fh
 import numpy as np
+import pages
 import pytest
-
-ROOT = Path(__file__).parents[2]
+from pages import ROOT
 
 
 def test_the_readme_s_example_runs(tmp_path, monkeypatch):
     pytest.importorskip("pandas")
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "testdata" / "torus_meshopt.glb", "part.glb")
-    (example,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    (example,) = pages.blocks(ROOT / "README.md", "python")
     told = {}
-    exec(example, told)
+    exec(example.text, told)
     assert told["hits"].shape == told["hits"].object.shape == (720, 1280)
     assert told["hits"].normal.shape == (720, 1280, 3)
     assert told["blocked"]
@@ -34,33 +33,30 @@ def test_the_readme_s_example_runs(tmp_path, monkeypatch):
 def test_the_guide_s_lines_run_and_write_its_pictures(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
-    guide = (ROOT / "docs" / "guide.md").read_text()
-    blocks = re.findall(r"```python\n(.*?)```", guide, re.DOTALL)
+    guide = ROOT / "docs" / "guide.md"
+    blocks = pages.blocks(guide, "python")
     told = {}
     for block in blocks:
-        exec(block, told)
-    assert max(len(block.splitlines()) for block in blocks[1:]) <= 5
+        exec(block.text, told)
+    assert max(len(block.text.splitlines()) for block in blocks[1:]) <= 5
     assert told["z"].shape == told["cone"].shape == told["thick"].shape == (220, 480)
     assert told["cone"].any()
     assert told["pairs"].shape == (5, 2)
     assert told["around"]["valid"].mean() == pytest.approx(np.pi / 4, abs=1e-3)
     assert (tmp_path / "scan.ply").is_file()
     assert float(told["there"]) > 0.9
-    pictures = re.findall(r"\(images/([a-z]+\.png)\)", guide)
+    pictures = pages.pictures(guide)
     assert len(pictures) == 8
-    for name in pictures:
-        ours, kept = (fh.Frame.load(path / name) for path in (tmp_path, ROOT / "docs" / "images"))
-        for channel, array in ours.items():
-            np.testing.assert_array_equal(array, kept[channel])
+    for shown in pictures:
+        assert pages.same(tmp_path / Path(shown).name, guide.parent / shown), shown
 
 
 def test_the_lines_about_annotations_run_and_write_their_files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
-    text = (ROOT / "docs" / "annotations.md").read_text()
-    blocks, told = re.findall(r"```python\n(.*?)```", text, re.DOTALL), {}
-    for block in blocks:
-        exec(block, told)
+    told = {}
+    for block in pages.blocks(ROOT / "docs" / "annotations.md", "python"):
+        exec(block.text, told)
     assert told["cone"].visible_pixels > 0
     assert [point.visibility for point in told["marked"].by_name("cone").keypoints] == [2, 2]
     assert told["moved"].occluded.any()
@@ -74,12 +70,11 @@ def test_the_lines_about_annotations_run_and_write_their_files(tmp_path, monkeyp
 @pytest.mark.skipif(sys.platform == "win32", reason="the lines are for a Unix shell")
 def test_the_guide_s_commands_run(tmp_path):
     shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
-    guide = (ROOT / "docs" / "guide.md").read_text()
-    commands = re.findall(r"```sh\n(.*?)\n```", guide, re.DOTALL)
+    commands = pages.blocks(ROOT / "docs" / "guide.md", "sh")
     assert len(commands) == 8
     answers = []
     for command in commands:
-        line = command.replace("firsthit ", f"{sys.executable} -m firsthit ")
+        line = command.text.replace("firsthit ", f"{sys.executable} -m firsthit ")
         done = subprocess.run(
             line, shell=True, cwd=tmp_path, capture_output=True, text=True, check=True
         )

@@ -4,13 +4,13 @@ import contextlib
 import copy
 import json
 import pickle
-import re
 from pathlib import Path
 from typing import get_args
 
 import firsthit as fh
 import firsthit.typing
 import numpy as np
+import pages
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -415,12 +415,9 @@ def test_the_points_of_a_frame_are_the_pixels_that_hit_something():
 
 def test_the_lines_of_the_page_on_sensors_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    blocks = re.findall(
-        r"```python\n(.*?)```", (ROOT / "docs" / "sensors.md").read_text(), re.DOTALL
-    )
     told = {}
-    for block in blocks:
-        exec(block, told)
+    for block in pages.blocks(ROOT / "docs" / "sensors.md", "python"):
+        exec(block.text, told)
     assert told["image"].shape == (16, 1808)
     assert told["depth"].shape == (90, 120)
     assert {path.name for path in tmp_path.iterdir()} == {"drive.csv", "scan.las", "edges.npz"}
