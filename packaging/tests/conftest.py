@@ -21,6 +21,8 @@ PROGRAM = Path(sysconfig.get_path("scripts")) / "firsthit"
 #: Where everything is compiled that is not of this workspace: dependencies are compiled once.
 OUTSIDE = ROOT / "target" / "outside"
 TESTS = Path(__file__).parent
+#: Debug information as in the workspace: else every dependency would be compiled once more.
+COMPILED_ALIKE = {"CARGO_PROFILE_RELEASE_DEBUG": "line-tables-only"}
 
 
 def run(*command: object, **options: object) -> subprocess.CompletedProcess[str]:
@@ -31,8 +33,7 @@ def run(*command: object, **options: object) -> subprocess.CompletedProcess[str]
 
 def build(*command: object, **variables: str) -> None:
     """Run a command that compiles: outside the workspace, with its output shown when it fails."""
-    # Debug information as in the workspace: else every dependency would be compiled once more.
-    env = {**os.environ, "CARGO_PROFILE_RELEASE_DEBUG": "line-tables-only", **variables}
+    env = {**os.environ, **COMPILED_ALIKE, **variables}
     done = run(*command, env=env, cwd=ROOT)
     assert done.returncode == 0, done.stdout + done.stderr
 
