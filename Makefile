@@ -20,7 +20,7 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages
+.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs
 .PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
@@ -116,6 +116,19 @@ dist: .venv-dist/ready
 # What indexes show: see packaging/pages.py.
 pages:
 	$(PYTHON) packaging/pages.py
+
+# The site, in target/docs: see mkdocs.yml. Once .venv-docs is there, it asks no other host for anything. RUST= leaves out
+# the Rust reference, which takes cargo a while the first time.
+RUST ?= yes
+docs: .venv-docs/ready
+	$(if $(RUST),$(CARGO) doc --package firsthit --no-deps --quiet)
+	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/python -B -m mkdocs build --strict
+	@echo "made target/docs; to read it: $(PYTHON) -m http.server --directory target/docs"
+
+.venv-docs/ready: docs/requirements.txt
+	$(PYTHON) -m venv .venv-docs
+	.venv-docs/bin/pip install --quiet --requirement docs/requirements.txt
+	touch $@
 
 .venv-dist/ready: packaging/requirements.txt
 	$(PYTHON) -m venv .venv-dist
@@ -238,4 +251,4 @@ miri:
 	else echo "Miri: skipped: rustup toolchain install nightly --component miri,rust-src"; fi
 
 clean:
-	rm -rf target dist .venv .venv-bench .venv-dist render.png
+	rm -rf target dist .venv .venv-bench .venv-dist .venv-docs render.png

@@ -1,0 +1,124 @@
+"""What MkDocs asks of us while it makes the site (mkdocs.yml, `make docs`).
+
+Pages are written for readers of the repository, where a link to a file beside docs/ is right. On
+the site, README.md is the first page, and the other documents of the root are pages too. Links to
+files that the site has not become links to the repository if Cargo.toml has its address, and plain
+text otherwise.
+
+The Rust reference joins the site if `cargo doc` has made it.
+
+The site asks no other host for anything: a script, style, font or picture from elsewhere is an
+error.
+"""
+
+from __future__ import annotations
+
+import posixpath
+import re
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File
+
+if TYPE_CHECKING:
+    from mkdocs.config.defaults import MkDocsConfig
+    from mkdocs.structure.files import Files
+    from mkdocs.structure.pages import Page
+
+ROOT = Path(__file__).parents[1]
+RUSTDOC = ROOT / "target" / "doc"
+
+#: Documents of the root, and the pages they are.
+ROOT_PAGES = {
+    "README.md": "index.md",
+    "ARCHITECTURE.md": "architecture.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "CHANGELOG.md": "changelog.md",
+}
+FROM_PAGES = {page: document for document, page in ROOT_PAGES.items()}
+
+#: Where a page wants the link to the Rust reference.
+RUST = "<!-- the Rust reference -->"
+
+LINK = re.compile(r"\[((?:[^][]|\[[^]]*\])*)\]\(([^()\s]+)\)")
+FENCE = re.compile(r"^(```.*?^```$)", re.MULTILINE | re.DOTALL)
+#: A name in a docstring; `ray` and `parts` are attributes more often than what the package has.
+NAMED = re.compile(
+    r"(?:(?<=<td>)|(?<=<p>)|(?<=<li>)|(?<!>))"
+    r"(<code>(?!ray<|parts<)([A-Za-z][A-Za-z0-9]*(?:[._][A-Za-z0-9]+)*)</code>)(?!</a>)"
+)
+LOADED = re.compile(
+    r"""<(?:script|img|iframe|source)\b[^>]*?\bsrc=["']?(?:https?:)?//[^"'>\s]*"""
+    r"""|<link\b(?![^>]*\brel=["']?canonical)[^>]*?\bhref=["']?(?:https?:)?//[^"'>\s]*"""
+    r"""|(?:@import\s+["']|url\(["']?)(?:https?:)?//[^"')\s]*"""
+)
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the documents of the root and what `cargo doc` has made."""
+    for document, page in ROOT_PAGES.items():
+        files.append(File.generated(config, page, abs_src_path=str(ROOT / document)))
+    if (RUSTDOC / "firsthit" / "index.html").is_file():
+        for path in RUSTDOC.rglob("*"):
+            if path.is_file() and path.name != ".lock":
+                name = f"rust/{path.relative_to(RUSTDOC).as_posix()}"
+                files.append(File.generated(config, name, abs_src_path=str(path)))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Let links lead to pages of the site."""
+    here = page.file.src_uri
+    document = FROM_PAGES.get(here, f"docs/{here}")
+
+    def link(found: re.Match[str]) -> str:
+        text, target = found.groups()
+        if re.match(r"[a-z]+:|#", target):
+            return found[0]
+        name, hash_sign, anchor = target.partition("#")
+        path = posixpath.normpath(posixpath.join(posixpath.dirname(document), name))
+        if not (ROOT / path).exists():
+            raise PluginError(f"{document}: there is no {path}")
+        there = ROOT_PAGES.get(path, path.removeprefix("docs/"))
+        if (path in ROOT_PAGES or path.startswith("docs/")) and files.get_file_from_path(there):
+            relative = posixpath.relpath(there, posixpath.dirname(here) or ".")
+            return f"[{text}]({relative}{hash_sign}{anchor})"
+        address = _address()
+        return f"[{text}]({address}/blob/HEAD/{path})" if address else text
+
+    parts = FENCE.split(markdown)
+    parts[::2] = [LINK.sub(link, part) for part in parts[::2]]
+    reference = posixpath.relpath("rust/firsthit/index.html", posixpath.dirname(here) or ".")
+    told = (
+        f"[Open the reference]({reference})."
+        if files.get_file_from_path("rust/firsthit/index.html")
+        else ""
+    )
+    return "".join(parts).replace(RUST, told)
+
+
+def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Let the names in docstrings lead to what they name."""
+    if not page.file.src_uri.startswith("reference/python/"):
+        return html
+    return NAMED.sub(r'<autoref optional identifier="firsthit.\2">\1</autoref>', html)
+
+
+def on_post_build(config: MkDocsConfig) -> None:
+    """Refuse a site that loads anything from elsewhere."""
+    site = Path(config.site_dir)
+    foreign = [
+        f"{path.relative_to(site)}: {found}"
+        for path in site.rglob("*")
+        if path.suffix in {".html", ".css"}
+        for found in LOADED.findall(path.read_text(encoding="utf-8"))
+    ]
+    if foreign:
+        raise PluginError("\n".join(["the site asks other hosts:", *foreign]))
+
+
+def _address() -> str:
+    workspace = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]
+    return str(workspace["package"].get("repository", ""))
