@@ -23,16 +23,23 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+from unittest import mock
 
 import firsthit as fh
 import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 
 #: What sets firsthit up. `make test-installed` does it; it takes minutes.
 SETTING_UP = re.compile(r"pip install \S+|python -m venv \S+|\. \S+/activate|cargo .*|cd \S+")
+
+#: Languages that are read, not run.
+DATA = ("toml", "json")
 
 
 class Block(NamedTuple):
@@ -70,55 +77,68 @@ def pictures(page: Path | str) -> list[str]:
     return re.findall(r"!\[[^]]+\]\(([^)\s]+)\)", text)
 
 
-def run(page: Path, folder: Path, *, set_up: bool = False) -> dict[str, Any]:
+def run(
+    page: Path,
+    folder: Path,
+    *,
+    set_up: bool = False,
+    told: dict[str, Any] | None = None,
+    edit: Callable[[str], str] = lambda text: text,
+) -> dict[str, Any]:
     """Run a page's blocks in a folder, which is also the working directory, and return the names.
 
     The folder gets links to what the root has. What sets firsthit up is left out, with what it
-    prints, unless it is asked for.
+    prints, unless it is asked for. ``told`` are names that the first block finds, and ``edit``
+    changes a block before it runs.
     """
     for name in ("docs", "testdata"):
         (folder / name).symlink_to(ROOT / name, target_is_directory=True)
-    environment = os.environ | {"PATH": f"{_commands(folder)}{os.pathsep}{os.environ['PATH']}"}
-    told: dict[str, Any] = {}
+    path = f"{commands(folder)}{os.pathsep}{os.environ['PATH']}"
+    told = {} if told is None else told
     printed: str | None = None
     here = folder
-    for block in blocks(page):
-        place = f"{page.relative_to(ROOT)}:{block.line}"
-        if block.language == "text":
-            if printed is not None:
-                _compare(block.text, printed, place)
-        elif block.file is not None:
-            (here / block.file).parent.mkdir(parents=True, exist_ok=True)
-            (here / block.file).write_text(block.text, encoding="utf-8")
-        elif block.sets_up and not set_up:
-            printed = None
-        elif block.language == "python":
-            said = io.StringIO()
-            # Lines of their own, so that a traceback has those of the page.
-            code = compile("\n" * (block.line - 1) + block.text, str(page), "exec")
-            with contextlib.redirect_stdout(said):
-                exec(code, told)
-            printed = said.getvalue()
-        elif block.language == "sh":
-            done = subprocess.run(
-                ["/bin/sh", "-ec", f'{block.text}pwd > "{folder}/bin/here"'],
-                cwd=here,
-                env=environment,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                check=False,
-            )
-            if done.returncode:
-                raise AssertionError(f"{place}: exit code {done.returncode}\n{done.stdout}")
-            printed = done.stdout
-            here = Path((folder / "bin" / "here").read_text().strip())
-        else:
-            raise AssertionError(f"{place}: a block of {block.language or 'no language'}")
+    with mock.patch.dict(os.environ, PATH=path):
+        for block in blocks(page):
+            place, text = f"{page.relative_to(ROOT)}:{block.line}", edit(block.text)
+            if block.language == "text":
+                if printed is not None:
+                    _compare(text, printed, place)
+            elif block.file is not None:
+                (here / block.file).parent.mkdir(parents=True, exist_ok=True)
+                (here / block.file).write_text(text, encoding="utf-8")
+            elif block.sets_up and not set_up:
+                printed = None
+            elif block.language == "python":
+                said = io.StringIO()
+                # Lines of their own, so that a traceback has those of the page.
+                code = compile("\n" * (block.line - 1) + text, str(page), "exec")
+                with contextlib.redirect_stdout(said):
+                    exec(code, told)
+                printed = said.getvalue()
+            elif block.language in ("sh", "console"):
+                printed = shell(f'{text}pwd > "{folder}/bin/here"', here, place)
+                here = Path((folder / "bin" / "here").read_text().strip())
+            elif block.language not in DATA:
+                raise AssertionError(f"{place}: a block of {block.language or 'no language'}")
     return told
 
 
-def _commands(folder: Path) -> Path:
+def shell(lines: str, here: Path, place: str) -> str:
+    """Run lines of a shell in a folder, and return what a reader would see."""
+    done = subprocess.run(
+        ["/bin/sh", "-ec", lines],
+        cwd=here,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise AssertionError(f"{place}: exit code {done.returncode}\n{done.stdout}")
+    return done.stdout
+
+
+def commands(folder: Path) -> Path:
     """Make the commands be those that run the tests; return where they are.
 
     A new project of Cargo gets the versions that everything else is tested with.

@@ -10,7 +10,6 @@ from typing import get_args
 import firsthit as fh
 import firsthit.typing
 import numpy as np
-import pages
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -411,13 +410,3 @@ def test_the_points_of_a_frame_are_the_pixels_that_hit_something():
     np.testing.assert_array_equal(np.stack(np.nonzero(met)), [points["row"], points["column"]])
     with pytest.raises(ValueError, match="the channel position"):
         fh.render(scene(), camera(), channels="z").to_points()
-
-
-def test_the_lines_of_the_page_on_sensors_run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    told = {}
-    for block in pages.blocks(ROOT / "docs" / "sensors.md", "python"):
-        exec(block.text, told)
-    assert told["image"].shape == (16, 1808)
-    assert told["depth"].shape == (90, 120)
-    assert {path.name for path in tmp_path.iterdir()} == {"drive.csv", "scan.las", "edges.npz"}
