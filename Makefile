@@ -20,7 +20,7 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs
+.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-browser test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs
 .PHONY: check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
@@ -80,6 +80,19 @@ test-light: .venv/ready
 	VIRTUAL_ENV=$(LIGHT_PEER) $(VENV)/maturin develop --release --quiet
 	$(LIGHT_PEER)/bin/python python/light_tests/mitsuba_z.py --pictures $(LIGHT_PEER)
 
+# The viewer's page in Chromium; its scripts by the types in their comments, where npm is. What cannot be had is skipped.
+BROWSER := $(OUTSIDE)/browser
+test-browser: program
+	if command -v npm > /dev/null; then \
+	    npm install --silent --no-save --prefix $(BROWSER) typescript@7.0.2 && \
+	    $(BROWSER)/node_modules/.bin/tsc --project crates/firsthit-view/web; \
+	else echo "types of the page: skipped: npm is not there"; fi
+	if command -v chromedriver > /dev/null; then \
+	    $(PYTHON) -m venv $(BROWSER)/venv && \
+	    $(BROWSER)/venv/bin/pip install --quiet --requirement python/browser_tests/requirements.txt && \
+	    FIRSTHIT=$(CURDIR)/$(PROGRAM) $(BROWSER)/venv/bin/python -m pytest python/browser_tests; \
+	else echo "the viewer in a browser: skipped: chromium and chromedriver are not there"; fi
+
 # Jobs in parts on Dask and Ray, in a network of their own where one can be had; kills and damage at random.
 KILLS ?= 20
 DAMAGES ?= 1000
@@ -97,7 +110,7 @@ test-cluster: .venv/ready
 # on any with glibc 2.17, for which zig links them. WHEEL_PROFILE=release is built sooner.
 WHEEL_PROFILE ?= dist
 MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
-CRATES := --package firsthit --package firsthit-cli
+CRATES := --package firsthit --package firsthit-view --package firsthit-cli
 # What cargo unpacked of ours when it last verified crates: it goes by the version and would verify that again.
 UNPACKED = $${CARGO_HOME:-$$HOME/.cargo}/registry/*/-*/firsthit-*
 dist: .venv-dist/ready

@@ -33,6 +33,7 @@ TARGETS = {
     "scene_file": {"toml"},
     "fhs": {"fhs"},
     "output": {"exr", "png", "npz", "npy"},
+    "http": {"http"},
 }
 
 
@@ -90,12 +91,21 @@ def environments(folder: Path) -> None:
         (folder / name).write_bytes(head + size + content)
 
 
+def requests(folder: Path) -> None:
+    """Write requests as a page sends them, alone and one after the other."""
+    get = b"GET /main.js HTTP/1.1\r\nHost: 127.0.0.1:80\r\nSec-Fetch-Site: same-origin\r\n\r\n"
+    head = b"POST /probe HTTP/1.1\r\nHost: localhost:80\r\nX-Firsthit-Token: 0\r\nContent-Length: 2"
+    for number, bytes_ in enumerate((get, head + b"\r\n\r\n{}", get + head + b"\r\n\r\n{}" + get)):
+        (folder / f"{number}.http").write_bytes(bytes_)
+
+
 def main() -> None:
     """Write the seeds of all targets, or of those that are named."""
     with tempfile.TemporaryDirectory() as made:
         outputs(Path(made))
         built(Path(made))
         environments(Path(made))
+        requests(Path(made))
         seed([*FOLDERS, Path(made)])
 
 

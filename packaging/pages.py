@@ -14,7 +14,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ["crates/firsthit", "crates/firsthit-cli", "python"]
+PACKAGES = ["crates/firsthit", "crates/firsthit-view", "crates/firsthit-cli", "python"]
 NOTE = "<!-- Made from README.md by packaging/pages.py: `make pages`. -->\n\n"
 INHERITED = "repository.workspace = true\n"
 

@@ -62,7 +62,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         files.append(File.generated(config, page, abs_src_path=str(ROOT / document)))
     if (RUSTDOC / "firsthit" / "index.html").is_file():
         for path in RUSTDOC.rglob("*"):
-            if path.is_file() and path.name != ".lock":
+            # A licence of its fonts is Markdown, which would be a page.
+            if path.is_file() and path.name != ".lock" and path.suffix != ".md":
                 name = f"rust/{path.relative_to(RUSTDOC).as_posix()}"
                 files.append(File.generated(config, name, abs_src_path=str(path)))
     return files

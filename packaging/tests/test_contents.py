@@ -87,8 +87,8 @@ def test_the_source_distribution_has_all_that_it_is_built_from(source):
     for member in WORKSPACE["members"]:
         assert f"{member}/Cargo.toml" in source
     assert {"Cargo.lock", "LICENSE", "README.md", "pyproject.toml"} <= source.keys()
-    # 8.8 MB of code, tests and pages. A model or a picture that slips in shows.
-    assert sum(map(len, source.values())) < 9.3e6
+    # 10.0 MB of code, tests and pages, 1 MB of them pictures. A model that slips in shows.
+    assert sum(map(len, source.values())) < 10.5e6
 
 
 def test_documents_that_messages_and_docstrings_name_are_in_the_source_distribution(source):
@@ -102,7 +102,7 @@ def test_documents_that_messages_and_docstrings_name_are_in_the_source_distribut
     assert named <= source.keys(), named - source.keys()
 
 
-@pytest.mark.parametrize("name", ["firsthit", "firsthit-cli"])
+@pytest.mark.parametrize("name", ["firsthit", "firsthit-view", "firsthit-cli"])
 def test_a_crate_has_its_licence_its_page_and_no_tests(name):
     crate = files_of(f"{name}-{VERSION}.crate")
     assert {"LICENSE", "README.md", "src/lib.rs", "Cargo.lock"} <= crate.keys()

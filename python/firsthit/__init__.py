@@ -56,6 +56,7 @@ from ._sensor import Sensor
 from ._shading import Shader, Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 from ._trajectory import Trajectory
+from ._view import View, view
 from .annotations import annotate
 from .datasets import Plan, dataset
 from .many import parts, render_many, shoot_many, visible_many
@@ -121,6 +122,7 @@ __all__ = [
     "SpotLight",
     "Texture",
     "Trajectory",
+    "View",
     "annotate",
     "annotations",
     "dataset",
@@ -137,5 +139,6 @@ __all__ = [
     "render_many",
     "render_progressively",
     "shoot_many",
+    "view",
     "visible_many",
 ]

@@ -27,6 +27,7 @@ __all__ = [
     "EnvironmentMap",
     "Lint",
     "Mesh",
+    "PageServer",
     "Pattern",
     "Scene",
     "Section",
@@ -672,6 +673,24 @@ def render_more(
     how: tuple[int, _Report | None],
 ) -> tuple[list[npt.NDArray[Any]], Accumulated]: ...
 def sampling(channels: Sequence[str]) -> list[str]: ...
+
+@final
+class PageServer:
+    def __new__(
+        cls,
+        seen: tuple[Scene, Camera],
+        shading: _Shading,
+        background: Sequence[_Vector] | None,
+        up: _Vector,
+        title: str,
+        port: int,
+    ) -> PageServer: ...
+    @property
+    def address(self) -> str: ...
+    @property
+    def is_over(self) -> bool: ...
+    def stop(self) -> None: ...
+
 def resolve(
     scene: Scene, camera: Camera | Sensor, shading: _Shading, up: _Vector
 ) -> tuple[int, list[str]]: ...

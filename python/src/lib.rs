@@ -28,6 +28,7 @@ mod sensor;
 mod shading;
 mod shape;
 mod shoot;
+mod view;
 
 use pyo3::prelude::*;
 
@@ -79,6 +80,8 @@ mod _firsthit {
     use crate::shape::{Mesh, Shape};
     #[pymodule_export]
     use crate::shoot::{channel, channel_names, count, occluded, shoot, shoot_all, shoot_camera};
+    #[pymodule_export]
+    use crate::view::PageServer;
 
     #[pymodule_init]
     #[expect(clippy::unnecessary_wraps, reason = "as PyO3 calls it")]

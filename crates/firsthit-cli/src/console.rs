@@ -5,6 +5,7 @@ use std::io::Write;
 use std::sync::{Mutex, Once, PoisonError};
 
 use firsthit::error::{escape_controls, escape_controls_of_json};
+pub(crate) use firsthit_view::words::counted;
 use serde_json::{Value, json};
 
 /// Says one line. That nobody listens any more (`2>&1 | head -1`) is no reason to fail, as `eprintln!` would.
@@ -110,10 +111,4 @@ pub(crate) fn in_words(list: impl ExactSizeIterator<Item = String>) -> String {
         words.push(format!("and {more} more"));
     }
     words.join(", ")
-}
-
-/// A number with its noun: `1 ray`, `2 rays`.
-pub(crate) fn counted(count: u64, noun: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {noun}{plural}")
 }

@@ -109,6 +109,16 @@ Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz 
 a line; under a header with the names x,y,z, in any order and beside other columns. Each stands for the surface point nearest to it. The answer is the distance from there, against the normal, to the other side of \
 the same object: inf where there is none. firsthit nearest tells which surface points these are.";
 
+pub(crate) const VIEW_EXAMPLES: &str = "\
+Examples:
+  firsthit view part.stl
+  firsthit view scene.toml --no-browser --port 8000
+  ssh -L 8000:127.0.0.1:8000 server firsthit view scan.ply --no-browser --port 8000
+
+The page's address is printed; it holds a secret, without which nobody is answered. The program ends with Ctrl-C, and by itself three minutes \
+after the page was closed. It listens on this machine alone. The camera, the light and the colours that the page begins with are those \
+of firsthit render with the same options.";
+
 pub(crate) const INSIDE_EXAMPLES: &str = "\
 Examples:
   firsthit inside part.stl points.npy -o inside.npy

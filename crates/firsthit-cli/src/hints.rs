@@ -1,6 +1,7 @@
 //! What a user wants to hear when the picture is not what was expected.
 
-use firsthit::{Bounds, Camera, DVec3, RayStart, Scene, occluded};
+use firsthit::{Bounds, Camera, RayStart, Scene, occluded};
+pub(crate) use firsthit_view::words::{number, six_digits, triple};
 
 /// Rays tried for each row and column when looking for what is hidden.
 const PROBES: usize = 128;
@@ -34,29 +35,6 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: usize) -> Vec<String> 
 /// A box as text.
 pub(crate) fn span(bounds: Bounds) -> String {
     format!("{} to {}", triple(bounds.low), triple(bounds.high))
-}
-
-/// A vector as the command line has it.
-pub(crate) fn triple(v: DVec3) -> String {
-    format!("{},{},{}", number(v.x), number(v.y), number(v.z))
-}
-
-/// `x` rounded to six significant digits. JSON has all digits.
-pub(crate) fn six_digits(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
-}
-
-/// A number to six digits, in exponential notation if it would have many zeros.
-pub(crate) fn number(x: f64) -> String {
-    exact_number(six_digits(x))
-}
-
-/// A number to all its digits, in exponential notation if it would have many zeros.
-pub(crate) fn exact_number(x: f64) -> String {
-    if x == 0.0 || (1e-9..1e16).contains(&x.abs()) {
-        return x.to_string();
-    }
-    format!("{x:e}")
 }
 
 fn looks_away(camera: &Camera, bounds: Bounds) -> bool {

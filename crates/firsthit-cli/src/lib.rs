@@ -17,9 +17,10 @@ mod loading;
 mod output;
 mod progress;
 mod rays;
-pub mod story;
 mod usage;
 mod values;
+
+pub use firsthit_view::story;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -77,6 +78,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
     let interrupted = progress::catch_interrupts();
     match cli.command {
         Command::Render(args) => commands::render::run(&args, &interrupted),
+        Command::View(args) => commands::view::run(&args, &interrupted),
         Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
         Command::Build(args) => commands::build::run(&args, &interrupted),
         Command::Nearest(args) => commands::nearest::run(&args, &interrupted),

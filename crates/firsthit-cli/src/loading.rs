@@ -137,6 +137,14 @@ pub(crate) fn with_all_cores<T: Send>(
     pool(None)?.install(work)
 }
 
+/// Has all threads of the program share that many, or all cores.
+pub(crate) fn share_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = threads.map_or_else(cores, usize::from);
+    let built = ThreadPoolBuilder::new().num_threads(threads).build_global();
+    built.map_err(|error| Failure::limit(format!("{threads} threads: {error}")))
+}
+
 /// So many threads, or as many as the system grants: the result is the same. The last resort is the thread
 /// that runs already.
 fn pool(threads: Option<usize>) -> Result<ThreadPool, Failure> {

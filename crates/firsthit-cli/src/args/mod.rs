@@ -16,7 +16,7 @@ pub(crate) use look::{ColorsArgs, EdgeArgs, LightingArgs};
 pub(crate) use picture::{DemoArgs, DisplayArgs, RenderArgs};
 pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
-    SectionArgs, ShootArgs, StreamFormat,
+    SectionArgs, ShootArgs, StreamFormat, ViewArgs,
 };
 pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs};
 
@@ -36,6 +36,9 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Make a picture of a 3D file, or compute distances, identifiers, normals, ... for its pixels.
     Render(Box<RenderArgs>),
+    /// Look at a 3D file in the browser: turn it, and ask what a pixel shows.
+    #[command(after_help = help::VIEW_EXAMPLES)]
+    View(Box<ViewArgs>),
     /// Shoot rays of your own at a 3D file.
     Shoot(ShootArgs),
     /// Build the trees of a 3D file, and save it all as a .fhs file, which opens in milliseconds.

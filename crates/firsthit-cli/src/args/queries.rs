@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use firsthit::DVec3;
 
+use super::look::{ColorsArgs, LightingArgs};
 use super::{CameraArgs, CulledSide, LoadArgs, PickArgs, RunArgs};
 use crate::completion::ChannelNames;
 use crate::help;
@@ -263,6 +264,34 @@ pub(crate) struct ProbeArgs {
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) pick: PickArgs,
+    #[command(flatten)]
+    pub(crate) load: LoadArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    pub(crate) file: PathBuf,
+    /// The port on 127.0.0.1 to listen on. To look from another machine: ssh -L PORT:127.0.0.1:PORT [default: one that is free]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_hyphen_values = true)]
+    pub(crate) port: Option<u16>,
+    /// Print the page's address, and open no browser
+    #[arg(long)]
+    pub(crate) no_browser: bool,
+    /// Go on when no page has asked for three minutes
+    #[arg(long)]
+    pub(crate) keep: bool,
+    /// The number of threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    pub(crate) threads: Option<u16>,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+    #[command(flatten)]
+    pub(crate) light: LightingArgs,
+    #[command(flatten)]
+    pub(crate) colors: ColorsArgs,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
     #[command(flatten)]

@@ -25,6 +25,7 @@ mod shoot_stream;
 mod shot;
 mod sinks;
 pub(crate) mod thickness;
+pub(crate) mod view;
 pub(crate) mod visible;
 
 /// Where rays begin and end, by --t-min and --t-max.

@@ -38,4 +38,5 @@ mod section;
 mod shoot;
 mod support;
 mod usage;
+mod view;
 mod views;

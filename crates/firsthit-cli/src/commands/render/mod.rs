@@ -12,12 +12,12 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
-use firsthit::render::{Appearance, Resolved, check_state_file, world_up};
+use firsthit::render::{Appearance, check_state_file, world_up};
 use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
 use firsthit::{Camera, Scene};
 
-use crate::args::{EdgeArgs, RenderArgs};
+use crate::args::{CameraArgs, ColorsArgs, EdgeArgs, LightingArgs, LoadArgs, RenderArgs};
 use crate::asked;
 use crate::camera::{Chosen, camera, check, of_file};
 use crate::console::warn;
@@ -83,7 +83,10 @@ fn rendered(
         mut guessed,
     } = chosen;
     let noise = args.picture.noise.filter(|_| has_colors);
-    let seen = seen(args, &model, scene, &camera, noise)?;
+    let (lit, mut appearance) = asked_for(&Asked::of(args), &model, scene, &camera)?;
+    let samples = args.picture.samples.or(model.samples);
+    appearance.samples = samples.or(noise.map(|_| SAMPLES_WITH_NOISE));
+    let seen = appearance.resolve(&lit, Some(&camera))?;
     warn(&idle::options(args, &orders, &seen));
     if has_colors {
         warn(&light::turned_away(&args.light, &seen));
@@ -109,19 +112,43 @@ fn rendered(
     picture(&job, &orders, &args.run, interrupted)
 }
 
-/// The scene with its light, and all else that a picture of it looks like.
-fn seen(
-    args: &RenderArgs,
+/// What the command line says of how a picture looks.
+pub(crate) struct Asked<'a> {
+    pub(crate) camera: &'a CameraArgs,
+    pub(crate) light: &'a LightingArgs,
+    pub(crate) colors: &'a ColorsArgs,
+    pub(crate) load: &'a LoadArgs,
+}
+
+impl<'a> Asked<'a> {
+    fn of(args: &'a RenderArgs) -> Self {
+        Self {
+            camera: &args.camera,
+            light: &args.light,
+            colors: &args.colors,
+            load: &args.load,
+        }
+    }
+
+    /// Refuses lights of which some would be ignored.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        check(self.camera)?;
+        light::check(self.light)
+    }
+}
+
+/// The scene with its own light, and what a picture of it is to look like.
+pub(crate) fn asked_for(
+    args: &Asked<'_>,
     model: &World,
     scene: Scene,
     camera: &Camera,
-    noise: Option<f64>,
-) -> Result<Resolved, Failure> {
+) -> Result<(Scene, Appearance), Failure> {
     // What the file says of sets of lights is about its own light.
     let has_light = args.light.environment.is_some() || !args.light.light.is_empty();
-    let rig = light::rig(&args.light).or(model.rig.filter(|_| !has_light));
-    let shader = shader::shader(&args.light, model.shader.as_ref(), rig)?;
-    let scene = match light::lights(&args.light, &scene, camera) {
+    let rig = light::rig(args.light).or(model.rig.filter(|_| !has_light));
+    let shader = shader::shader(args.light, model.shader.as_ref(), rig)?;
+    let scene = match light::lights(args.light, &scene, camera) {
         Some(lights) => scene.with_lights(lights),
         None => scene.with_lights(model.lights.clone()),
     };
@@ -132,17 +159,16 @@ fn seen(
         .with_environment(model.environment.clone())
         .with_up(scene_up);
     let up = world_up(&scene, Some(camera));
-    let scene = environment::lit(scene, &args.light, &args.load, up)?;
-    let samples = args.picture.samples.or(model.samples);
+    let scene = environment::lit(scene, args.light, args.load, up)?;
     let appearance = Appearance {
         shader,
         rig,
-        background: Some(light::background(&args.light, model, camera)),
-        ground: light::ground(&args.light).or(model.ground),
-        coloring: coloring::coloring(&args.colors, model.coloring.as_ref())?,
-        samples: samples.or(noise.map(|_| SAMPLES_WITH_NOISE)),
+        background: Some(light::background(args.light, model, camera)),
+        ground: light::ground(args.light).or(model.ground),
+        coloring: coloring::coloring(args.colors, model.coloring.as_ref())?,
+        samples: model.samples,
     };
-    Ok(appearance.resolve(&scene, Some(camera))?)
+    Ok((scene, appearance))
 }
 
 /// What goes where, none of it over an input.

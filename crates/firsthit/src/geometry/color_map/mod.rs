@@ -67,7 +67,7 @@ impl ColorMap {
     }
 
     /// The levels of sRGB of a step, the first being 0 and the last 255.
-    pub(crate) fn levels(self, step: usize) -> [u8; 3] {
+    pub fn levels(self, step: usize) -> [u8; 3] {
         let gradient = match self {
             Self::Viridis => colorous::VIRIDIS,
             Self::Cividis => colorous::CIVIDIS,

@@ -10,8 +10,8 @@ use firsthit::explain::{Behind, Candidate, Explanation, Pixel};
 use firsthit::{Ray, RayFilter, Side, SurfaceId};
 use serde_json::{Value, json};
 
-use crate::console::counted;
-use crate::hints::{exact_number, number, triple};
+use crate::words::counted;
+use crate::words::{exact_number, number, triple};
 
 /// The explanation as lines for people, with a newline at the end of each. With `all`, every object has a line of its own.
 pub fn text(story: &Explanation<'_>, all: bool) -> String {

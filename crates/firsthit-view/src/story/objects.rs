@@ -3,8 +3,8 @@
 use firsthit::explain::{Candidate, Reason};
 
 use super::{named, part};
-use crate::console::counted;
-use crate::hints::exact_number;
+use crate::words::counted;
+use crate::words::exact_number;
 
 /// How many objects of a reason have a line of their own.
 const MOST: usize = 5;

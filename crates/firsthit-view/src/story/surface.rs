@@ -7,7 +7,7 @@ use firsthit::{AlphaMode, DVec2, Material};
 use serde_json::{Value, json};
 
 use super::{list, named, part, short};
-use crate::hints::{exact_number, number, triple};
+use crate::words::{exact_number, number, triple};
 
 /// How many numbers of an attribute people read, and how many attributes.
 const MOST: usize = 12;

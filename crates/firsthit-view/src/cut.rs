@@ -1,0 +1,145 @@
+//! A camera that does not see what is in front of a plane.
+
+use firsthit::geometry::{DVec2, DVec3, Ray, Rays};
+use firsthit::sensor::{Record, Sensor};
+use firsthit::{Camera, Error, Result};
+
+use crate::look::Cut;
+
+/// A plane whose front is not seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CutPlane {
+    normal: DVec3,
+    offset: f64,
+}
+
+impl CutPlane {
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a normal that is zero, and for numbers that are not finite.
+    pub(crate) fn new(cut: &Cut) -> Result<Self> {
+        let normal = DVec3::from(cut.normal);
+        let is_plane = normal.is_finite() && normal != DVec3::ZERO && cut.offset.is_finite();
+        let expected = "a finite normal other than zero, and a finite offset";
+        if !is_plane {
+            return Err(Error::argument("cut", expected, format!("{cut:?}")));
+        }
+        // Of length one, so that no product of numbers in the scene overflows.
+        let largest = normal.abs().max_element();
+        let scaled = normal / largest;
+        let length = scaled.length();
+        Ok(Self {
+            normal: scaled / length,
+            offset: cut.offset / largest / length,
+        })
+    }
+
+    /// The part of a ray that is behind the plane.
+    pub(crate) fn behind(&self, ray: Ray) -> Ray {
+        let before = self.normal.dot(ray.origin) - self.offset;
+        let slope = self.normal.dot(ray.direction);
+        let crossing = -before / slope;
+        if before > 0.0 && slope >= 0.0 {
+            // It never comes behind the plane.
+            ray.up_to(ray.t_min)
+        } else if before > 0.0 {
+            ray.beyond(crossing.max(ray.t_min))
+        } else if slope > 0.0 {
+            ray.up_to(crossing.min(ray.t_max))
+        } else {
+            ray
+        }
+    }
+}
+
+/// A camera whose rays are only behind a plane.
+#[derive(Debug)]
+pub(crate) struct CutCamera<'a> {
+    pub(crate) camera: &'a Camera,
+    pub(crate) plane: CutPlane,
+}
+
+impl Rays for CutCamera<'_> {
+    fn len(&self) -> usize {
+        self.camera.len()
+    }
+
+    fn ray(&self, index: usize) -> Ray {
+        self.plane.behind(Rays::ray(self.camera, index))
+    }
+}
+
+impl Sensor for CutCamera<'_> {
+    fn shape(&self) -> [usize; 2] {
+        self.camera.shape()
+    }
+
+    fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray {
+        self.plane
+            .behind(Sensor::ray_within(self.camera, pixel, offset))
+    }
+
+    fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
+        Sensor::row_within(self.camera, first, offset, rays);
+        for ray in rays {
+            *ray = self.plane.behind(*ray);
+        }
+    }
+
+    fn range_and_z(&self, pixel: usize, t: f64) -> [f64; 2] {
+        self.camera.range_and_z(pixel, t)
+    }
+
+    fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>) {
+        self.camera.place(pixel)
+    }
+
+    fn camera(&self) -> Option<&Camera> {
+        Some(self.camera)
+    }
+
+    fn record(&self) -> Record {
+        self.camera.record()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_ray_the_part_behind_the_plane_is_left() {
+        let plane = |normal: [f64; 3], offset| CutPlane::new(&Cut { normal, offset }).unwrap();
+        let ray = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+        let ends = |plane: CutPlane| {
+            let ray = plane.behind(ray);
+            [ray.t_min, ray.t_max]
+        };
+        assert_eq!(ends(plane([0.0, 0.0, 2.0], 4.0)), [3.0, f64::INFINITY]);
+        for huge in [1e308, 5e-324] {
+            assert_eq!(ends(plane([0.0, 0.0, huge], huge)), [4.0, f64::INFINITY]);
+        }
+        assert_eq!(ends(plane([0.0, 0.0, -1.0], -2.0)), [0.0, 3.0]);
+        assert_eq!(ends(plane([0.0, 0.0, 1.0], 6.0)), [0.0, f64::INFINITY]);
+        let [first, last] = ends(plane([0.0, 0.0, -1.0], -7.0));
+        assert!(first >= last, "in front of it all the way");
+        let along = ends(plane([1.0, 0.0, 0.0], 0.0));
+        assert_eq!(
+            along,
+            [0.0, f64::INFINITY],
+            "a ray in the plane is behind it"
+        );
+    }
+
+    #[test]
+    fn what_is_no_plane_is_refused() {
+        for (normal, offset) in [
+            ([0.0; 3], 0.0),
+            ([f64::NAN, 0.0, 0.0], 0.0),
+            ([1.0, 0.0, 0.0], f64::INFINITY),
+        ] {
+            let error = CutPlane::new(&Cut { normal, offset }).unwrap_err();
+            assert!(error.to_string().contains("cut"), "{error}");
+        }
+    }
+}

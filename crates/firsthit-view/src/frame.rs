@@ -1,0 +1,241 @@
+//! Pictures for a page.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use firsthit::channel::{self, Kind};
+use firsthit::edge::Edges;
+use firsthit::geometry::Value;
+use firsthit::image::{self, Channel, Data, Frame, WriteSettings};
+use firsthit::render::{Appearance, Picture, SAMPLES};
+use firsthit::scene::{DirectionalLight, Light};
+use firsthit::sensor::Sensor;
+use firsthit::shade::{LightRig, Shader};
+use firsthit::shoot::Cpu;
+use firsthit::watch::Watch;
+use firsthit::{Color, DVec3, Error, Result, Scene};
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+
+use crate::cut::{CutCamera, CutPlane};
+use crate::look::FrameRequest;
+use crate::viewer::{ProgressiveState, Viewer};
+
+/// The state of a picture of more pixels is not kept: each takes some forty bytes.
+const MOST_KEPT: usize = 1 << 22;
+
+/// The diameter of the sun that a page moves, in degrees.
+const SUN: f64 = 2.0;
+
+/// What a white surface that faces it takes: with the light that fills its shadows, no more than white.
+const SUNLIGHT: f64 = 0.75;
+
+/// A picture that a page paints.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Painted {
+    /// Pixels down and across.
+    pub shape: [usize; 2],
+    /// Of how many points of a pixel its colour is the mean.
+    pub samples: u32,
+    /// The pixels.
+    pub pixels: Pixels,
+}
+
+/// The pixels of a picture, row by row from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Pixels {
+    /// Colours, as a PNG.
+    Png(Vec<u8>),
+    /// The numbers of a channel, to be coloured by the page.
+    Values {
+        /// The numbers of a pixel.
+        components: usize,
+        /// `float32` or `int32`.
+        dtype: &'static str,
+        /// The numbers, little endian, as a zlib stream.
+        bytes: Vec<u8>,
+    },
+}
+
+impl Viewer {
+    /// A picture that a page asks for, until the watch stops it. Lit colours are those that `firsthit render` makes of the same camera, to
+    /// the byte. Where the last picture was the same with fewer samples, only the others are made; one that was interrupted begins anew.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a look that makes no sense, [`Error::Limit`] where memory does not suffice, and [`Error::Interrupted`].
+    pub fn frame(&self, look: &FrameRequest, watch: &dyn Watch) -> Result<Painted> {
+        if look.samples == Some(0) {
+            return Err(Error::argument("samples", "at least 1", 0));
+        }
+        let camera = look.camera.camera()?;
+        let kind = channel::kind(&look.channel)?;
+        let scene = self.lit(look)?;
+        let resolved = self.appearance_of(look)?.resolve(&scene, Some(&camera))?;
+        let shading = resolved.shading(Cpu::shared());
+        let plane = look.part.cut.as_ref().map(CutPlane::new).transpose()?;
+        let cut = plane.map(|plane| CutCamera {
+            camera: &camera,
+            plane,
+        });
+        let sensor: &dyn Sensor = match &cut {
+            Some(cut) => cut,
+            None => &camera,
+        };
+        let kinds: [&Kind; 1] = [kind];
+        let picture = Picture {
+            samples: resolved.samples,
+            edges: self.edges_of(look)?,
+            ..Picture::new(&resolved.scene, sensor, &shading, &kinds)
+        };
+        let frame = if kind.is_color() && look.is_lit {
+            self.continued(&picture, look, watch)?
+        } else {
+            picture.render(watch)?
+        };
+        let pixels = if kind.is_color() {
+            let mut bytes = Vec::new();
+            let png = image::format_named("png")?;
+            let settings = WriteSettings {
+                display: self.display,
+                ..WriteSettings::default()
+            };
+            png.encode(&frame, None, settings, &mut bytes, "memory".as_ref())?;
+            Pixels::Png(bytes)
+        } else {
+            values(&frame.channels()[0])?
+        };
+        Ok(Painted {
+            shape: [look.camera.rows, look.camera.columns],
+            samples: if kind.is_color() { resolved.samples } else { 1 },
+            pixels,
+        })
+    }
+
+    /// Makes a picture's samples one after the other, from where the last one ended if that is the same.
+    fn continued(
+        &self,
+        picture: &Picture<'_>,
+        look: &FrameRequest,
+        watch: &dyn Watch,
+    ) -> Result<Frame> {
+        let asked = FrameRequest {
+            samples: None,
+            ..look.clone()
+        };
+        let mut progressive = match self.take_begun(&asked, picture.samples) {
+            Some(begun) => picture.resume(&begun.state)?,
+            None => picture.start()?,
+        };
+        while progressive.samples() < picture.samples {
+            progressive.add_sample(watch)?;
+        }
+        let pixels = look.camera.rows.saturating_mul(look.camera.columns);
+        if pixels <= MOST_KEPT {
+            self.keep_begun(ProgressiveState {
+                request: asked,
+                samples: progressive.samples(),
+                state: progressive.state()?,
+            });
+        }
+        progressive.frame()
+    }
+
+    /// The lines along edges that are asked for.
+    fn edges_of(&self, look: &FrameRequest) -> Result<Option<Edges>> {
+        let usual = self.edges.unwrap_or_default();
+        let edges = match look.edges {
+            Some(0.0) => None,
+            Some(width) => Some(Edges { width, ..usual }),
+            None => self.edges,
+        };
+        // They are found on whole surfaces.
+        if look.part.cut.is_some() && look.edges.is_some() && edges.is_some() {
+            return Err(Error::argument("edges", "0 with a cut", "both"));
+        }
+        Ok(edges.filter(|_| look.is_lit && look.part.cut.is_none()))
+    }
+
+    /// The part of the scene that is asked for, in the light that is.
+    fn lit(&self, look: &FrameRequest) -> Result<Arc<Scene>> {
+        let scene = self.scene_of(&look.part)?;
+        let Some(sun) = look.sun.filter(|_| look.is_lit) else {
+            return Ok(scene);
+        };
+        let direction = DVec3::from(sun);
+        if !direction.is_finite() || direction == DVec3::ZERO {
+            let expected = "a finite direction other than zero";
+            return Err(Error::argument("sun", expected, format!("{sun:?}")));
+        }
+        let light = Light::Directional(DirectionalLight {
+            direction,
+            color: Color::splat(SUNLIGHT),
+            angle_degrees: SUN,
+        });
+        let scene = scene.try_clone()?;
+        Ok(Arc::new(
+            scene.with_lights(vec![light]).with_environment(None),
+        ))
+    }
+
+    /// What a picture looks like: as `firsthit render` would make it, or lit from the camera and without shadows, which is soon done. So is
+    /// what a cut opens: in the shadow of what was cut away it would be black.
+    fn appearance_of(&self, look: &FrameRequest) -> Result<Appearance> {
+        let mut appearance = self.appearance.clone();
+        let rig = look.light.as_deref().map(str::parse).transpose()?;
+        appearance.samples = look.samples.or(appearance.samples);
+        if look.is_lit && look.part.cut.is_none() {
+            if look.sun.is_some() {
+                appearance.rig = None;
+            } else {
+                appearance.rig = rig.or(appearance.rig);
+            }
+            appearance.ground = look.ground.or(appearance.ground);
+        } else {
+            let mut shader = Shader::named("lambert")?;
+            shader.set("shadows", Value::Flag(false))?;
+            appearance.shader = Some(shader);
+            appearance.rig = Some(LightRig::Headlight);
+            appearance.ground = Some(false);
+            let samples = look.samples.unwrap_or(SAMPLES);
+            appearance.samples = Some(if look.is_lit { samples } else { 1 });
+        }
+        Ok(appearance)
+    }
+}
+
+/// The numbers of a channel: of float64 the nearest float32.
+fn values(channel: &Channel) -> Result<Pixels> {
+    let (dtype, plain): (_, Vec<u8>) = match &channel.data {
+        Data::Float64(numbers) => {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "a page shows colours of them"
+            )]
+            let each = numbers.iter().map(|&x| x as f32);
+            ("float32", each.flat_map(f32::to_le_bytes).collect())
+        }
+        Data::Float32(numbers) => {
+            let each = numbers.iter().copied();
+            ("float32", each.flat_map(f32::to_le_bytes).collect())
+        }
+        Data::Int32(numbers) => {
+            let each = numbers.iter().copied();
+            ("int32", each.flat_map(i32::to_le_bytes).collect())
+        }
+        Data::Bool(flags) => {
+            let each = flags.iter().map(|&flag| i32::from(flag));
+            ("int32", each.flat_map(i32::to_le_bytes).collect())
+        }
+    };
+    // All at once: number by number the packer takes five times as long.
+    let mut packed = ZlibEncoder::new(Vec::new(), Compression::fast());
+    let written = packed.write_all(&plain).and_then(|()| packed.finish());
+    let bytes =
+        written.map_err(|error| Error::argument("frame", "one that can be packed", error))?;
+    Ok(Pixels::Values {
+        components: channel.components,
+        dtype,
+        bytes,
+    })
+}

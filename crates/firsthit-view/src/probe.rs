@@ -1,0 +1,52 @@
+//! What a pixel shows.
+
+use firsthit::Result;
+use firsthit::explain::{ExplainSettings, explain_pixel};
+use firsthit::watch::Watch;
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::cut::CutPlane;
+use crate::look::{FlatCamera, Visibility};
+use crate::story;
+use crate::viewer::Viewer;
+
+/// A question about a pixel.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// The camera.
+    pub camera: FlatCamera,
+    /// The column from the left and the row from the top.
+    pub pixel: [usize; 2],
+    /// What is seen of the scene.
+    #[serde(default)]
+    pub part: Visibility,
+}
+
+impl Viewer {
+    /// Everything about the ray through a pixel's centre: what `firsthit probe --json` prints but for the list of objects that were not met,
+    /// which is as long as the scene; and as `text` what it prints for people.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](firsthit::Error::Argument) for a camera that makes no sense, and for a pixel outside of the picture.
+    pub fn probe(&self, asked: &Probe, watch: &dyn Watch) -> Result<Value> {
+        let camera = asked.camera.camera()?;
+        let scene = self.scene_of(&asked.part)?;
+        let mut settings = ExplainSettings::default();
+        let [column, row] = asked.pixel;
+        let is_inside = column < camera.columns() && row < camera.rows();
+        if let Some(cut) = asked.part.cut.as_ref().filter(|_| is_inside) {
+            let ray = CutPlane::new(cut)?.behind(camera.ray(row, column));
+            (settings.t_min, settings.t_max) = (Some(ray.t_min), Some(ray.t_max));
+        }
+        let story = explain_pixel(&scene, &camera, asked.pixel, &settings, watch)?;
+        let mut told = story::json(&story);
+        if let Some(fields) = told.as_object_mut() {
+            fields.remove("candidates");
+        }
+        told["text"] = story::text(&story, false).into();
+        Ok(told)
+    }
+}

@@ -1,0 +1,381 @@
+//! The page's server: on the loopback interface, for one scene, and for the page that knows its token.
+//!
+//! Nothing of a request is a path. The page's files are compiled in, and the scene was chosen on the command line. Whoever wants to look from
+//! another machine takes a tunnel: `ssh -L PORT:127.0.0.1:PORT host`.
+
+mod guard;
+mod http;
+mod pages;
+
+use std::collections::HashMap;
+use std::io;
+use std::net::{Ipv4Addr, Shutdown, SocketAddrV4, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use firsthit::Error;
+use firsthit::watch::Watch;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+use crate::frame::Pixels;
+use crate::look::{FlatCamera, FrameRequest};
+use crate::probe::Probe;
+use crate::viewer::{Viewer, lock};
+use guard::Guard;
+use http::{Method, Reader, Refusal, Request, Response, Status};
+
+/// More connections than this are turned away.
+const MOST_CONNECTIONS: usize = 16;
+/// A connection that says nothing for so long ends.
+const IDLE: Duration = Duration::from_secs(60);
+/// The same of a connection that has not asked with the token.
+const IDLE_STRANGER: Duration = Duration::from_secs(5);
+/// So long after the last question of a page the server ends.
+const LINGERS: Duration = Duration::from_secs(180);
+/// How often the server looks whether it is to end.
+const POLL: Duration = Duration::from_millis(20);
+
+/// A server that listens.
+#[derive(Debug)]
+pub struct Server {
+    listener: TcpListener,
+    shared: Arc<Shared>,
+    /// So long after the last question of a page it ends; `None`: never.
+    lingers: Option<Duration>,
+}
+
+/// What all connections know.
+#[derive(Debug)]
+struct Shared {
+    viewer: Viewer,
+    guard: Guard,
+    port: u16,
+    is_stopped: AtomicBool,
+    /// How many connections there have been.
+    connections: AtomicU64,
+    /// Those that are open, by their numbers.
+    streams: Mutex<HashMap<u64, TcpStream>>,
+    /// When a page asked last.
+    asked: Mutex<Option<Instant>>,
+    /// The number of the newest frame that each page has asked for.
+    newest: Mutex<HashMap<String, Arc<AtomicU64>>>,
+}
+
+impl Server {
+    /// Listens on a port of 127.0.0.1; on 0 the system chooses one.
+    ///
+    /// # Errors
+    ///
+    /// Where the port is taken, or the system has no random numbers.
+    pub fn bind(viewer: Viewer, port: u16) -> io::Result<Self> {
+        let listener = TcpListener::bind(SocketAddrV4::new(Ipv4Addr::LOCALHOST, port))?;
+        listener.set_nonblocking(true)?;
+        let port = listener.local_addr()?.port();
+        let shared = Arc::new(Shared {
+            viewer,
+            guard: Guard::new(port)?,
+            port,
+            is_stopped: AtomicBool::new(false),
+            connections: AtomicU64::new(0),
+            streams: Mutex::default(),
+            asked: Mutex::new(None),
+            newest: Mutex::default(),
+        });
+        Ok(Self {
+            listener,
+            shared,
+            lingers: Some(LINGERS),
+        })
+    }
+
+    /// The same server, which ends so long after the last question of a page; `None`: never.
+    #[must_use]
+    pub fn lingering(self, lingers: Option<Duration>) -> Self {
+        Self { lingers, ..self }
+    }
+
+    /// The page's address. Its fragment is the token: browsers send it to nobody, and the page takes it out of the address bar.
+    pub fn address(&self) -> String {
+        let Shared { guard, port, .. } = &*self.shared;
+        format!("http://127.0.0.1:{port}/#{}", guard.token())
+    }
+
+    /// Answers until `is_stopped` says so, or until no page has asked for as long as it lingers: three minutes, if nobody says otherwise.
+    /// Then all connections end.
+    pub fn run(&self, is_stopped: &dyn Fn() -> bool) {
+        loop {
+            let silence = lock(&self.shared.asked).map(|asked| asked.elapsed());
+            let is_left = (self.lingers.zip(silence)).is_some_and(|(most, silence)| silence > most);
+            if is_left || is_stopped() {
+                self.shared.is_stopped.store(true, Ordering::Relaxed);
+                for stream in lock(&self.shared.streams).values() {
+                    // It may be gone already.
+                    let _ = stream.shutdown(Shutdown::Both);
+                }
+                return;
+            }
+            match self.listener.accept() {
+                Ok((stream, _)) => self.take(stream),
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => std::thread::sleep(POLL),
+                // One that was broken off, or too many open files: the next may do better.
+                Err(_) => std::thread::sleep(POLL),
+            }
+        }
+    }
+
+    /// Serves a connection in a thread of its own.
+    fn take(&self, mut stream: TcpStream) {
+        let number = self.shared.connections.fetch_add(1, Ordering::Relaxed);
+        let mut streams = lock(&self.shared.streams);
+        if streams.len() >= MOST_CONNECTIONS {
+            // A page that is slow or gone is nobody's business but its own, here and below.
+            let _ = Response::bare(Status::BUSY).write(&mut stream, true);
+            return;
+        }
+        let Ok(again) = stream.try_clone() else {
+            return;
+        };
+        streams.insert(number, again);
+        drop(streams);
+        let place = Place {
+            shared: Arc::clone(&self.shared),
+            number,
+        };
+        let serve = move || drop(place.shared.serve(&stream));
+        // Where no thread begins the place is free again with what it would have done.
+        drop(std::thread::Builder::new().name("page".into()).spawn(serve));
+    }
+}
+
+/// The place of a connection among the others, until that ends.
+struct Place {
+    shared: Arc<Shared>,
+    number: u64,
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        lock(&self.shared.streams).remove(&self.number);
+    }
+}
+
+/// How many requests the reader of a connection finds before the connection ends or one is refused. It is for fuzzing.
+#[doc(hidden)]
+pub fn requests(from: &mut dyn io::Read) -> usize {
+    let mut reader = Reader::new(from, IDLE);
+    std::iter::from_fn(|| reader.next().ok())
+        .take_while(|(_, is_last)| !is_last)
+        .count()
+}
+
+/// Whoever waits for an answer. Work for one that is gone ends, and so does all work when the server does.
+struct Caller<'a> {
+    shared: &'a Shared,
+    stream: &'a TcpStream,
+    /// When it was last known to be there.
+    seen: Mutex<Instant>,
+}
+
+impl Caller<'_> {
+    /// Whether it has closed the connection. Asked of the system now and then: work asks often.
+    fn is_gone(&self) -> bool {
+        let mut seen = lock(&self.seen);
+        if seen.elapsed() < POLL {
+            return false;
+        }
+        *seen = Instant::now();
+        match self.stream.peek(&mut [0]) {
+            Ok(count) => count == 0,
+            Err(error) => error.kind() != io::ErrorKind::WouldBlock,
+        }
+    }
+
+    /// Does work that ends when nobody waits for it any more.
+    fn during<T>(&self, work: impl FnOnce() -> T) -> T {
+        // A look at the connection must not wait. Where it cannot be had, work goes on to its end.
+        let _ = self.stream.set_nonblocking(true);
+        let done = work();
+        let _ = self.stream.set_nonblocking(false);
+        done
+    }
+}
+
+impl Watch for Caller<'_> {
+    fn is_stopped(&self) -> bool {
+        self.shared.is_stopped.load(Ordering::Relaxed) || self.is_gone()
+    }
+}
+
+/// Ends a frame when its page has asked for a newer one.
+struct Superseded<'a> {
+    caller: &'a Caller<'a>,
+    newest: Arc<AtomicU64>,
+    own: u64,
+}
+
+impl Watch for Superseded<'_> {
+    fn is_stopped(&self) -> bool {
+        self.newest.load(Ordering::Relaxed) != self.own || self.caller.is_stopped()
+    }
+}
+
+/// A question about a camera.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Say {
+    camera: FlatCamera,
+}
+
+impl Shared {
+    /// Answers the requests of a connection.
+    fn serve(&self, stream: &TcpStream) -> io::Result<()> {
+        stream.set_nonblocking(false)?;
+        stream.set_nodelay(true)?;
+        // Who has not shown the token holds no place for long.
+        stream.set_read_timeout(Some(IDLE_STRANGER))?;
+        stream.set_write_timeout(Some(IDLE))?;
+        let mut reader = Reader::new(stream, IDLE);
+        let mut to = stream;
+        loop {
+            match reader.next() {
+                Ok(_) if self.is_stopped.load(Ordering::Relaxed) => return Ok(()),
+                Ok((request, is_last)) => {
+                    if let Err(status) = self.guard.check(&request) {
+                        return Response::bare(status).write(&mut to, true);
+                    }
+                    if request.method == Method::Post {
+                        stream.set_read_timeout(Some(IDLE))?;
+                    }
+                    self.answer(&request, stream).write(&mut to, is_last)?;
+                    if is_last {
+                        return Ok(());
+                    }
+                }
+                Err(Refusal::Gone) => return Ok(()),
+                Err(Refusal::Status(status)) => return Response::bare(status).write(&mut to, true),
+            }
+        }
+    }
+
+    fn answer(&self, request: &Request, stream: &TcpStream) -> Response {
+        match request.method {
+            Method::Get => match pages::page(&request.path) {
+                Some((kind, body)) => Response::new(Status::OK, kind, body),
+                None => Response::bare(Status::NOT_FOUND),
+            },
+            Method::Post => {
+                *lock(&self.asked) = Some(Instant::now());
+                let caller = Caller {
+                    shared: self,
+                    stream,
+                    seen: Mutex::new(Instant::now()),
+                };
+                let answer = caller.during(|| self.question(request, &caller));
+                answer.unwrap_or_else(|response| response)
+            }
+        }
+    }
+
+    fn question(&self, request: &Request, caller: &Caller<'_>) -> Result<Response, Response> {
+        match request.path.as_str() {
+            "/info" => Ok(found(&self.viewer.info())),
+            "/alive" => Ok(found(&json!({}))),
+            "/frame" => {
+                let look: FrameRequest = parsed(&request.body)?;
+                let page = request.header("x-firsthit-page").unwrap_or_default();
+                self.frame(&look, page, caller)
+            }
+            "/probe" => {
+                let asked: Probe = parsed(&request.body)?;
+                let story = self.viewer.probe(&asked, caller);
+                story
+                    .map(|story| found(&story))
+                    .map_err(|error| refused(&error))
+            }
+            "/say" => {
+                let Say { camera } = parsed(&request.body)?;
+                let said = self.viewer.say(&camera);
+                said.map(|said| found(&said))
+                    .map_err(|error| refused(&error))
+            }
+            _ => Err(Response::bare(Status::NOT_FOUND)),
+        }
+    }
+
+    fn frame(
+        &self,
+        look: &FrameRequest,
+        page: &str,
+        caller: &Caller<'_>,
+    ) -> Result<Response, Response> {
+        let newest = {
+            let mut pages = lock(&self.newest);
+            if pages.len() >= MOST_CONNECTIONS && !pages.contains_key(page) {
+                // Pages of long ago: what is asked for just now is held by who makes it.
+                pages.retain(|_, newest| Arc::strong_count(newest) > 1);
+            }
+            Arc::clone(pages.entry(page.to_owned()).or_default())
+        };
+        let own = newest.fetch_add(1, Ordering::Relaxed) + 1;
+        let watch = Superseded {
+            caller,
+            newest,
+            own,
+        };
+        let started = Instant::now();
+        let painted = self.viewer.frame(look, &watch);
+        let painted = painted.map_err(|error| refused(&error))?;
+        let [rows, columns] = painted.shape;
+        let seconds = started.elapsed().as_secs_f64();
+        let (kind, about, body) = match painted.pixels {
+            Pixels::Png(bytes) => (
+                "image/png",
+                json!({"rows": rows, "columns": columns, "samples": painted.samples, "seconds": seconds}),
+                bytes,
+            ),
+            Pixels::Values {
+                components,
+                dtype,
+                bytes,
+            } => (
+                "application/octet-stream",
+                json!({
+                    "rows": rows, "columns": columns, "samples": painted.samples, "seconds": seconds,
+                    "components": components, "dtype": dtype,
+                }),
+                bytes,
+            ),
+        };
+        Ok(Response {
+            extra: Some(("X-Firsthit-Frame", about.to_string())),
+            ..Response::new(Status::OK, kind, body)
+        })
+    }
+}
+
+fn found(value: &Value) -> Response {
+    Response::new(Status::OK, "application/json", value.to_string())
+}
+
+fn parsed<T: DeserializeOwned>(body: &[u8]) -> Result<T, Response> {
+    serde_json::from_slice(body).map_err(|error| failed(Status::BAD_REQUEST, &error.to_string()))
+}
+
+fn refused(error: &Error) -> Response {
+    let status = match error {
+        Error::Interrupted => Status::SUPERSEDED,
+        _ => Status::BAD_REQUEST,
+    };
+    failed(status, &error.to_string())
+}
+
+fn failed(status: Status, why: &str) -> Response {
+    Response::new(
+        status,
+        "application/json",
+        json!({"error": why}).to_string(),
+    )
+}

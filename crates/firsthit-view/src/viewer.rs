@@ -1,0 +1,157 @@
+//! A scene that is looked at.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use firsthit::camera::StandardView;
+use firsthit::edge::Edges;
+use firsthit::image::Frame;
+use firsthit::render::{Appearance, framing_camera};
+use firsthit::{Camera, DisplayTransform, Error, Result, Scene};
+
+use crate::look::{FlatCamera, FrameRequest, Visibility};
+
+/// What a page is about: a scene, what it looks like, and where the page begins.
+#[derive(Debug)]
+pub struct Viewer {
+    pub(crate) title: String,
+    scene: Arc<Scene>,
+    pub(crate) appearance: Appearance,
+    pub(crate) sight: FlatCamera,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) display: DisplayTransform,
+    pub(crate) edges: Option<Edges>,
+    /// The scene as the last question wanted it, by what of each object is hidden.
+    without: Mutex<Option<(Vec<bool>, Arc<Scene>)>>,
+    /// The last picture of several samples that was made, to be gone on with.
+    begun: Mutex<Option<ProgressiveState>>,
+}
+
+/// A picture that is not at its end.
+#[derive(Debug)]
+pub(crate) struct ProgressiveState {
+    /// What was asked, but for the number of samples.
+    pub(crate) request: FrameRequest,
+    pub(crate) samples: u32,
+    pub(crate) state: Frame,
+}
+
+impl Viewer {
+    /// A scene of that title, to be looked at by a camera first. Of a camera without a flat viewplane around its aim the page takes the
+    /// one that frames the scene.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`framing_camera`].
+    pub fn new(
+        title: impl Into<String>,
+        scene: Scene,
+        appearance: Appearance,
+        camera: &Camera,
+    ) -> Result<Self> {
+        let mut warnings = Vec::new();
+        let sight = if let Some(sight) = FlatCamera::of(camera) {
+            sight
+        } else {
+            let other = "the page begins with a camera of its own: that of the scene has an aperture or no flat viewplane around its aim";
+            warnings.push(other.to_owned());
+            let shape = [camera.rows(), camera.columns()];
+            let framing = framing_camera(&scene, scene.up(), StandardView::Iso, shape)?;
+            FlatCamera::of(&framing).unwrap_or_default()
+        };
+        Ok(Self {
+            title: title.into(),
+            scene: Arc::new(scene),
+            appearance,
+            sight,
+            warnings,
+            display: DisplayTransform::default(),
+            edges: None,
+            without: Mutex::new(None),
+            begun: Mutex::new(None),
+        })
+    }
+
+    /// With what was noticed when the scene was read, one line each.
+    #[must_use]
+    pub fn warned(mut self, warnings: Vec<String>) -> Self {
+        self.warnings.extend(warnings);
+        self
+    }
+
+    /// With what the scene's file says of its pictures: how a PNG shows colours, and lines along edges.
+    #[must_use]
+    pub fn shown(self, display: DisplayTransform, edges: Option<Edges>) -> Self {
+        Self {
+            display,
+            edges,
+            ..self
+        }
+    }
+
+    /// The whole scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The objects that are to be seen, of all. Meshes and their trees are shared; the tree over the objects is built anew.
+    pub(crate) fn scene_of(&self, visibility: &Visibility) -> Result<Arc<Scene>> {
+        let Some(hidden) = self.hidden_of(visibility)? else {
+            return Ok(Arc::clone(&self.scene));
+        };
+        let mut without = lock(&self.without);
+        if let Some((known, scene)) = &*without
+            && *known == hidden
+        {
+            return Ok(Arc::clone(scene));
+        }
+        let mut scene = self.scene.try_clone()?;
+        let flags: Vec<(usize, bool)> = hidden.iter().copied().enumerate().collect();
+        scene.hide_objects(&flags)?;
+        let scene = Arc::new(scene);
+        *without = Some((hidden, Arc::clone(&scene)));
+        Ok(scene)
+    }
+
+    /// Whether each object is hidden; `None` where that is as the scene has it.
+    fn hidden_of(&self, visibility: &Visibility) -> Result<Option<Vec<bool>>> {
+        let objects = self.scene.objects();
+        let (named, is_named_hidden) = match (&visibility.hidden, &visibility.only) {
+            (None, None) => return Ok(None),
+            (Some(hidden), None) => (hidden, true),
+            (None, Some(only)) => (only, false),
+            (Some(_), Some(_)) => {
+                let expected = "none where there are hidden ones";
+                return Err(Error::argument("only", expected, "both"));
+            }
+        };
+        let mut hidden = vec![!is_named_hidden; objects.len()];
+        for &object in named {
+            let Some(flag) = hidden.get_mut(object) else {
+                let expected = "an identifier of an object";
+                return Err(Error::argument("hidden", expected, object));
+            };
+            *flag = is_named_hidden;
+        }
+        let is_usual =
+            (objects.iter().zip(&hidden)).all(|(object, &flag)| object.is_hidden() == flag);
+        Ok((!is_usual).then_some(hidden))
+    }
+
+    /// The picture to go on with, if it is that of this look and has no more samples.
+    pub(crate) fn take_begun(
+        &self,
+        request: &FrameRequest,
+        samples: u32,
+    ) -> Option<ProgressiveState> {
+        lock(&self.begun).take_if(|begun| begun.request == *request && begun.samples <= samples)
+    }
+
+    pub(crate) fn keep_begun(&self, begun: ProgressiveState) {
+        *lock(&self.begun) = Some(begun);
+    }
+}
+
+/// A poisoned lock holds what it did.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

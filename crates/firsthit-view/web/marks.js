@@ -1,0 +1,119 @@
+// @ts-check
+// Hits that are kept: a path that is measured, with notes.
+
+import { download, element, make, plain, vector, words } from "./dom.js";
+import { measured } from "./story.js";
+
+/** @typedef {import("./camera.js").Vector} Vector */
+/** @typedef {{hit: any, note: string}} Mark */
+
+export class Marks {
+    /** @param {string} title of the scene @param {() => void} changed @param {(text: string, isError: boolean) => void} say */
+    constructor(title, changed, say) {
+        this.title = title;
+        this.changed = changed;
+        this.say = say;
+        /** @type {Mark[]} */
+        this.kept = [];
+        this.key = `firsthit-notes ${title}`;
+        element("clear").addEventListener("click", () => this.clear());
+        element("undo").addEventListener("click", () => this.undo());
+        element("save-notes").addEventListener("click", () => {
+            const text = JSON.stringify({ title: this.title, marks: this.kept }, null, 2);
+            download("notes.json", new Blob([text], { type: "application/json" }));
+        });
+        element("load-notes").addEventListener("change", async (/** @type {any} */ event) => {
+            const [file] = event.target.files;
+            if (file) this.#take(await file.text());
+            event.target.value = "";
+        });
+    }
+
+    /** Takes those of before the page was loaded again. */
+    restore() {
+        this.#take(sessionStorage.getItem(this.key) ?? "[]");
+    }
+
+    /** @param {any} hit */
+    add(hit) {
+        this.kept.push({ hit, note: "" });
+        this.#show();
+    }
+
+    undo() {
+        this.kept.pop();
+        this.#show();
+    }
+
+    clear() {
+        this.kept = [];
+        this.#show();
+    }
+
+    /** Marks of a text: a list, or a file of notes. @param {string} text */
+    #take(text) {
+        try {
+            const given = JSON.parse(text);
+            const marks = Array.isArray(given) ? given : given.marks;
+            const isMark = (/** @type {any} */ mark) => [mark.hit.position, mark.hit.normal].every((v) => v.length === 3 && v.every(Number.isFinite));
+            if (!marks.every(isMark)) throw new Error("its marks have no positions");
+            this.kept = marks.map((/** @type {any} */ mark) => ({ hit: mark.hit, note: String(mark.note ?? "") }));
+            this.#show();
+        } catch (error) {
+            this.say(`These are no notes: ${words(error)}`, true);
+        }
+    }
+
+    #show() {
+        const lines = this.kept.map((mark, k) => {
+            const line = make("li");
+            const note = make("input", "", { "aria-label": `note on mark ${k + 1}`, placeholder: "note", maxlength: "500" });
+            note.value = mark.note;
+            note.addEventListener("input", () => {
+                mark.note = note.value;
+                this.#remember();
+                this.changed();
+            });
+            line.append(note, make("small", `${plain(mark.hit.name || mark.hit.shape || "")} ${vector(mark.hit.position)}`));
+            return line;
+        });
+        element("marks").replaceChildren(...lines);
+        const isEmpty = this.kept.length === 0;
+        for (const id of ["clear", "undo", "save-notes"]) element(id).disabled = isEmpty;
+        const text = measured(this.kept.map((mark) => mark.hit));
+        element("measure").hidden = text === "";
+        element("measure").textContent = text;
+        this.#remember();
+        this.changed();
+    }
+
+    #remember() {
+        sessionStorage.setItem(this.key, JSON.stringify(this.kept));
+    }
+
+    /** Draws them. @param {CanvasRenderingContext2D} on @param {(point: Vector) => [number, number] | null} pixelOf */
+    draw(on, pixelOf) {
+        const places = this.kept.map((mark) => pixelOf(mark.hit.position));
+        on.strokeStyle = on.fillStyle = "#ffd166";
+        on.lineWidth = 2;
+        on.font = "13px system-ui, sans-serif";
+        on.shadowColor = "#000";
+        on.shadowBlur = 3;
+        on.beginPath();
+        places.forEach((place, k) => {
+            if (!place) return;
+            const before = places[k - 1];
+            if (before) {
+                on.moveTo(...before);
+                on.lineTo(...place);
+            }
+            on.moveTo(place[0] + 5, place[1]);
+            on.arc(place[0], place[1], 5, 0, 2 * Math.PI);
+        });
+        on.stroke();
+        places.forEach((place, k) => {
+            if (place) on.fillText(`${k + 1} ${this.kept[k].note}`, place[0] + 9, place[1] - 7);
+        });
+        on.shadowBlur = 0;
+    }
+}

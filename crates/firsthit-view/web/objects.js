@@ -1,0 +1,76 @@
+// @ts-check
+// The list of objects: which are there, which alone, and what the pointer is on.
+
+import { element, make, plain } from "./dom.js";
+
+export class Objects {
+    /** @param {any} info @param {() => void} changed */
+    constructor(info, changed) {
+        /** @type {Set<number>} */
+        this.hidden = new Set(info.hidden);
+        /** Those that the scene itself hides. */
+        this.usual = new Set(info.hidden);
+        this.changed = changed;
+        this.count = info.object_count;
+        /** @type {Map<number, any>} */
+        this.boxes = new Map();
+        /** @type {any} */
+        this.marked = null;
+        const lines = info.objects.map((/** @type {any} */ object) => this.#line(object));
+        element("objects").replaceChildren(...lines);
+        const more = info.object_count - info.objects.length;
+        element("more-objects").textContent = more > 0 ? `... and ${more.toLocaleString("en")} more` : "";
+        element("show-all").addEventListener("click", () => this.show(() => true));
+        element("filter-objects").addEventListener("input", () => {
+            const wanted = element("filter-objects").value.toLowerCase();
+            for (const line of lines) line.hidden = !line.textContent.toLowerCase().includes(wanted);
+        });
+    }
+
+    /** @param {any} object */
+    #line(object) {
+        const line = make("li", "", { value: String(object.object) });
+        const label = make("label");
+        const box = make("input", "", { type: "checkbox" });
+        box.checked = !this.hidden.has(object.object);
+        const triangles = object.triangles ? ` ${object.triangles.toLocaleString("en")}` : "";
+        label.append(box, make("span", plain(object.name || object.shape)), triangles);
+        const alone = make("button", "only", { "aria-label": `show only ${plain(object.name || object.shape)} ${object.object}` });
+        line.append(label, alone);
+        this.boxes.set(object.object, box);
+        box.addEventListener("change", () => {
+            if (box.checked) this.hidden.delete(object.object);
+            else this.hidden.add(object.object);
+            this.changed();
+        });
+        alone.addEventListener("click", () => this.show((other) => other === object.object));
+        return line;
+    }
+
+    /** Shows the objects that are wanted, and no others. @param {(object: number) => boolean} isWanted */
+    show(isWanted) {
+        for (let object = 0; object < this.count; object++) {
+            if (isWanted(object)) this.hidden.delete(object);
+            else this.hidden.add(object);
+        }
+        for (const [object, box] of this.boxes) box.checked = !this.hidden.has(object);
+        this.changed();
+    }
+
+    /** What to ask for: the shorter of the two lists, or neither where all is as the scene has it. @returns {{hidden: number[] | null, only: number[] | null}} */
+    asked() {
+        const { hidden, usual, count } = this;
+        if (hidden.size === usual.size && [...hidden].every((object) => usual.has(object))) return { hidden: null, only: null };
+        if (hidden.size <= count / 2) return { hidden: [...hidden], only: null };
+        const only = [];
+        for (let object = 0; object < count; object++) if (!hidden.has(object)) only.push(object);
+        return { hidden: null, only };
+    }
+
+    /** Marks the object under the pointer. @param {number | null} object */
+    point(object) {
+        this.marked?.removeAttribute("aria-current");
+        this.marked = object === null ? null : this.boxes.get(object)?.closest("li");
+        this.marked?.setAttribute("aria-current", "true");
+    }
+}

@@ -1,0 +1,138 @@
+// @ts-check
+// The picture: which frames are asked for, and when. One is on its way at a time; the newest camera waits.
+
+import { words } from "./dom.js";
+import { EngineError } from "./engine-native.js";
+
+/** @typedef {import("./engine-native.js").Look} Look */
+/** @typedef {import("./engine-native.js").Painted} Painted */
+
+/** The samples of a still picture, one step after the other; null is as many as `firsthit render` takes. */
+const STEPS = [1, 4, null];
+/** So long nothing moves before the picture is made in full, in milliseconds. */
+const STILL = 120;
+/** A frame while something moves shall take no longer, in milliseconds. */
+const MOVING = 45;
+
+export class View {
+    /**
+     * @param {import("./engine-native.js").NativeEngine} engine
+     * @param {(rows: number, columns: number) => Look} look what to ask for, of that size
+     * @param {(painted: Painted, look: Look) => void} paint
+     * @param {(text: string, isError: boolean) => void} say
+     * @param {() => void} rested is told when the picture is as good as it gets
+     */
+    constructor(engine, look, paint, say, rested) {
+        this.engine = engine;
+        this.look = look;
+        this.paint = paint;
+        this.say = say;
+        this.rested = rested;
+        /** Pixels of the stage. */
+        this.rows = 1;
+        this.columns = 1;
+        /** A frame's pixels along an edge while something moves, as a share of the stage's. */
+        this.share = 0.5;
+        this.isWanted = false;
+        /** @type {AbortController | null} */
+        this.onItsWay = null;
+        this.isMoving = false;
+        /** @type {number | undefined} */
+        this.timer = undefined;
+        this.number = 0;
+        /** Pixels that the picture has in any case, in place of the stage's. @type {[number, number] | null} */
+        this.fixed = null;
+        /** The last picture in full, if it is. @type {Painted | null} */
+        this.full = null;
+    }
+
+    /** Rows and columns of the whole picture. */
+    get shape() {
+        return this.fixed ?? [this.rows, this.columns];
+    }
+
+    /** @param {number} rows @param {number} columns */
+    resize(rows, columns) {
+        [this.rows, this.columns] = [rows, columns];
+        this.moved();
+    }
+
+    /** Something is to be seen otherwise, and may go on changing. */
+    moved() {
+        clearTimeout(this.timer);
+        this.timer = setTimeout(() => this.settled(), STILL);
+        this.isWanted = true;
+        this.full = null;
+        document.body.dataset.busy = "yes";
+        if (this.isMoving) return;
+        // What is on its way is a still picture of before.
+        this.onItsWay?.abort();
+        this.isMoving = true;
+        this.#move();
+    }
+
+    /** Frames while something moves: coarse, without shadows. */
+    async #move() {
+        try {
+            while (this.isWanted) {
+                this.isWanted = false;
+                const share = this.fixed ? 1 : this.share;
+                const size = this.shape.map((edge) => Math.max(1, Math.round(edge * share)));
+                const started = performance.now();
+                const look = { ...this.look(size[0], size[1]), samples: 1, is_lit: false };
+                if (!(await this.#show(look))) break;
+                const took = performance.now() - started;
+                // Edges by the square root of the time.
+                const fitting = this.share * Math.sqrt(MOVING / Math.max(took, 1));
+                this.share = Math.max(0.1, Math.min(1, 0.5 * this.share + 0.5 * fitting));
+            }
+        } catch (error) {
+            this.say(words(error), true);
+        } finally {
+            this.isMoving = false;
+        }
+    }
+
+    /** Nothing moves: the picture in full, and then with light and samples. */
+    async settled() {
+        const number = ++this.number;
+        while (this.isMoving) await new Promise((resolve) => setTimeout(resolve, 5));
+        const [rows, columns] = this.shape;
+        const whole = this.look(rows, columns);
+        // In the chapter a pixel is one ray, without the noise of lights.
+        const counts = this.fixed ? [] : STEPS;
+        const steps = whole.channel === "color" ? counts.map((samples) => ({ ...whole, samples, is_lit: true })) : [];
+        for (const look of [{ ...whole, samples: 1, is_lit: false }, ...steps]) {
+            if (number !== this.number || this.isMoving) return;
+            if (!(await this.#show(look))) return;
+            if (number !== this.number || this.isMoving) return;
+            document.body.dataset.busy = "refining";
+        }
+        document.body.dataset.busy = "no";
+        this.rested();
+    }
+
+    /** Asks for a frame and paints it; says whether it came. @param {Look} look */
+    async #show(look) {
+        const control = new AbortController();
+        this.onItsWay = control;
+        try {
+            const painted = await this.engine.frame(look, control.signal);
+            if (control.signal.aborted) return false;
+            this.paint(painted, look);
+            const { rows, columns, seconds } = painted.about;
+            this.full = look.is_lit && look.samples === null ? painted : null;
+            const count = painted.about.samples;
+            const more = look.samples === null ? "" : " so far";
+            const samples = look.is_lit ? `, ${count} sample${count === 1 ? "" : "s"}${more}` : "";
+            this.say(`${columns} x ${rows}${samples}, ${(1000 * seconds).toFixed(0)} ms`, false);
+            return true;
+        } catch (error) {
+            const isExpected = control.signal.aborted || (error instanceof EngineError && error.isSuperseded);
+            if (!isExpected) this.say(words(error), true);
+            return false;
+        } finally {
+            if (this.onItsWay === control) this.onItsWay = null;
+        }
+    }
+}
