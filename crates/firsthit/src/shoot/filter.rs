@@ -13,11 +13,11 @@ pub(super) fn sees(filter: &RayFilter, index: u32, object: &Object) -> bool {
     is_asked_for && !object.is_hidden() && object.mask() & filter.mask != 0
 }
 
-/// Whether a ray may meet one of several objects in one place first and not another of them, which would come before it.
+/// Whether a filter may hide the first of several objects in one place and leave another. Where it does not, the first answers for all.
 #[inline(always)]
 pub(super) fn tells_copies_apart(filter: &RayFilter, index: u32, object: &Object) -> bool {
     let is_of_it = |surface: &SurfaceId| is_of(surface, index);
-    // Where a ray leaves a mesh, it meets the copies of the triangle no more than that; see `triangle::departure`.
+    // A ray that leaves a triangle does not meet its copies either: see `triangle::departure`. Other shapes have no such rule.
     !sees(filter, index, object)
         || filter.skip.iter().flatten().any(is_of_it)
         || (filter.departure.is_some() && object.mesh().is_none())

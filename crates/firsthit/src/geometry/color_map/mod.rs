@@ -66,8 +66,9 @@ impl ColorMap {
         table[step.min(STEPS - 1)]
     }
 
-    /// The levels of sRGB of a step, the first being 0 and the last 255.
+    /// The colour of a step from 0 to 255, as sRGB levels of red, green and blue. Steps above are the last one.
     pub fn levels(self, step: usize) -> [u8; 3] {
+        let step = step.min(STEPS - 1);
         let gradient = match self {
             Self::Viridis => colorous::VIRIDIS,
             Self::Cividis => colorous::CIVIDIS,
