@@ -1,11 +1,11 @@
-//! Who is answered: the page that this server serves, and no other.
+//! Access checks: the server answers its own page, and no other.
 
 use super::http::{Method, Request, Status};
 
-/// The headers of every answer: nothing from elsewhere runs in the page, nobody may frame it or read what it gets, and nothing is kept.
+/// The headers of every answer. No script from elsewhere runs in the page, no other page may frame or read it, and no cache keeps it.
 pub(super) const HEADERS: &str = "\
-Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; img-src 'self' blob: data:; \
-style-src 'self'; worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'\r\n\
+Content-Security-Policy: default-src 'none'; script-src 'self'; connect-src 'self'; img-src 'self' blob: data:; \
+style-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'\r\n\
 X-Content-Type-Options: nosniff\r\n\
 Referrer-Policy: no-referrer\r\n\
 Cache-Control: no-store\r\n\
@@ -19,13 +19,13 @@ const TOKEN: &str = "x-firsthit-token";
 /// What a request must have to be answered.
 #[derive(Debug)]
 pub(super) struct Guard {
-    /// Of this server.
+    /// The server's port.
     port: u16,
     token: String,
 }
 
 impl Guard {
-    /// That of a port, with a new token of 192 random bits.
+    /// A guard for a port, with a new token of 192 random bits.
     pub(super) fn new(port: u16) -> std::io::Result<Self> {
         let mut bits = [0; 24];
         getrandom::fill(&mut bits).map_err(std::io::Error::other)?;
