@@ -9,6 +9,8 @@
 
 use std::ops::{BitAnd, BitOr};
 
+use super::fused::mul_add;
+
 /// Float64 arithmetic on numbers of a kind: each operation rounds once, to nearest.
 pub(crate) trait Arithmetic: Copy {
     /// One float64, or lanes of them.
@@ -180,15 +182,15 @@ impl Arithmetic for Scalar {
     }
     #[inline(always)]
     fn fused_mul_add(self, a: f64, b: f64, c: f64) -> f64 {
-        a.mul_add(b, c)
+        mul_add(a, b, c)
     }
     #[inline(always)]
     fn fused_mul_sub(self, a: f64, b: f64, c: f64) -> f64 {
-        a.mul_add(b, -c)
+        mul_add(a, b, -c)
     }
     #[inline(always)]
     fn fused_neg_mul_add(self, a: f64, b: f64, c: f64) -> f64 {
-        (-a).mul_add(b, c)
+        mul_add(-a, b, c)
     }
     #[inline(always)]
     fn lt(self, a: f64, b: f64) -> bool {

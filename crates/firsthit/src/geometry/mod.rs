@@ -11,6 +11,7 @@ mod display_transform;
 pub(crate) mod double;
 pub(crate) mod exact;
 pub(crate) mod exact_sum;
+pub(crate) mod fused;
 mod grid;
 mod hit;
 mod named;

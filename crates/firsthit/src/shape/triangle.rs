@@ -43,6 +43,7 @@ use super::Crossing;
 use crate::geometry::arithmetic::{Scalar, quotient_by_inverse};
 use crate::geometry::double::{Double, DoubleVector};
 use crate::geometry::exact::{Scaled, determinant};
+use crate::geometry::fused::mul_add;
 use crate::geometry::{DVec2, DVec3, Ray};
 
 /// A ray made ready for triangles.
@@ -375,7 +376,7 @@ fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
 }
 
 fn residuals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
-    p.x.mul_add(q.y, -left) - p.y.mul_add(q.x, -right)
+    mul_add(p.x, q.y, -left) - mul_add(p.y, q.x, -right)
 }
 
 #[cfg(test)]
