@@ -219,7 +219,7 @@ mod tests {
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
         let mut point = || DVec3::new(unit(), unit(), unit());
-        let mut met = [0; 3];
+        let mut met = [0; InstructionSet::ALL.len()];
         for round in 0..200 {
             let corners: Vec<DVec3> = (0..16)
                 .flat_map(|k| {

@@ -24,8 +24,14 @@ mod in_lanes;
 mod lanes;
 mod mask;
 mod pages;
+#[cfg_attr(
+    all(target_arch = "wasm32", target_feature = "simd128"),
+    allow(dead_code, reason = "what the lanes of such a module must do")
+)]
 mod portable;
 mod set;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod simd128;
 mod stack;
 mod storage;
 #[cfg(target_arch = "x86_64")]
@@ -60,6 +66,10 @@ where
         InstructionSet::Avx512 => avx512::run(kernel),
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx2 => avx2::run(kernel),
+        // A module with these runs nowhere without them. A copy of all kernels in plain Rust would double it, for the same bits.
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        _ => simd128::run(kernel),
+        #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
         _ => portable::run(kernel),
     })
 }

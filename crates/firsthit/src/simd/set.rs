@@ -21,6 +21,8 @@ use crate::error::{Error, Result};
 pub enum InstructionSet {
     /// Whatever the compiler makes of plain Rust.
     Portable,
+    /// WebAssembly's `simd128`. A module that is compiled for it has no other, and runs it whichever is asked for.
+    Simd128,
     /// AVX2 and fused multiply-add.
     Avx2,
     /// AVX-512 F, BW, DQ and VL.
@@ -32,12 +34,13 @@ const VARIABLE: &str = "FIRSTHIT_ISA";
 
 impl InstructionSet {
     /// From the plainest to the fastest.
-    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+    pub const ALL: [Self; 4] = [Self::Portable, Self::Simd128, Self::Avx2, Self::Avx512];
 
     /// Its name, as in `FIRSTHIT_ISA`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
+            Self::Simd128 => "simd128",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
         }
@@ -47,6 +50,7 @@ impl InstructionSet {
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
+            Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => super::avx2::is_available(),
             #[cfg(target_arch = "x86_64")]
@@ -82,6 +86,7 @@ impl InstructionSet {
     fn expected() -> &'static str {
         match Self::fastest() {
             Self::Portable => "portable, the only instruction set of this machine",
+            Self::Simd128 => "an instruction set of this module (portable or simd128)",
             Self::Avx2 => "an instruction set of this machine (portable or avx2)",
             Self::Avx512 => "an instruction set of this machine (portable, avx2 or avx512)",
         }
