@@ -17,6 +17,11 @@ pub(crate) use crate::simd::{BLOCK_ALIGNMENT, Block};
 ///
 /// [`Error::Limit`].
 pub(crate) fn check(what: &'static str, bytes: usize) -> Result<()> {
+    // WebAssembly's memory never shrinks again: what is not yet addressed is as good as free, and is not reserved for a try.
+    #[cfg(target_arch = "wasm32")]
+    if bytes <= unaddressed() {
+        return Ok(());
+    }
     let mut probe = Vec::<u8>::new();
     let refused = probe.try_reserve_exact(bytes).is_err();
     // Without this the compiler may see that nobody uses what is reserved, and not reserve it.
@@ -25,6 +30,15 @@ pub(crate) fn check(what: &'static str, bytes: usize) -> Result<()> {
         return Err(short_of(what, format!("{bytes} bytes")));
     }
     Ok(())
+}
+
+/// How many bytes a 32-bit module's memory can still grow by, if the host lets it.
+#[cfg(target_arch = "wasm32")]
+fn unaddressed() -> usize {
+    const PAGE_BYTES: usize = 1 << 16;
+    // The last page is left, so that no address overflows.
+    let pages = usize::MAX / PAGE_BYTES - std::arch::wasm32::memory_size::<0>();
+    pages * PAGE_BYTES
 }
 
 /// A vector of `count` zeros, which cost nothing before they are written, or an error when memory is short.
