@@ -10,6 +10,7 @@ mod cut;
 mod frame;
 mod info;
 mod look;
+mod open;
 mod probe;
 mod say;
 #[cfg(feature = "server")]
