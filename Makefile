@@ -20,8 +20,8 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-browser test-cluster program attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs
-.PHONY: check check-targets check-oldest miri clean
+.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-browser test-wasm test-cluster
+.PHONY: program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render:
@@ -247,6 +247,14 @@ check: .venv/ready
 # Whether other targets compile: WebAssembly, 32-bit x86 and 64-bit ARM.
 check-targets:
 	CARGO=$(CARGO) .ci/targets
+
+# The viewer as a WebAssembly module, target/wasm/firsthit.wasm.
+wasm:
+	CARGO=$(CARGO) .ci/wasm
+
+# Whether the module in Node answers as the same code does on this machine, to the byte.
+test-wasm:
+	CARGO=$(CARGO) .ci/wasm test
 
 # The oldest compiler that Cargo.toml names. Where it cannot be had, a line says so, and clippy's incompatible_msrv refuses
 # newer functions all the same (`make check`).
