@@ -24,6 +24,10 @@ const BENT_HALVES: u32 = 5;
 /// degree above its chord.
 const NARROW: f64 = 0.999;
 
+/// Places of the picture count as no farther from its corner, in pixels. There the side is all that matters, and what is as wide as float64
+/// reaches would never be found to be beside the picture.
+const FARTHEST: f64 = 1e18;
+
 /// A piece of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
@@ -79,10 +83,12 @@ impl<F: Fn(f64) -> DVec3> Cutter<'_, F> {
 
     fn place(&self, share: f64) -> Place {
         let point = (self.at)(share);
+        let far = DVec2::splat(FARTHEST);
+        let pixel = self.view.pixel(point);
         Place {
             share,
             point,
-            pixel: self.view.pixel(point),
+            pixel: pixel.map(|pixel| pixel.clamp(-far, far)),
         }
     }
 
@@ -129,8 +135,11 @@ impl<F: Fn(f64) -> DVec3> Cutter<'_, F> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+    use std::f64::consts::TAU;
+
     use super::*;
-    use crate::camera::{Camera, Equirectangular, Lens, RayStart, View as CameraView};
+    use crate::camera::{Camera, Equirectangular, Lens, RayStart, View as CameraView, Viewplane};
 
     fn pieces(camera: &Camera, [from, to]: [DVec3; 2]) -> Vec<Piece> {
         let cutter = Cutter {
@@ -172,6 +181,63 @@ mod tests {
             assert!((first.x - start).abs() <= 0.5 && (first.y - 240.0).abs() < 1e-9);
             assert!((last.x - (320.0 + 480.0 * 0.1 / 50.0)).abs() < 1e-9);
         }
+    }
+
+    /// Numbers that no camera has, as a file may give them: a circle is cut a few thousand times.
+    #[test]
+    fn extreme_cameras_end_too() {
+        let sizes = [1e-300, 1e-30, 1e-9, 1e-3, 1.0, 1e3, 1e9, 1e30, 1e300];
+        let mut worst = 0;
+        for far in [0.0, 1e-9, 0.5, 1.0, 3.0, 1e3, 1e9, 1e30] {
+            for focal_length in sizes {
+                for width in sizes {
+                    for (parallel, ray_start) in [
+                        (false, RayStart::Eye),
+                        (false, RayStart::Viewplane),
+                        (true, RayStart::Eye),
+                        (true, RayStart::Viewplane),
+                    ] {
+                        let lens = Lens::Flat(Viewplane {
+                            focal_length,
+                            width,
+                            height: width,
+                            parallel,
+                            ray_start,
+                            ..Viewplane::default()
+                        });
+                        let view = CameraView {
+                            position: DVec3::new(0.0, 0.1 * far, far),
+                            lens,
+                            ..CameraView::default()
+                        };
+                        let Ok(camera) = Camera::new(view) else {
+                            continue;
+                        };
+                        let asked = Cell::new(0_u32);
+                        let cutter = Cutter {
+                            view: &View::new(&camera),
+                            window: Window {
+                                low: DVec2::ZERO,
+                                high: DVec2::new(640.0, 480.0),
+                            },
+                            at: |share: f64| {
+                                asked.set(asked.get() + 1);
+                                assert!(
+                                    asked.get() < 1_000_000,
+                                    "{far} {focal_length} {width} {parallel} {ray_start:?}"
+                                );
+                                let (sine, cosine) = libm::sincos(share * TAU);
+                                DVec3::new(cosine, sine, 0.3 * cosine)
+                            },
+                            is_straight: false,
+                        };
+                        cutter.pieces();
+                        worst = worst.max(asked.get());
+                    }
+                }
+            }
+        }
+        assert!(worst < 20_000, "{worst}");
     }
 
     #[test]
