@@ -42,7 +42,7 @@ use crate::io::{Format, LoadSettings, Loaded, Report};
 use crate::memory::Block;
 use crate::world::World;
 
-pub use write::save;
+pub use write::{encode, save};
 
 /// The row of the list of formats.
 pub(crate) static FORMAT: Format = Format {

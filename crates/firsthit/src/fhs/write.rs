@@ -1,7 +1,7 @@
 //! Takes a scene apart, and writes its sections.
 
 use std::collections::HashMap;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -42,10 +42,65 @@ use crate::world::World;
 /// 65,536; [`Error::Write`] when the system refuses, [`Error::Limit`] where memory is short, and [`Error::Interrupted`] when `watch`
 /// stops it.
 pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Result<()> {
+    with_content(path, scene, world, watch, |content| {
+        write_whole(path, watch, |out| content.write(out))
+    })
+}
+
+/// The content of the file that [`save`] would write. [`load_bytes`](crate::load::load_bytes) reads it.
+///
+/// # Errors
+///
+/// Those of [`save`].
+pub fn encode(scene: &Scene, world: &World, watch: &dyn Watch) -> Result<Vec<u8>> {
+    let path = Path::new("memory");
+    with_content(path, scene, world, watch, |content| {
+        memory::check("a built scene's content", content.bytes())?;
+        let mut bytes = memory::room(content.bytes());
+        let written = content.write(&mut bytes);
+        written.map_err(|source| refused(path, source))?;
+        Ok(bytes)
+    })
+}
+
+/// What stands in a file.
+struct Content<'a> {
+    header: [u8; UNIT],
+    table: Vec<u8>,
+    sections: Vec<Part<'a>>,
+}
+
+impl Content<'_> {
+    /// Its length.
+    fn bytes(&self) -> usize {
+        let sections = self.sections.iter();
+        let sections = sections.map(|(_, bytes)| bytes.len().next_multiple_of(UNIT));
+        UNIT + self.table.len() + sections.sum::<usize>()
+    }
+
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(&self.header)?;
+        out.write_all(&self.table)?;
+        for (_, bytes) in &self.sections {
+            out.write_all(bytes)?;
+            let padding = bytes.len().next_multiple_of(UNIT) - bytes.len();
+            out.write_all([0; UNIT].get(..padding).unwrap_or_default())?;
+        }
+        Ok(())
+    }
+}
+
+/// Takes a scene apart for a file at `path`, and hands on what stands in it.
+fn with_content<T>(
+    path: &Path,
+    scene: &Scene,
+    world: &World,
+    watch: &dyn Watch,
+    then: impl FnOnce(&Content<'_>) -> Result<T>,
+) -> Result<T> {
     if cfg!(target_endian = "big") {
         let source = io::Error::other("built scenes are not written on big-endian machines");
-        let path = path.to_owned();
-        return Err(Error::Write { path, source });
+        return Err(refused(path, source));
     }
     check(world)?;
     let records = scene.objects().len().saturating_mul(RECORD_BYTES);
@@ -57,26 +112,22 @@ pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Res
     let duplicates = scene.duplicates().pairs();
     let mut parts = Parts::default();
     let record = record(scene, world, (&boxes, &duplicates), &mut parts);
-    let record = serde_json::to_vec(&record).map_err(io::Error::from);
-    let record = record.map_err(|source| {
-        let path = path.to_owned();
-        Error::Write { path, source }
-    })?;
+    let record = serde_json::to_vec(&record).map_err(|source| refused(path, source.into()))?;
     let sections = parts.sections(&record);
     let Some(sums) = sums(&sections, watch) else {
         return Err(Error::Interrupted);
     };
     let (header, table) = header_and_table(&sections, &sums, &record);
-    write_whole(path, watch, |out| {
-        out.write_all(&header)?;
-        out.write_all(&table)?;
-        for (_, bytes) in &sections {
-            out.write_all(bytes)?;
-            let padding = bytes.len().next_multiple_of(UNIT) - bytes.len();
-            out.write_all([0; UNIT].get(..padding).unwrap_or_default())?;
-        }
-        Ok(())
+    then(&Content {
+        header,
+        table,
+        sections,
     })
+}
+
+fn refused(path: &Path, source: io::Error) -> Error {
+    let path = path.to_owned();
+    Error::Write { path, source }
 }
 
 /// Refuses what a reader would.
