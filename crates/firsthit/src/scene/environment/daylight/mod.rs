@@ -114,6 +114,25 @@ impl Daylight {
         })
     }
 
+    /// [`Daylight::new`] with the sun in a direction of the world, of any length but zero.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::Error::Argument) for a sun below the horizon, and for other numbers out of range.
+    pub fn with_sun_towards(
+        up: DVec3,
+        towards: DVec3,
+        turbidity: f64,
+        ground: Color,
+    ) -> Result<Self> {
+        require_direction("up", up)?;
+        require_direction("sun", towards)?;
+        let own = upright(up).transpose() * unit(towards);
+        let elevation = libm::atan2(own.y, libm::hypot(own.x, own.z)).to_degrees();
+        let azimuth = libm::atan2(-own.z, own.x).to_degrees();
+        Self::new(up, elevation, azimuth, turbidity, ground)
+    }
+
     /// Which way is up.
     pub fn up(&self) -> DVec3 {
         self.up
