@@ -43,9 +43,9 @@ pub(crate) fn explain<'py>(
     };
     let scene = &scene.0;
     let told = |explanation: &Explanation<'_>| {
-        let json = firsthit_cli::story::json(explanation);
+        let json = firsthit_cli::explanation::json(explanation);
         (
-            firsthit_cli::story::text(explanation, false),
+            firsthit_cli::explanation::text(explanation, false),
             json.to_string(),
         )
     };

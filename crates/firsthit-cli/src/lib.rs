@@ -20,7 +20,7 @@ mod rays;
 mod usage;
 mod values;
 
-pub use firsthit_view::story;
+pub use firsthit_view::explanation;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};

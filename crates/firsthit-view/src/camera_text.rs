@@ -1,4 +1,4 @@
-//! A camera in the words of other programs.
+//! A camera as text for the program, for Python, for scene files and for other programs.
 //!
 //! The options, the call and the table make the same camera to the last bit. The matrices and COLMAP's lines are rounded.
 
@@ -18,75 +18,75 @@ impl Viewer {
     /// # Errors
     ///
     /// [`Error::Argument`](firsthit::Error::Argument) for a camera that makes no sense.
-    pub fn say(&self, sight: &FlatCamera) -> Result<Value> {
-        let camera = sight.camera()?;
+    pub fn camera_text(&self, flat: &FlatCamera) -> Result<Value> {
+        let camera = flat.camera()?;
         Ok(json!({
-            "command": command(sight),
-            "python": python(sight),
-            "toml": toml(sight),
-            "opencv": matrices(&camera, Convention::OpenCv).map(|of| opencv(sight, &of)),
-            "colmap": matrices(&camera, Convention::Colmap).map(|of| colmap(sight, &of)),
+            "command": command(flat),
+            "python": python(flat),
+            "toml": toml(flat),
+            "opencv": matrices(&camera, Convention::OpenCv).map(|of| opencv(flat, &of)),
+            "colmap": matrices(&camera, Convention::Colmap).map(|of| colmap(flat, &of)),
         }))
     }
 }
 
-fn command(sight: &FlatCamera) -> String {
-    let [position, aim, up] = vectors(sight).map(exact_triple);
-    let [focal_length, width, height] = plane(sight);
-    let parallel = match sight.projection {
+fn command(flat: &FlatCamera) -> String {
+    let [position, aim, up] = vectors(flat).map(exact_triple);
+    let [focal_length, width, height] = plane(flat);
+    let parallel = match flat.projection {
         Projection::Perspective => "",
         Projection::Orthographic => " --orthographic",
     };
-    let FlatCamera { rows, columns, .. } = sight;
+    let FlatCamera { rows, columns, .. } = flat;
     format!(
         "--position {position} --aim {aim} --up {up} --focal-length {focal_length} --viewplane {width}x{height} \
          --ray-start {}{parallel} --size {columns}x{rows}",
-        start(sight)
+        start(flat)
     )
 }
 
-fn python(sight: &FlatCamera) -> String {
-    let [position, aim, up] = vectors(sight).map(|v| exact_triple(v).replace(',', ", "));
-    let [focal_length, width, height] = plane(sight);
-    let projection = projection(sight);
-    let FlatCamera { rows, columns, .. } = sight;
+fn python(flat: &FlatCamera) -> String {
+    let [position, aim, up] = vectors(flat).map(|v| exact_triple(v).replace(',', ", "));
+    let [focal_length, width, height] = plane(flat);
+    let projection = projection(flat);
+    let FlatCamera { rows, columns, .. } = flat;
     format!(
         "fh.Camera(({position}), ({aim}), ({up}), {focal_length}, {width}, {height}, {rows}, {columns}, \"{projection}\", \
          ray_start=\"{}\")",
-        start(sight)
+        start(flat)
     )
 }
 
-fn toml(sight: &FlatCamera) -> String {
-    let [position, aim, up] = vectors(sight).map(|v| exact_triple(v).replace(',', ", "));
-    let [focal_length, width, height] = plane(sight);
-    let FlatCamera { rows, columns, .. } = sight;
+fn toml(flat: &FlatCamera) -> String {
+    let [position, aim, up] = vectors(flat).map(|v| exact_triple(v).replace(',', ", "));
+    let [focal_length, width, height] = plane(flat);
+    let FlatCamera { rows, columns, .. } = flat;
     format!(
         "[camera]\nposition = [{position}]\naim = [{aim}]\nup = [{up}]\nfocal_length = {focal_length}\nwidth = {width}\n\
          height = {height}\nray_start = \"{}\"\nprojection = \"{}\"\nrows = {rows}\ncolumns = {columns}\n",
-        start(sight),
-        projection(sight)
+        start(flat),
+        projection(flat)
     )
 }
 
-fn vectors(sight: &FlatCamera) -> [DVec3; 3] {
-    [sight.position, sight.aim, sight.up].map(DVec3::from)
+fn vectors(flat: &FlatCamera) -> [DVec3; 3] {
+    [flat.position, flat.aim, flat.up].map(DVec3::from)
 }
 
 /// The focal length, the width and the height of the viewplane.
-fn plane(sight: &FlatCamera) -> [String; 3] {
-    [sight.focal_length, sight.width, sight.height].map(exact_number)
+fn plane(flat: &FlatCamera) -> [String; 3] {
+    [flat.focal_length, flat.width, flat.height].map(exact_number)
 }
 
-fn projection(sight: &FlatCamera) -> &'static str {
-    match sight.projection {
+fn projection(flat: &FlatCamera) -> &'static str {
+    match flat.projection {
         Projection::Perspective => "perspective",
         Projection::Orthographic => "orthographic",
     }
 }
 
-fn start(sight: &FlatCamera) -> &'static str {
-    match sight.ray_start {
+fn start(flat: &FlatCamera) -> &'static str {
+    match flat.ray_start {
         RaysStart::Eye => "eye",
         RaysStart::Viewplane => "viewplane",
     }
@@ -109,12 +109,12 @@ fn matrices(camera: &Camera, convention: Convention) -> Option<Matrices> {
         .then_some(Matrices { pixels, pose })
 }
 
-fn opencv(sight: &FlatCamera, Matrices { pixels, pose }: &Matrices) -> Value {
-    json!({"k": pixels, "camera_from_world": pose, "size": [sight.columns, sight.rows]})
+fn opencv(flat: &FlatCamera, Matrices { pixels, pose }: &Matrices) -> Value {
+    json!({"k": pixels, "camera_from_world": pose, "size": [flat.columns, flat.rows]})
 }
 
 /// The lines of `cameras.txt` and `images.txt`.
-fn colmap(sight: &FlatCamera, Matrices { pixels, pose }: &Matrices) -> String {
+fn colmap(flat: &FlatCamera, Matrices { pixels, pose }: &Matrices) -> String {
     let column = |k: usize| DVec3::new(pose[0][k], pose[1][k], pose[2][k]);
     let rotation = DQuat::from_mat3(&DMat3::from_cols(column(0), column(1), column(2)));
     let DQuat { x, y, z, w } = rotation.normalize();
@@ -122,7 +122,7 @@ fn colmap(sight: &FlatCamera, Matrices { pixels, pose }: &Matrices) -> String {
     let numbers: Vec<String> = numbers.map(exact_number).collect();
     let [[fx, _, cx], [_, fy, cy], _] = *pixels;
     let lens: Vec<String> = [fx, fy, cx, cy].map(exact_number).into();
-    let FlatCamera { rows, columns, .. } = sight;
+    let FlatCamera { rows, columns, .. } = flat;
     format!(
         "1 PINHOLE {columns} {rows} {}\n1 {} 1 view.png\n",
         lens.join(" "),

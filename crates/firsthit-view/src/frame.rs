@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use firsthit::channel::{self, Kind};
 use firsthit::edge::Edges;
-use firsthit::geometry::Value;
+use firsthit::geometry::{Value, rotation};
 use firsthit::image::{self, Channel, Data, Frame, WriteSettings};
 use firsthit::render::{Appearance, Picture, SAMPLES};
-use firsthit::scene::{DirectionalLight, Light};
+use firsthit::scene::{Daylight, DirectionalLight, Environment, EnvironmentKind, Light};
 use firsthit::sensor::Sensor;
 use firsthit::shade::{LightRig, Shader};
 use firsthit::shoot::Cpu;
@@ -18,7 +18,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
 use crate::cut::{CutCamera, CutPlane};
-use crate::look::FrameRequest;
+use crate::look::{EnvironmentChoice, EnvironmentRequest, FrameRequest};
 use crate::viewer::{ProgressiveState, Viewer};
 
 /// The state of a picture of more pixels is not kept: each takes some forty bytes.
@@ -26,6 +26,10 @@ const MOST_KEPT: usize = 1 << 22;
 
 /// The diameter of the sun that a page moves, in degrees.
 const SUN: f64 = 2.0;
+
+/// Where the sun of daylight stands, where nobody says: its height and how far it is around, in degrees.
+const SUN_ELEVATION: f64 = 40.0;
+const SUN_AZIMUTH: f64 = -60.0;
 
 /// What a white surface that faces it takes: with the light that fills its shadows, no more than white.
 const SUNLIGHT: f64 = 0.75;
@@ -158,24 +162,74 @@ impl Viewer {
 
     /// The part of the scene that is asked for, in the light that is.
     fn lit(&self, look: &FrameRequest) -> Result<Arc<Scene>> {
-        let scene = self.scene_of(&look.part)?;
-        let Some(sun) = look.sun.filter(|_| look.is_lit) else {
+        let scene = self.scene_of(&look.part, &look.colors)?;
+        let asked = look.sun.is_some() || look.environment.is_some();
+        if !asked || !look.is_lit {
             return Ok(scene);
-        };
-        let direction = DVec3::from(sun);
-        if !direction.is_finite() || direction == DVec3::ZERO {
-            let expected = "a finite direction other than zero";
-            return Err(Error::argument("sun", expected, format!("{sun:?}")));
         }
-        let light = Light::Directional(DirectionalLight {
-            direction,
-            color: Color::splat(SUNLIGHT),
-            angle_degrees: SUN,
-        });
-        let scene = scene.try_clone()?;
-        Ok(Arc::new(
-            scene.with_lights(vec![light]).with_environment(None),
-        ))
+        let sun = look.sun.map(|sun| direction("sun", sun)).transpose()?;
+        let environment = match &look.environment {
+            Some(request) => self.environment(request, scene.up(), sun)?,
+            None => None,
+        };
+        let day = environment.as_ref().and_then(Environment::sun);
+        let scene = scene
+            .try_clone()?
+            .with_environment(environment.map(Arc::new));
+        let lights = match (day, sun) {
+            (Some(sun), _) => vec![sun],
+            (None, Some(direction)) => vec![Light::Directional(DirectionalLight {
+                direction,
+                color: Color::splat(SUNLIGHT),
+                angle_degrees: SUN,
+            })],
+            (None, None) => return Ok(Arc::new(scene)),
+        };
+        Ok(Arc::new(scene.with_lights(lights)))
+    }
+
+    /// The light from all around that is asked for.
+    fn environment(
+        &self,
+        request: &EnvironmentRequest,
+        up: DVec3,
+        sun: Option<DVec3>,
+    ) -> Result<Option<Environment>> {
+        let EnvironmentRequest {
+            choice,
+            strength,
+            turn,
+        } = *request;
+        if !turn.is_finite() {
+            return Err(Error::argument("turn", "a finite angle", turn));
+        }
+        let environment = match choice {
+            EnvironmentChoice::None => return Ok(None),
+            EnvironmentChoice::Own => {
+                let Some(own) = self.scene().environment() else {
+                    return Ok(None);
+                };
+                let mut own = own.clone();
+                if let EnvironmentKind::Map { world_from_map, .. } = &mut own.kind {
+                    *world_from_map = rotation(up, turn) * *world_from_map;
+                }
+                own.strength *= strength;
+                own
+            }
+            EnvironmentChoice::Daylight => {
+                let (haze, ground) = (Daylight::CLEAR, Daylight::GROUND);
+                let daylight = match sun {
+                    Some(direction) => Daylight::with_sun_towards(up, -direction, haze, ground)?,
+                    None => Daylight::new(up, SUN_ELEVATION, SUN_AZIMUTH, haze, ground)?,
+                };
+                Environment {
+                    strength,
+                    ..Environment::new(EnvironmentKind::Daylight(daylight))
+                }
+            }
+        };
+        environment.check()?;
+        Ok(Some(environment))
     }
 
     /// What a picture looks like: as `firsthit render` would make it, or lit from the camera and without shadows, which is soon done. So is
@@ -185,7 +239,8 @@ impl Viewer {
         let rig = look.light.as_deref().map(str::parse).transpose()?;
         appearance.samples = look.samples.or(appearance.samples);
         if look.is_lit && look.part.cut.is_none() {
-            if look.sun.is_some() {
+            let choice = look.environment.map(|request| request.choice);
+            if look.sun.is_some() || choice == Some(EnvironmentChoice::Daylight) {
                 appearance.rig = None;
             } else {
                 appearance.rig = rig.or(appearance.rig);
@@ -202,6 +257,16 @@ impl Viewer {
         }
         Ok(appearance)
     }
+}
+
+/// A direction that a page gives.
+fn direction(name: &'static str, given: [f64; 3]) -> Result<DVec3> {
+    let direction = DVec3::from(given);
+    if !direction.is_finite() || direction == DVec3::ZERO {
+        let expected = "a finite direction other than zero";
+        return Err(Error::argument(name, expected, format!("{given:?}")));
+    }
+    Ok(direction)
 }
 
 /// The numbers of a channel: of float64 the nearest float32.

@@ -70,7 +70,16 @@ impl Viewer {
             "maps": maps.collect::<serde_json::Map<_, _>>(),
             "lights": LightRig::NAMES,
             "views": views.collect::<Vec<_>>(),
+            "environment": self.scene().environment().is_some(),
+            "samples": self.samples(),
             "edges": self.edges.map(|edges| edges.width),
         })
+    }
+
+    /// As many samples as `firsthit render` takes; null where it would refuse the camera.
+    fn samples(&self) -> Option<u32> {
+        let camera = self.sight.camera().ok()?;
+        let resolved = self.appearance.resolve(self.scene(), Some(&camera));
+        Some(resolved.ok()?.samples)
     }
 }

@@ -1,25 +1,37 @@
 //! What a page that shows a scene asks, and the server that answers it.
 //!
 //! A page asks three things of an engine, whatever carries them: [`Viewer::info`] once, [`Viewer::frame`] for each picture, and
-//! [`Viewer::probe`] for a pixel. [`Viewer::say`] tells a camera in the words of other programs. Each takes and gives JSON or bytes, and
-//! opens nothing.
+//! [`Viewer::probe`] for a pixel. [`Viewer::camera_text`] writes a camera as other programs read it. Each takes and gives JSON or bytes, and
+//! opens nothing. [`Viewer::answer`] takes such a question by its name.
 //!
-//! [`server`] serves the page and answers it, on the loopback interface alone.
+//! [`server`] serves the page and answers it, on the loopback interface alone. [`Viewer::report`] puts the page, the scene and an engine
+//! into one file.
 
+mod answer;
+mod camera_text;
 mod cut;
+pub mod explanation;
 mod frame;
 mod info;
 mod look;
 mod open;
+#[cfg(feature = "page")]
+mod page_files;
 mod probe;
-mod say;
+#[cfg(feature = "page")]
+mod report;
 #[cfg(feature = "server")]
 pub mod server;
-pub mod story;
 mod viewer;
 pub mod words;
 
+pub use answer::{Answer, AnswerError};
 pub use frame::{Painted, Pixels};
-pub use look::{Cut, FlatCamera, FrameRequest, Projection, RaysStart, Visibility};
+pub use look::{
+    Cut, EnvironmentChoice, EnvironmentRequest, FlatCamera, FrameRequest, Projection, RaysStart,
+    Visibility,
+};
 pub use probe::Probe;
+#[cfg(feature = "page")]
+pub use report::Module;
 pub use viewer::Viewer;

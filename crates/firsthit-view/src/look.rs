@@ -24,9 +24,16 @@ pub struct FrameRequest {
     /// A set of lights by name, in place of the lights that the scene has.
     #[serde(default)]
     pub light: Option<String>,
-    /// Where the light of a sun goes, in place of all other lights; of any length but zero.
+    /// Where the light of a sun goes, in place of all other lights and of the environment; of any length but zero. With the environment
+    /// `daylight` it is that sky's sun.
     #[serde(default)]
     pub sun: Option<[f64; 3]>,
+    /// Light from all around in place of what the scene has.
+    #[serde(default)]
+    pub environment: Option<EnvironmentRequest>,
+    /// Objects in colours of their own, by their identifiers; the colours are linear.
+    #[serde(default)]
+    pub colors: Vec<(usize, [f64; 3])>,
     /// Whether there is a ground; by default where `firsthit render` has one.
     #[serde(default)]
     pub ground: Option<bool>,
@@ -36,6 +43,55 @@ pub struct FrameRequest {
     /// What is seen of the scene.
     #[serde(default)]
     pub part: Visibility,
+}
+
+impl FrameRequest {
+    /// The colours that a camera sees of the scene as it is, lit from the camera.
+    pub fn new(camera: FlatCamera) -> Self {
+        Self {
+            camera,
+            channel: color(),
+            samples: None,
+            is_lit: false,
+            light: None,
+            sun: None,
+            environment: None,
+            colors: Vec::new(),
+            ground: None,
+            edges: None,
+            part: Visibility::default(),
+        }
+    }
+}
+
+/// Light from all around, as a page asks for it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnvironmentRequest {
+    /// Which.
+    pub choice: EnvironmentChoice,
+    /// What its radiance is multiplied by.
+    #[serde(default = "one")]
+    pub strength: f64,
+    /// So many degrees a map is turned about the scene's up, counter-clockwise seen from above.
+    #[serde(default)]
+    pub turn: f64,
+}
+
+/// Which light from all around.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EnvironmentChoice {
+    /// What the scene has.
+    Own,
+    /// None.
+    None,
+    /// The sky of a clear day, with its sun where the request has one, else halfway up.
+    Daylight,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// What is seen of a scene.

@@ -40,7 +40,8 @@ impl Viewer {
             coloring: model.coloring,
             samples: model.samples,
         };
-        Ok(Self::new(title, scene, appearance, &camera)?.warned(warnings))
+        let viewer = Self::new(title, scene, appearance, &camera)?;
+        Ok(viewer.shown(model.display, model.edges).warned(warnings))
     }
 
     /// The embedded example, as `firsthit demo` shows it.
@@ -56,11 +57,6 @@ impl Viewer {
         };
         let camera = example::camera(480, 640)?;
         Self::new("demo", example::scene()?, appearance, &camera)
-    }
-
-    /// The scene that is looked at.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
     }
 }
 

@@ -2,59 +2,78 @@
 
 /// The type of scripts.
 const SCRIPT: &str = "text/javascript; charset=utf-8";
+/// The type of the module, which is packed by gzip.
+const PACKED: &str = "application/gzip";
 
-/// Each with its type and its bytes.
-const PAGES: &[(&str, &str, &[u8])] = &[
-    (
-        "/",
-        "text/html; charset=utf-8",
-        include_bytes!("../../web/index.html"),
-    ),
-    (
-        "/app.css",
-        "text/css; charset=utf-8",
-        include_bytes!("../../web/app.css"),
-    ),
-    ("/camera.js", SCRIPT, include_bytes!("../../web/camera.js")),
-    (
-        "/chapter.js",
-        SCRIPT,
-        include_bytes!("../../web/chapter.js"),
-    ),
-    ("/color.js", SCRIPT, include_bytes!("../../web/color.js")),
-    (
-        "/compare.js",
-        SCRIPT,
-        include_bytes!("../../web/compare.js"),
-    ),
-    ("/cut.js", SCRIPT, include_bytes!("../../web/cut.js")),
-    ("/dom.js", SCRIPT, include_bytes!("../../web/dom.js")),
-    (
-        "/engine-native.js",
-        SCRIPT,
-        include_bytes!("../../web/engine-native.js"),
-    ),
-    ("/hands.js", SCRIPT, include_bytes!("../../web/hands.js")),
-    ("/hear.js", SCRIPT, include_bytes!("../../web/hear.js")),
-    (
-        "/light-ball.js",
-        SCRIPT,
-        include_bytes!("../../web/light-ball.js"),
-    ),
-    ("/main.js", SCRIPT, include_bytes!("../../web/main.js")),
-    ("/marks.js", SCRIPT, include_bytes!("../../web/marks.js")),
-    (
-        "/objects.js",
-        SCRIPT,
-        include_bytes!("../../web/objects.js"),
-    ),
-    ("/story.js", SCRIPT, include_bytes!("../../web/story.js")),
-    ("/view.js", SCRIPT, include_bytes!("../../web/view.js")),
-];
+/// The page itself.
+pub(crate) const INDEX: &str = include_str!("../web/index.html");
+/// How it looks.
+pub(crate) const STYLE: &str = include_str!("../web/app.css");
+
+/// A script of the page.
+#[derive(Debug)]
+pub(crate) struct Script {
+    pub(crate) name: &'static str,
+    pub(crate) text: &'static str,
+}
+
+macro_rules! scripts {
+    ($($name:literal)*) => {
+        &[$(Script { name: $name, text: include_str!(concat!("../web/", $name)) },)*]
+    };
+}
+
+/// Its scripts, each after those that it imports.
+pub(crate) const SCRIPTS: &[Script] = scripts! {
+    "dom.js"
+    "memory.js"
+    "camera.js"
+    "color.js"
+    "probe-text.js"
+    "camera-text.js"
+    "engine.js"
+    "engine-native.js"
+    "engine-port.js"
+    "engine-wasm.js"
+    "engines.js"
+    "status.js"
+    "picture.js"
+    "compare.js"
+    "cut.js"
+    "light-ball.js"
+    "marks.js"
+    "objects.js"
+    "pointer.js"
+    "keys.js"
+    "view.js"
+    "chapter.js"
+    "page.js"
+    "main.js"
+};
+
+/// The scripts of the worker that runs the module.
+pub(crate) const WORKER: &[Script] = scripts! {
+    "firsthit.mjs"
+    "worker.js"
+};
+
+/// The WebAssembly module, packed by gzip, where it was there when this crate was compiled: see `build.rs`.
+#[cfg(has_module)]
+pub(crate) const MODULE: Option<&[u8]> = Some(include_bytes!("../module/firsthit.wasm.gz"));
+#[cfg(not(has_module))]
+pub(crate) const MODULE: Option<&[u8]> = None;
 
 /// The type and the bytes of a file of the page.
-pub(super) fn page(path: &str) -> Option<(&'static str, &'static [u8])> {
-    let mut pages = PAGES.iter();
-    let (_, kind, bytes) = pages.find(|(known, _, _)| *known == path)?;
-    Some((kind, bytes))
+#[cfg(feature = "server")]
+pub(crate) fn file(path: &str) -> Option<(&'static str, &'static [u8])> {
+    match path.strip_prefix('/')? {
+        "" => Some(("text/html; charset=utf-8", INDEX.as_bytes())),
+        "app.css" => Some(("text/css; charset=utf-8", STYLE.as_bytes())),
+        "firsthit.wasm.gz" => MODULE.map(|module| (PACKED, module)),
+        name => {
+            let mut scripts = SCRIPTS.iter().chain(WORKER);
+            let script = scripts.find(|script| script.name == name)?;
+            Some((SCRIPT, script.text.as_bytes()))
+        }
+    }
 }

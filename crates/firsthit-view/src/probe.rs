@@ -7,8 +7,8 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::cut::CutPlane;
+use crate::explanation;
 use crate::look::{FlatCamera, Visibility};
-use crate::story;
 use crate::viewer::Viewer;
 
 /// A question about a pixel.
@@ -33,7 +33,7 @@ impl Viewer {
     /// [`Error::Argument`](firsthit::Error::Argument) for a camera that makes no sense, and for a pixel outside of the picture.
     pub fn probe(&self, asked: &Probe, watch: &dyn Watch) -> Result<Value> {
         let camera = asked.camera.camera()?;
-        let scene = self.scene_of(&asked.part)?;
+        let scene = self.scene_of(&asked.part, &[])?;
         let mut settings = ExplainSettings::default();
         let [column, row] = asked.pixel;
         let is_inside = column < camera.columns() && row < camera.rows();
@@ -41,12 +41,12 @@ impl Viewer {
             let ray = CutPlane::new(cut)?.behind(camera.ray(row, column));
             (settings.t_min, settings.t_max) = (Some(ray.t_min), Some(ray.t_max));
         }
-        let story = explain_pixel(&scene, &camera, asked.pixel, &settings, watch)?;
-        let mut told = story::json(&story);
+        let explained = explain_pixel(&scene, &camera, asked.pixel, &settings, watch)?;
+        let mut told = explanation::json(&explained);
         if let Some(fields) = told.as_object_mut() {
             fields.remove("candidates");
         }
-        told["text"] = story::text(&story, false).into();
+        told["text"] = explanation::text(&explained, false).into();
         Ok(told)
     }
 }

@@ -6,7 +6,7 @@ use firsthit::camera::StandardView;
 use firsthit::edge::Edges;
 use firsthit::image::Frame;
 use firsthit::render::{Appearance, framing_camera};
-use firsthit::{Camera, DisplayTransform, Error, Result, Scene};
+use firsthit::{Camera, Color, DisplayTransform, Error, Object, Result, Scene};
 
 use crate::look::{FlatCamera, FrameRequest, Visibility};
 
@@ -20,10 +20,19 @@ pub struct Viewer {
     pub(crate) warnings: Vec<String>,
     pub(crate) display: DisplayTransform,
     pub(crate) edges: Option<Edges>,
-    /// The scene as the last question wanted it, by what of each object is hidden.
-    without: Mutex<Option<(Vec<bool>, Arc<Scene>)>>,
+    /// The scene as the last question wanted it.
+    changed: Mutex<Option<(Changes, Arc<Scene>)>>,
     /// The last picture of several samples that was made, to be gone on with.
     begun: Mutex<Option<ProgressiveState>>,
+}
+
+/// How a scene is to differ from the viewer's.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Changes {
+    /// Whether each object is hidden, where that is not as the scene has it.
+    hidden: Option<Vec<bool>>,
+    /// Objects with other colours.
+    colors: Vec<(usize, [f64; 3])>,
 }
 
 /// A picture that is not at its end.
@@ -66,7 +75,7 @@ impl Viewer {
             warnings,
             display: DisplayTransform::default(),
             edges: None,
-            without: Mutex::new(None),
+            changed: Mutex::new(None),
             begun: Mutex::new(None),
         })
     }
@@ -93,23 +102,55 @@ impl Viewer {
         &self.scene
     }
 
-    /// The objects that are to be seen, of all. Meshes and their trees are shared; the tree over the objects is built anew.
-    pub(crate) fn scene_of(&self, visibility: &Visibility) -> Result<Arc<Scene>> {
-        let Some(hidden) = self.hidden_of(visibility)? else {
-            return Ok(Arc::clone(&self.scene));
+    /// The scene with the objects that are to be seen, in their colours. Meshes and their trees are shared; the tree over the objects is
+    /// built anew where others are hidden.
+    pub(crate) fn scene_of(
+        &self,
+        visibility: &Visibility,
+        colors: &[(usize, [f64; 3])],
+    ) -> Result<Arc<Scene>> {
+        let changes = Changes {
+            hidden: self.hidden_of(visibility)?,
+            colors: colors.to_vec(),
         };
-        let mut without = lock(&self.without);
-        if let Some((known, scene)) = &*without
-            && *known == hidden
+        if changes == Changes::default() {
+            return Ok(Arc::clone(&self.scene));
+        }
+        let mut changed = lock(&self.changed);
+        if let Some((known, scene)) = &*changed
+            && *known == changes
         {
             return Ok(Arc::clone(scene));
         }
-        let mut scene = self.scene.try_clone()?;
-        let flags: Vec<(usize, bool)> = hidden.iter().copied().enumerate().collect();
-        scene.hide_objects(&flags)?;
+        let mut scene = if colors.is_empty() {
+            self.scene.try_clone()?
+        } else {
+            self.scene.with_objects(self.colored(colors)?)?
+        };
+        if let Some(hidden) = &changes.hidden {
+            let flags: Vec<(usize, bool)> = hidden.iter().copied().enumerate().collect();
+            scene.hide_objects(&flags)?;
+        }
         let scene = Arc::new(scene);
-        *without = Some((hidden, Arc::clone(&scene)));
+        *changed = Some((changes, Arc::clone(&scene)));
         Ok(scene)
+    }
+
+    /// The objects, some of them in one colour each.
+    fn colored(&self, colors: &[(usize, [f64; 3])]) -> Result<Vec<Object>> {
+        let mut objects = self.scene.objects().to_vec();
+        for &(number, color) in colors {
+            let Some(object) = objects.get_mut(number) else {
+                let expected = "identifiers of objects";
+                return Err(Error::argument("colors", expected, number));
+            };
+            if !color.iter().all(|part| (0.0..=1.0).contains(part)) {
+                let expected = "parts from 0 to 1";
+                return Err(Error::argument("colors", expected, format!("{color:?}")));
+            }
+            *object = object.clone().colored(Color::from(color));
+        }
+        Ok(objects)
     }
 
     /// Whether each object is hidden; `None` where that is as the scene has it.

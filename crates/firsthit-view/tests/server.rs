@@ -155,7 +155,9 @@ fn the_page_is_served_with_its_policy() {
                 policy.starts_with("default-src 'none'; script-src 'self'"),
                 "{policy}"
             );
-            assert!(!policy.contains("unsafe"), "{policy}");
+            // It compiles the WebAssembly module, and no text.
+            let others = policy.replace("'wasm-unsafe-eval'", "");
+            assert!(!others.contains("unsafe"), "{policy}");
             for directive in [
                 "frame-ancestors 'none'",
                 "base-uri 'none'",
@@ -294,7 +296,7 @@ fn questions_need_the_token() {
         let mut wrong = page.token.to_owned();
         let last = if wrong.ends_with('0') { "1" } else { "0" };
         wrong.replace_range(47.., last);
-        for path in ["/info", "/frame", "/probe", "/say", "/alive"] {
+        for path in ["/info", "/frame", "/probe", "/camera", "/alive"] {
             for token in [
                 None,
                 Some(""),
@@ -446,7 +448,11 @@ fn more_connections_than_sixteen_are_turned_away() {
         let connect = || TcpStream::connect(("127.0.0.1", page.port)).unwrap();
         let mut open: Vec<TcpStream> = (0..16).map(|_| connect()).collect();
         for stream in &mut open {
-            let one = format!("GET /app.css HTTP/1.1\r\n{}\r\n\r\n", page.host());
+            let token = format!("X-Firsthit-Token: {}", page.token);
+            let one = format!(
+                "POST /alive HTTP/1.1\r\n{}\r\n{token}\r\nContent-Length: 0\r\n\r\n",
+                page.host()
+            );
             stream.write_all(one.as_bytes()).unwrap();
             assert_eq!(read_reply(stream).status, 200);
         }
@@ -460,6 +466,24 @@ fn more_connections_than_sixteen_are_turned_away() {
             );
             sleep(Duration::from_millis(10));
         }
+    });
+}
+
+/// Whoever says nothing, or has no token, keeps nobody out.
+#[test]
+fn strangers_make_room() {
+    served(|page| {
+        let connect = || TcpStream::connect(("127.0.0.1", page.port)).unwrap();
+        let mut silent: Vec<TcpStream> = (0..16).map(|_| connect()).collect();
+        let started = Instant::now();
+        assert_eq!(page.post("/alive", &json!({})).status, 200);
+        assert!(started.elapsed() < Duration::from_secs(4));
+        // The oldest has gone, and no other.
+        assert_eq!(silent[0].read(&mut [0]).unwrap(), 0);
+        let last = silent.last_mut().unwrap();
+        let one = format!("GET /app.css HTTP/1.1\r\n{}\r\n\r\n", page.host());
+        last.write_all(one.as_bytes()).unwrap();
+        assert_eq!(read_reply(last).status, 200);
     });
 }
 
@@ -672,6 +696,8 @@ fn a_frame_ends_when_nobody_waits_for_it() {
             stream
         };
         let many: Vec<TcpStream> = (0..16).map(ask).collect();
+        // They are known by their tokens before anyone else comes.
+        sleep(Duration::from_secs(1));
         let started = Instant::now();
         while page.get("/").status != 503 {
             assert!(

@@ -1,7 +1,7 @@
 // @ts-check
-// A camera from the words of other programs: what the page says of its own, and what others say of theirs.
+// A camera from text: what the page writes of its own, and what other programs write of theirs.
 
-/** @typedef {import("./engine-native.js").Sight} Sight */
+/** @typedef {import("./engine.js").FlatCamera} FlatCamera */
 
 const NUMBER = "[-+]?(?:\\d+\\.?\\d*|\\.\\d+)(?:e[-+]?\\d+)?";
 const FAILURE = "This is no camera that the page knows: it takes a position with an aim or a point to look at, and what it says itself.";
@@ -12,29 +12,29 @@ const numbersOf = (text) => (text.match(new RegExp(NUMBER, "gi")) ?? []).map(Num
 /** The longest text that is read. */
 const LONGEST = 10_000;
 
-/** A camera from text; an error says what is wrong. Whether its numbers make a camera the engine says. @param {string} text @param {number} rows of the picture, where the text has none @param {number} columns @param {number[]} up the scene's, where the text has none @returns {Sight} */
-export function hear(text, rows, columns, up) {
+/** A camera from text; an error says what is wrong. Whether its numbers make a camera the engine says. @param {string} text @param {number} rows of the picture, where the text has none @param {number} columns @param {number[]} up the scene's, where the text has none @returns {FlatCamera} */
+export function parseCamera(text, rows, columns, up) {
     const trimmed = text.trim();
     if (trimmed.length > LONGEST) throw new Error(FAILURE);
-    let sight;
+    let camera;
     try {
-        sight = trimmed.startsWith("{") ? ofMatrices(JSON.parse(trimmed), rows, columns) : ofWords(trimmed, rows, columns, up);
+        camera = trimmed.startsWith("{") ? ofMatrices(JSON.parse(trimmed), rows, columns) : ofText(trimmed, rows, columns, up);
     } catch (error) {
         throw error instanceof SyntaxError || error instanceof TypeError ? new Error(FAILURE) : error;
     }
-    const numbers = [...sight.position, ...sight.aim, ...sight.up, sight.focal_length, sight.width, sight.height, sight.rows, sight.columns];
+    const numbers = [...camera.position, ...camera.aim, ...camera.up, camera.focal_length, camera.width, camera.height, camera.rows, camera.columns];
     if (!numbers.every(Number.isFinite)) throw new Error(FAILURE);
-    return sight;
+    return camera;
 }
 
-/** @param {string} text @param {number} rows @param {number} columns @param {number[]} up @returns {Sight} */
-function ofWords(text, rows, columns, up) {
+/** @param {string} text @param {number} rows @param {number} columns @param {number[]} up @returns {FlatCamera} */
+function ofText(text, rows, columns, up) {
     if (/\bPINHOLE\b/.test(text)) return ofColmap(text);
     if (/\bCamera\s*\(/.test(text)) return ofPython(text);
     return ofNames(text, rows, columns, up);
 }
 
-/** Options of the command line, or a table of a scene file: names and what follows them. @param {string} text @param {number} rows @param {number} columns @param {number[]} usualUp @returns {Sight} */
+/** Options of the command line, or a table of a scene file: names and what follows them. @param {string} text @param {number} rows @param {number} columns @param {number[]} usualUp @returns {FlatCamera} */
 function ofNames(text, rows, columns, usualUp) {
     /** @param {string} name */
     const after = (name) => {
@@ -71,7 +71,7 @@ function ofNames(text, rows, columns, usualUp) {
     };
 }
 
-/** A call of Python's. @param {string} text @returns {Sight} */
+/** A call of Python's. @param {string} text @returns {FlatCamera} */
 function ofPython(text) {
     const call = text.slice(text.indexOf("("));
     const n = numbersOf(call);
@@ -84,7 +84,7 @@ function ofPython(text) {
     };
 }
 
-/** A camera in the axes right, down and forwards. @param {number[][]} rotation from the world @param {number[]} shift @param {number[]} focal lengths in pixels @param {number[]} middle in pixels, from the picture's corner @param {number} rows @param {number} columns @returns {Sight} */
+/** A camera in the axes right, down and forwards. @param {number[][]} rotation from the world @param {number[]} shift @param {number[]} focal lengths in pixels @param {number[]} middle in pixels, from the picture's corner @param {number} rows @param {number} columns @returns {FlatCamera} */
 function ofPose(rotation, shift, focal, middle, rows, columns) {
     const isInTheMiddle = Math.abs(middle[0] - columns / 2) < 1e-6 * columns && Math.abs(middle[1] - rows / 2) < 1e-6 * rows;
     if (!isInTheMiddle) throw new Error("The page's camera has its principal point in the picture's middle; this one has not.");
@@ -95,7 +95,7 @@ function ofPose(rotation, shift, focal, middle, rows, columns) {
     };
 }
 
-/** @param {any} given K and pose as OpenCV has them @param {number} rows @param {number} columns @returns {Sight} */
+/** @param {any} given K and pose as OpenCV has them @param {number} rows @param {number} columns @returns {FlatCamera} */
 function ofMatrices(given, rows, columns) {
     const { k, camera_from_world: pose, size } = given;
     if (!Array.isArray(k) || !Array.isArray(pose)) throw new Error(FAILURE);
@@ -106,7 +106,7 @@ function ofMatrices(given, rows, columns) {
     return ofPose(rotation, pose.slice(0, 3).map((/** @type {number[]} */ row) => row[3]), [k[0][0], k[1][1]], middle, high, wide);
 }
 
-/** The lines of cameras.txt and images.txt. @param {string} text @returns {Sight} */
+/** The lines of cameras.txt and images.txt. @param {string} text @returns {FlatCamera} */
 function ofColmap(text) {
     const lines = text.split("\n").map((line) => line.trim()).filter((line) => line && !line.startsWith("#"));
     const camera = lines.find((line) => /\bPINHOLE\b/.test(line));

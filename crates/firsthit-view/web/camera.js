@@ -1,7 +1,7 @@
 // @ts-check
 // The camera that the mouse, fingers and keys move. It turns about a point, with the scene's up upwards.
 
-/** @typedef {import("./engine-native.js").Sight} Sight */
+/** @typedef {import("./engine.js").FlatCamera} FlatCamera */
 /** @typedef {[number, number, number]} Vector */
 
 /** @param {Vector} a @param {Vector} b @returns {Vector} */
@@ -30,8 +30,8 @@ export function turned(v, axis, angle) {
 const STEEPEST = (89.5 / 180) * Math.PI;
 
 export class OrbitCamera {
-    /** @param {Sight} sight where it begins @param {Vector} up the scene's @param {[Vector, Vector] | null} bounds the scene's box */
-    constructor(sight, up, bounds) {
+    /** @param {FlatCamera} given where it begins @param {Vector} up the scene's @param {[Vector, Vector] | null} bounds the scene's box */
+    constructor(given, up, bounds) {
         this.sceneUp = unit(up);
         this.bounds = bounds;
         this.position = this.aim = this.up = /** @type {Vector} */ ([0, 0, 1]);
@@ -40,22 +40,22 @@ export class OrbitCamera {
         /** @type {"eye" | "viewplane"} */
         this.rayStart = "eye";
         this.focal = this.height = this.distance = 1;
-        /** What it was given, of which the picture's width is kept to the last digit. @type {Sight} */
-        this.given = sight;
-        this.take(sight);
+        /** What it was given, of which the picture's width is kept to the last digit. @type {FlatCamera} */
+        this.given = given;
+        this.take(given);
         this.home = this.saved();
     }
 
-    /** Takes another camera. @param {Sight} sight */
-    take(sight) {
-        this.given = sight;
-        this.position = /** @type {Vector} */ (sight.position);
-        this.aim = /** @type {Vector} */ (sight.aim);
-        this.up = /** @type {Vector} */ (sight.up);
-        this.projection = sight.projection;
-        this.rayStart = sight.ray_start;
-        this.focal = sight.focal_length;
-        this.height = sight.height;
+    /** Takes another camera. @param {FlatCamera} given */
+    take(given) {
+        this.given = given;
+        this.position = /** @type {Vector} */ (given.position);
+        this.aim = /** @type {Vector} */ (given.aim);
+        this.up = /** @type {Vector} */ (given.up);
+        this.projection = given.projection;
+        this.rayStart = given.ray_start;
+        this.focal = given.focal_length;
+        this.height = given.height;
         const ahead = dot(minus(this.middle(), this.position), unit(this.aim));
         this.distance = ahead > 0 ? ahead : this.size();
     }
@@ -97,8 +97,8 @@ export class OrbitCamera {
         return (width * rows) / (height * columns);
     }
 
-    /** @param {number} rows @param {number} columns @returns {Sight} */
-    sight(rows, columns) {
+    /** The camera as engines take it. @param {number} rows @param {number} columns @returns {FlatCamera} */
+    flat(rows, columns) {
         const { position, aim, up, projection, rayStart, focal, height, given } = this;
         const isGiven = rows === given.rows && columns === given.columns && height === given.height;
         const width = isGiven ? given.width : (height * columns * this.pixelShape()) / rows;
@@ -147,6 +147,14 @@ export class OrbitCamera {
         }
     }
 
+    /** Goes on seeing the whole width that it began with, in a stage that is narrower. @param {number} aspect columns to rows */
+    keepWidth(aspect) {
+        const wanted = this.given.width / (aspect * this.pixelShape());
+        if (wanted <= this.height) return;
+        this.height = wanted;
+        this.home = this.saved();
+    }
+
     /** Brings the whole scene into the picture. @param {number} aspect columns to rows */
     frame(aspect) {
         const radius = this.size() / 2;
@@ -185,7 +193,7 @@ export class OrbitCamera {
         const [right, up] = this.axes();
         const depth = dot(way, unit(this.aim));
         if (this.projection === "perspective" && depth <= 0) return null;
-        const { width, height } = this.sight(rows, columns);
+        const { width, height } = this.flat(rows, columns);
         const far = this.projection === "perspective" ? depth / this.focal : 1;
         return [columns / 2 + (dot(way, right) * columns) / (width * far), rows / 2 - (dot(way, up) * rows) / (height * far)];
     }

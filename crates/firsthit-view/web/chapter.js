@@ -3,14 +3,16 @@
 
 import { add, cross, dot, length, minus, OrbitCamera, times, unit } from "./camera.js";
 import { element, plain, six, threeNumbers, vector } from "./dom.js";
+import { say } from "./status.js";
 
 /** @typedef {import("./camera.js").Vector} Vector */
-/** @typedef {import("./engine-native.js").Sight} Sight */
+/** @typedef {import("./engine.js").FlatCamera} FlatCamera */
 
 /** The most lines that are drawn of the viewplane's pixels, along an edge. */
 const MOST_LINES = 48;
 /** The most rows and columns: the chapter's pixels are to be seen. */
 const MOST_PIXELS = 512;
+const WANTED = `z_p, w and h are positive, M and N whole and at most ${MOST_PIXELS}; x_c, u_c and v_up are three numbers each, and v_up is not along u_c.`;
 const VECTORS = ["x_c", "u_c", "v_up"];
 const LENGTHS = ["z_p", "w", "h"];
 const COUNTS = ["M", "N"];
@@ -19,15 +21,15 @@ export class Chapter {
     /**
      * @param {any} info
      * @param {OrbitCamera} camera the page's
-     * @param {import("./engine-native.js").NativeEngine} engine makes the picture behind the drawing
-     * @param {() => import("./engine-native.js").Part} part what is seen of the scene
+     * @param {import("./engine.js").Engine} engine makes the picture behind the drawing
+     * @param {() => import("./engine.js").FrameRequest} request what the page asks for
      * @param {() => void} changed
      */
-    constructor(info, camera, engine, part, changed) {
+    constructor(info, camera, engine, request, changed) {
         this.info = info;
         this.camera = camera;
         this.engine = engine;
-        this.part = part;
+        this.request = request;
         /** Lengths and counts of the viewplane, once they make sense. @type {Record<string, number> | null} */
         this.plane = null;
         /** The second camera; it begins when the chapter is opened. @type {OrbitCamera | null} */
@@ -36,7 +38,7 @@ export class Chapter {
         this.behind = null;
         this.isAsking = false;
         this.isStale = false;
-        /** The pixel that is followed, its story, and its colour. @type {{pixel: [number, number], story: any, color: number[]} | null} */
+        /** The pixel that is followed, what it shows, and its colour. @type {{pixel: [number, number], probed: any, color: number[]} | null} */
         this.followed = null;
         const panel = element("chapter");
         panel.addEventListener("toggle", () => {
@@ -82,11 +84,11 @@ export class Chapter {
         camera.given = { ...camera.given, rows: plane.M, columns: plane.N, width: plane.w, height: plane.h };
     }
 
-    /** Takes the viewplane of another camera. @param {Sight} sight */
-    take(sight) {
-        const isSmall = sight.rows <= MOST_PIXELS && sight.columns <= MOST_PIXELS;
-        const [M, N] = isSmall ? [sight.rows, sight.columns] : [this.plane?.M ?? 12, this.plane?.N ?? 16];
-        this.#set({ z_p: sight.focal_length, w: sight.width, h: sight.height, M, N });
+    /** Takes the viewplane of another camera. @param {FlatCamera} given */
+    take(given) {
+        const isSmall = given.rows <= MOST_PIXELS && given.columns <= MOST_PIXELS;
+        const [M, N] = isSmall ? [given.rows, given.columns] : [this.plane?.M ?? 12, this.plane?.N ?? 16];
+        this.#set({ z_p: given.focal_length, w: given.width, h: given.height, M, N });
     }
 
     /** Brings everything into the second picture. */
@@ -95,8 +97,8 @@ export class Chapter {
         const bounds = /** @type {[Vector, Vector]} */ ([Math.min, Math.max].map((most) => [0, 1, 2].map((axis) => most(...places.map((place) => place[axis])))));
         const { camera } = this;
         const aside = unit(add(times(-0.9, camera.axes()[0]), add(times(0.55, unit(camera.aim)), times(-0.45, camera.sceneUp))));
-        const sight = /** @type {Sight} */ ({ ...camera.sight(3, 4), position: [0, 0, 0], aim: aside, up: camera.sceneUp, projection: "perspective", ray_start: "eye", focal_length: 1, width: (0.7 * 4) / 3, height: 0.7 });
-        this.second = new OrbitCamera(sight, camera.sceneUp, bounds);
+        const given = /** @type {FlatCamera} */ ({ ...camera.flat(3, 4), position: [0, 0, 0], aim: aside, up: camera.sceneUp, projection: "perspective", ray_start: "eye", focal_length: 1, width: (0.7 * 4) / 3, height: 0.7 });
+        this.second = new OrbitCamera(given, camera.sceneUp, bounds);
         this.second.frame(4 / 3);
     }
 
@@ -140,6 +142,7 @@ export class Chapter {
         const isAimed = isWhole && length(cross(aim, up)) > 1e-9 * length(aim) * length(up);
         if (!isWhole || !isAimed) {
             if (isWhole) element("chapter-v_up").setAttribute("aria-invalid", "true");
+            say(WANTED, true);
             return;
         }
         if (vector(camera.position) !== vector(position)) camera.position = position;
@@ -148,10 +151,10 @@ export class Chapter {
         this.#set(numbers);
     }
 
-    /** The camera by the chapter's numbers. @returns {Sight} */
-    sight() {
+    /** The camera by the chapter's numbers. @returns {FlatCamera} */
+    flat() {
         const { M, N } = /** @type {Record<string, number>} */ (this.plane);
-        return this.camera.sight(M, N);
+        return this.camera.flat(M, N);
     }
 
     /** The viewplane's frame: its middle, and its axes. */
@@ -187,9 +190,9 @@ export class Chapter {
         this.draw();
     }
 
-    /** @param {[number, number]} pixel column and row @param {any} story @param {number[]} color */
-    follow(pixel, story, color) {
-        this.followed = { pixel, story, color };
+    /** @param {[number, number]} pixel column and row @param {any} probed @param {number[]} color */
+    follow(pixel, probed, color) {
+        this.followed = { pixel, probed, color };
         element("chapter-words").textContent = this.#words();
         this.draw();
     }
@@ -206,16 +209,16 @@ export class Chapter {
     /** Everything that the chapter says of a ray, with this pixel's numbers. */
     #words() {
         if (!this.followed || !this.plane) return "";
-        const { pixel: [column, row], story, color } = this.followed;
+        const { pixel: [column, row], probed, color } = this.followed;
         const { z_p, w, h, M, N } = this.plane;
         const { middle, right, up } = this.#frame();
         const [i, j] = [M - 1 - row, column];
         const [x, y] = [-w / 2 + (w / N) * (j + 0.5), -h / 2 + (h / M) * (i + 0.5)];
         const p = add(middle, add(times(x, right), times(y, up)));
-        const { origin, direction } = story.ray;
+        const { origin, direction } = probed.ray;
         const isParallel = this.camera.projection === "orthographic";
         const isFromEye = this.camera.rayStart === "eye";
-        const { hit } = story;
+        const { hit } = probed;
         return [
             `pixel (i, j) = (${i}, ${j}): row ${row} from the top`,
             `c_0 = x_c + z_p u_c = ${vector(middle)}`,
@@ -289,7 +292,7 @@ export class Chapter {
         const { followed, second, plane } = this;
         if (!followed || !second || !plane) return;
         const { M, N } = plane;
-        const { pixel: [column, row], story: { ray, hit }, color } = followed;
+        const { pixel: [column, row], probed: { ray, hit }, color } = followed;
         const [x, y] = [column / N - 0.5, 0.5 - (row + 1) / M];
         const square = [[0, 0], [1, 0], [1, 1], [0, 1]].map(([dx, dy]) => this.#onPlane(x + dx / N, y + dy / M));
         const places = square.map((point) => second.pixelOf(point, rows, columns));
@@ -318,9 +321,10 @@ export class Chapter {
         this.isAsking = true;
         this.isStale = false;
         try {
-            const camera = this.second.sight(300, 400);
-            const look = { camera, channel: "color", samples: 1, is_lit: false, light: null, sun: null, ground: null, edges: 0, part: { ...this.part(), cut: null } };
-            const { image } = await this.engine.frame(look, new AbortController().signal);
+            const camera = this.second.flat(300, 400);
+            const request = { ...this.request(), camera, channel: "color", samples: 1, is_lit: false, edges: 0 };
+            request.part = { ...request.part, cut: null };
+            const { image } = await this.engine.frame(request, new AbortController().signal);
             this.behind?.close();
             this.behind = image ?? null;
         } catch {

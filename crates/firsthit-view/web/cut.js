@@ -5,7 +5,7 @@ import { add, dot, times, unit } from "./camera.js";
 import { element, six } from "./dom.js";
 
 /** @typedef {import("./camera.js").Vector} Vector */
-/** @typedef {import("./engine-native.js").Cut} Cut */
+/** @typedef {import("./engine.js").Cut} Cut */
 
 export class CutPlane {
     /** @param {[Vector, Vector] | null} bounds @param {() => Vector} aim of the camera @param {() => void} changed */

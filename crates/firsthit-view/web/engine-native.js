@@ -1,22 +1,14 @@
 // @ts-check
 // The engine of this program's server: each question is a request, and carries the token.
 
-/** @typedef {{position: number[], aim: number[], up: number[], projection: "perspective" | "orthographic", ray_start: "eye" | "viewplane", focal_length: number, width: number, height: number, rows: number, columns: number}} Sight */
-/** @typedef {{normal: number[], offset: number}} Cut */
-/** @typedef {{hidden: number[] | null, only: number[] | null, cut: Cut | null}} Part */
-/** @typedef {{camera: Sight, channel: string, samples: number | null, is_lit: boolean, light: string | null, sun: number[] | null, ground: boolean | null, edges: number | null, part: Part}} Look */
-/** @typedef {{rows: number, columns: number, samples: number, seconds: number, components?: number, dtype?: "float32" | "int32"}} About */
-/** @typedef {{about: About, blob?: Blob, image?: ImageBitmap, values?: Float32Array | Int32Array}} Painted */
+import { EngineError, painted } from "./engine.js";
+import { remember, remembered } from "./memory.js";
 
-/** What the server refused, or that it is gone. */
-export class EngineError extends Error {
-    /** @param {string} why @param {number} [status] */
-    constructor(why, status = 0) {
-        super(why);
-        /** Whether a newer frame of the same page took its place. */
-        this.isSuperseded = status === 409;
-    }
-}
+/** @typedef {import("./engine.js").Engine} Engine */
+/** @typedef {import("./engine.js").FlatCamera} FlatCamera */
+/** @typedef {import("./engine.js").FrameRequest} FrameRequest */
+/** @typedef {import("./engine.js").Painted} Painted */
+/** @typedef {import("./engine.js").Visibility} Visibility */
 
 const KEY = "firsthit-token";
 
@@ -24,12 +16,13 @@ const KEY = "firsthit-token";
 function takeToken() {
     const given = location.hash.slice(1);
     if (given) {
-        sessionStorage.setItem(KEY, given);
+        remember(KEY, given);
         history.replaceState(null, "", location.pathname);
     }
-    return given || sessionStorage.getItem(KEY) || "";
+    return given || (remembered(KEY) ?? "");
 }
 
+/** @implements {Engine} */
 export class NativeEngine {
     constructor() {
         this.token = takeToken();
@@ -41,35 +34,32 @@ export class NativeEngine {
         return this.#json("/info", {});
     }
 
-    /** @param {Sight} camera @param {[number, number]} pixel column and row @param {Part} part @returns {Promise<any>} */
+    /** @param {FlatCamera} camera @param {[number, number]} pixel @param {Visibility} part @returns {Promise<any>} */
     probe(camera, pixel, part) {
         return this.#json("/probe", { camera, pixel, part });
     }
 
-    /** @param {Sight} camera @returns {Promise<any>} */
-    say(camera) {
-        return this.#json("/say", { camera });
+    /** @param {FlatCamera} camera @returns {Promise<any>} */
+    cameraText(camera) {
+        return this.#json("/camera", { camera });
     }
 
-    /** Tells the server that the page is still there. */
     alive() {
         return this.#json("/alive", {});
     }
 
-    /** @param {Look} look @param {AbortSignal} signal @returns {Promise<Painted>} */
-    async frame(look, signal) {
-        const reply = await this.#ask("/frame", look, signal);
-        /** @type {About} */
+    /** @param {FrameRequest} request @param {AbortSignal} signal @returns {Promise<Painted>} */
+    async frame(request, signal) {
+        const reply = await this.#ask("/frame", request, signal);
         const about = JSON.parse(reply.headers.get("X-Firsthit-Frame") ?? "{}");
-        const blob = await reply.blob();
-        if (about.dtype === undefined) {
-            return { about, blob, image: await createImageBitmap(blob) };
-        }
-        const unpacked = blob.stream().pipeThrough(new DecompressionStream("deflate"));
-        const bytes = await new Response(unpacked).arrayBuffer();
-        const values = about.dtype === "int32" ? new Int32Array(bytes) : new Float32Array(bytes);
-        return { about, values };
+        return painted(about, await reply.blob());
     }
+
+    another() {
+        return new NativeEngine();
+    }
+
+    close() {}
 
     /** @param {string} path @param {object} question @returns {Promise<any>} */
     async #json(path, question) {
@@ -94,7 +84,7 @@ export class NativeEngine {
             try {
                 why = JSON.parse(said).error ?? said;
             } catch { /* it is plain text */ }
-            throw new EngineError(why, reply.status);
+            throw new EngineError(why, reply.status === 409);
         }
         return reply;
     }

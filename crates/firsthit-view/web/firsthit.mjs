@@ -38,7 +38,7 @@ export class Firsthit {
         return this.#call(() => this.#door.fh_example());
     }
 
-    /** @param {"info" | "frame" | "probe" | "say" | "hits"} question @param {object} about @returns {Answered} */
+    /** @param {"info" | "frame" | "probe" | "camera" | "hits"} question @param {object} about @returns {Answered} */
     ask(question, about = {}) {
         const json = new TextEncoder().encode(JSON.stringify(about));
         return this.#call(() => this.#door.fh_ask(this.#put(question, json)));

@@ -2,19 +2,22 @@
 // Hits that are kept: a path that is measured, with notes.
 
 import { download, element, make, plain, vector, words } from "./dom.js";
-import { measured } from "./story.js";
+import { remember, remembered } from "./memory.js";
+import { measured } from "./probe-text.js";
+import { say } from "./status.js";
 
 /** @typedef {import("./camera.js").Vector} Vector */
 /** @typedef {{hit: any, note: string}} Mark */
 
 export class Marks {
-    /** @param {string} title of the scene @param {() => void} changed @param {(text: string, isError: boolean) => void} say */
-    constructor(title, changed, say) {
+    /** @param {string} title of the scene @param {() => void} changed */
+    constructor(title, changed) {
         this.title = title;
         this.changed = changed;
-        this.say = say;
         /** @type {Mark[]} */
         this.kept = [];
+        /** Those that were cleared last. @type {Mark[]} */
+        this.cleared = [];
         this.key = `firsthit-notes ${title}`;
         element("clear").addEventListener("click", () => this.clear());
         element("undo").addEventListener("click", () => this.undo());
@@ -31,7 +34,7 @@ export class Marks {
 
     /** Takes those of before the page was loaded again. */
     restore() {
-        this.#take(sessionStorage.getItem(this.key) ?? "[]");
+        this.#take(remembered(this.key) ?? "[]");
     }
 
     /** @param {any} hit */
@@ -40,12 +43,15 @@ export class Marks {
         this.#show();
     }
 
+    /** Takes the last mark away, or brings those back that were cleared. */
     undo() {
-        this.kept.pop();
+        if (this.kept.length > 0) this.kept.pop();
+        else [this.kept, this.cleared] = [this.cleared, []];
         this.#show();
     }
 
     clear() {
+        if (this.kept.length > 0) this.cleared = this.kept;
         this.kept = [];
         this.#show();
     }
@@ -60,7 +66,7 @@ export class Marks {
             this.kept = marks.map((/** @type {any} */ mark) => ({ hit: mark.hit, note: String(mark.note ?? "") }));
             this.#show();
         } catch (error) {
-            this.say(`These are no notes: ${words(error)}`, true);
+            say(`These are no notes: ${words(error)}`, true);
         }
     }
 
@@ -79,7 +85,8 @@ export class Marks {
         });
         element("marks").replaceChildren(...lines);
         const isEmpty = this.kept.length === 0;
-        for (const id of ["clear", "undo", "save-notes"]) element(id).disabled = isEmpty;
+        for (const id of ["clear", "save-notes"]) element(id).disabled = isEmpty;
+        element("undo").disabled = isEmpty && this.cleared.length === 0;
         const text = measured(this.kept.map((mark) => mark.hit));
         element("measure").hidden = text === "";
         element("measure").textContent = text;
@@ -88,7 +95,7 @@ export class Marks {
     }
 
     #remember() {
-        sessionStorage.setItem(this.key, JSON.stringify(this.kept));
+        remember(this.key, JSON.stringify(this.kept));
     }
 
     /** Draws them. @param {CanvasRenderingContext2D} on @param {(point: Vector) => [number, number] | null} pixelOf */

@@ -1,7 +1,13 @@
 // @ts-check
-// The list of objects: which are there, which alone, and what the pointer is on.
+// The list of objects: which are there, in which colours, and what the pointer is on.
 
 import { element, make, plain } from "./dom.js";
+
+/** What a field shows whose object has the colours of the scene. */
+const UNCOLORED = "#bfbfbf";
+
+/** The linear part of a colour in sRGB (IEC 61966-2-1). @param {number} part from 0 to 1 */
+const linear = (part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4);
 
 export class Objects {
     /** @param {any} info @param {() => void} changed */
@@ -12,6 +18,8 @@ export class Objects {
         this.usual = new Set(info.hidden);
         this.changed = changed;
         this.count = info.object_count;
+        /** Objects that were given a colour, which is linear. @type {Map<number, number[]>} */
+        this.colors = new Map();
         /** @type {Map<number, any>} */
         this.boxes = new Map();
         /** @type {any} */
@@ -21,6 +29,12 @@ export class Objects {
         const more = info.object_count - info.objects.length;
         element("more-objects").textContent = more > 0 ? `... and ${more.toLocaleString("en")} more` : "";
         element("show-all").addEventListener("click", () => this.show(() => true));
+        element("own-colors").addEventListener("click", () => {
+            this.colors.clear();
+            for (const line of lines) line.querySelector("input[type=color]").value = UNCOLORED;
+            element("own-colors").disabled = true;
+            this.changed();
+        });
         element("filter-objects").addEventListener("input", () => {
             const wanted = element("filter-objects").value.toLowerCase();
             for (const line of lines) line.hidden = !line.textContent.toLowerCase().includes(wanted);
@@ -35,8 +49,11 @@ export class Objects {
         box.checked = !this.hidden.has(object.object);
         const triangles = object.triangles ? ` ${object.triangles.toLocaleString("en")}` : "";
         label.append(box, make("span", plain(object.name || object.shape)), triangles);
+        const color = make("input", "", { type: "color", "aria-label": `colour of ${plain(object.name || object.shape)} ${object.object}` });
+        color.value = UNCOLORED;
+        color.addEventListener("input", () => this.#color(object.object, color.value));
         const alone = make("button", "only", { "aria-label": `show only ${plain(object.name || object.shape)} ${object.object}` });
-        line.append(label, alone);
+        line.append(label, color, alone);
         this.boxes.set(object.object, box);
         box.addEventListener("change", () => {
             if (box.checked) this.hidden.delete(object.object);
@@ -45,6 +62,13 @@ export class Objects {
         });
         alone.addEventListener("click", () => this.show((other) => other === object.object));
         return line;
+    }
+
+    /** @param {number} object @param {string} color as "#rrggbb" */
+    #color(object, color) {
+        this.colors.set(object, [1, 3, 5].map((at) => linear(parseInt(color.slice(at, at + 2), 16) / 255)));
+        element("own-colors").disabled = false;
+        this.changed();
     }
 
     /** Shows the objects that are wanted, and no others. @param {(object: number) => boolean} isWanted */

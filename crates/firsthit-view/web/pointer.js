@@ -6,8 +6,8 @@
 /** Less than so many pixels is no drag. */
 const CLICK = 4;
 
-/** Lets hands move the camera; what only points is told. @param {HTMLCanvasElement} picture @param {import("./camera.js").OrbitCamera} camera @param {Acts} acts */
-export function hold(picture, camera, acts) {
+/** Moves the camera by dragging, pinching and the wheel; what only points is told. @param {HTMLCanvasElement} picture @param {import("./camera.js").OrbitCamera} camera @param {Acts} acts */
+export function controlCamera(picture, camera, acts) {
     /** @type {Map<number, PointerEvent>} */
     const held = new Map();
     let way = 0;

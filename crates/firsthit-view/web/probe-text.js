@@ -5,9 +5,9 @@ import { plain, six, vector } from "./dom.js";
 
 /** @typedef {[number, number, number]} Vector */
 
-/** @param {any} story @returns {string} */
-export function inLines(story) {
-    const { pixel, hit } = story;
+/** @param {any} probed @returns {string} */
+export function probeText(probed) {
+    const { pixel, hit } = probed;
     const lines = [`pixel      ${pixel.column}, ${pixel.row}`];
     if (!hit) return [...lines, "hit        none"].join("\n");
     lines.push(

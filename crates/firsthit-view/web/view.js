@@ -2,10 +2,11 @@
 // The picture: which frames are asked for, and when. One is on its way at a time; the newest camera waits.
 
 import { words } from "./dom.js";
-import { EngineError } from "./engine-native.js";
+import { EngineError } from "./engine.js";
+import { say } from "./status.js";
 
-/** @typedef {import("./engine-native.js").Look} Look */
-/** @typedef {import("./engine-native.js").Painted} Painted */
+/** @typedef {import("./engine.js").FrameRequest} FrameRequest */
+/** @typedef {import("./engine.js").Painted} Painted */
 
 /** The samples of a still picture, one step after the other; null is as many as `firsthit render` takes. */
 const STEPS = [1, 4, null];
@@ -16,17 +17,15 @@ const MOVING = 45;
 
 export class View {
     /**
-     * @param {import("./engine-native.js").NativeEngine} engine
-     * @param {(rows: number, columns: number) => Look} look what to ask for, of that size
-     * @param {(painted: Painted, look: Look) => void} paint
-     * @param {(text: string, isError: boolean) => void} say
+     * @param {import("./engine.js").Engine} engine
+     * @param {(rows: number, columns: number) => FrameRequest} request what to ask for, of that size
+     * @param {(painted: Painted, request: FrameRequest) => void} paint
      * @param {() => void} rested is told when the picture is as good as it gets
      */
-    constructor(engine, look, paint, say, rested) {
+    constructor(engine, request, paint, rested) {
         this.engine = engine;
-        this.look = look;
+        this.request = request;
         this.paint = paint;
-        this.say = say;
         this.rested = rested;
         /** Pixels of the stage. */
         this.rows = 1;
@@ -57,6 +56,14 @@ export class View {
         this.moved();
     }
 
+    /** No more frames. */
+    end() {
+        clearTimeout(this.timer);
+        this.number++;
+        this.isWanted = false;
+        this.onItsWay?.abort();
+    }
+
     /** Something is to be seen otherwise, and may go on changing. */
     moved() {
         clearTimeout(this.timer);
@@ -79,15 +86,15 @@ export class View {
                 const share = this.fixed ? 1 : this.share;
                 const size = this.shape.map((edge) => Math.max(1, Math.round(edge * share)));
                 const started = performance.now();
-                const look = { ...this.look(size[0], size[1]), samples: 1, is_lit: false };
-                if (!(await this.#show(look))) break;
+                const request = { ...this.request(size[0], size[1]), samples: 1, is_lit: false };
+                if (!(await this.#show(request))) break;
                 const took = performance.now() - started;
                 // Edges by the square root of the time.
                 const fitting = this.share * Math.sqrt(MOVING / Math.max(took, 1));
                 this.share = Math.max(0.1, Math.min(1, 0.5 * this.share + 0.5 * fitting));
             }
         } catch (error) {
-            this.say(words(error), true);
+            say(words(error), true);
         } finally {
             this.isMoving = false;
         }
@@ -98,13 +105,13 @@ export class View {
         const number = ++this.number;
         while (this.isMoving) await new Promise((resolve) => setTimeout(resolve, 5));
         const [rows, columns] = this.shape;
-        const whole = this.look(rows, columns);
+        const whole = this.request(rows, columns);
         // In the chapter a pixel is one ray, without the noise of lights.
         const counts = this.fixed ? [] : STEPS;
         const steps = whole.channel === "color" ? counts.map((samples) => ({ ...whole, samples, is_lit: true })) : [];
-        for (const look of [{ ...whole, samples: 1, is_lit: false }, ...steps]) {
+        for (const request of [{ ...whole, samples: 1, is_lit: false }, ...steps]) {
             if (number !== this.number || this.isMoving) return;
-            if (!(await this.#show(look))) return;
+            if (!(await this.#show(request))) return;
             if (number !== this.number || this.isMoving) return;
             document.body.dataset.busy = "refining";
         }
@@ -112,24 +119,24 @@ export class View {
         this.rested();
     }
 
-    /** Asks for a frame and paints it; says whether it came. @param {Look} look */
-    async #show(look) {
+    /** Asks for a frame and paints it; says whether it came. @param {FrameRequest} request */
+    async #show(request) {
         const control = new AbortController();
         this.onItsWay = control;
         try {
-            const painted = await this.engine.frame(look, control.signal);
+            const painted = await this.engine.frame(request, control.signal);
             if (control.signal.aborted) return false;
-            this.paint(painted, look);
+            this.paint(painted, request);
             const { rows, columns, seconds } = painted.about;
-            this.full = look.is_lit && look.samples === null ? painted : null;
+            this.full = request.is_lit && request.samples === null ? painted : null;
             const count = painted.about.samples;
-            const more = look.samples === null ? "" : " so far";
-            const samples = look.is_lit ? `, ${count} sample${count === 1 ? "" : "s"}${more}` : "";
-            this.say(`${columns} x ${rows}${samples}, ${(1000 * seconds).toFixed(0)} ms`, false);
+            const more = request.samples === null ? "" : " so far";
+            const samples = request.is_lit ? `, ${count} sample${count === 1 ? "" : "s"}${more}` : "";
+            say(`${columns} x ${rows}${samples}, ${(1000 * seconds).toFixed(0)} ms`, false);
             return true;
         } catch (error) {
             const isExpected = control.signal.aborted || (error instanceof EngineError && error.isSuperseded);
-            if (!isExpected) this.say(words(error), true);
+            if (!isExpected) say(words(error), true);
             return false;
         } finally {
             if (this.onItsWay === control) this.onItsWay = null;

@@ -5,12 +5,11 @@
 use std::mem;
 use std::path::Path;
 
-use firsthit::error::{escape_controls, escaped};
+use firsthit::error::escaped;
 use firsthit::load::{LoadSettings, load_bytes};
 use firsthit::shoot::{First, trace};
-use firsthit_view::{Look, Pixels, Sight, Viewer};
+use firsthit_view::{Answer, FlatCamera, Viewer};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 /// What may be spent on a file: of the 4 GiB that a module addresses, half is left for trees and pictures.
@@ -22,13 +21,8 @@ pub struct Refused;
 
 /// One viewer, what it is handed, and what it answers.
 ///
-/// | question | JSON | answer | pixels |
-/// |---|---|---|---|
-/// | `info` | none | [`Viewer::info`] | |
-/// | `frame` | [`Look`] | rows, columns, and of values their components and dtype | a PNG, or values as a zlib stream |
-/// | `probe` | `camera`, `pixel` | [`Viewer::probe`] | |
-/// | `say` | `camera` | [`Viewer::say`] | |
-/// | `hits` | `camera` | rows, columns | all t as float64, then all objects and all primitives as int32, little endian |
+/// It answers what [`Viewer::answer`] does, and one question more: `hits`, about a `camera`, is answered by rows and columns, and its
+/// pixels are all t as float64, then all objects and all primitives as int32, little endian.
 #[derive(Debug, Default)]
 pub struct Door {
     room: Vec<u8>,
@@ -37,19 +31,11 @@ pub struct Door {
     pixels: Vec<u8>,
 }
 
-/// A question about a pixel: its column from the left and its row from the top.
+/// What is asked by `hits`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Probe {
-    camera: Sight,
-    pixel: [usize; 2],
-}
-
-/// A question about a camera.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Asked {
-    camera: Sight,
+struct HitsQuestion {
+    camera: FlatCamera,
 }
 
 /// An answer and its pixels, or why there is none.
@@ -159,54 +145,19 @@ fn open(name: &str, content: &[u8]) -> Result<Viewer, String> {
 }
 
 fn answered(viewer: &Viewer, question: &str, json: &[u8]) -> Answered {
-    let told = |value: firsthit::Result<Value>| match value {
-        Ok(value) => Ok((value, Vec::new())),
-        Err(error) => Err(error.to_string()),
-    };
-    match question {
-        "info" => told(Ok(viewer.info())),
-        "frame" => frame(viewer, &parsed(json)?),
-        "probe" => {
-            let Probe { camera, pixel } = parsed(json)?;
-            told(viewer.probe(&camera, pixel, &()))
-        }
-        "say" => {
-            let Asked { camera } = parsed(json)?;
-            told(viewer.say(&camera))
-        }
-        "hits" => {
-            let Asked { camera } = parsed(json)?;
-            hits(viewer, &camera).map_err(|error| error.to_string())
-        }
-        other => Err(format!("there is no question '{}'", escape_controls(other))),
+    if question == "hits" {
+        let HitsQuestion { camera } =
+            serde_json::from_slice(json).map_err(|error| error.to_string())?;
+        return hits(viewer, &camera).map_err(|error| error.to_string());
     }
-}
-
-fn parsed<T: DeserializeOwned>(json: &[u8]) -> Result<T, String> {
-    serde_json::from_slice(json).map_err(|error| error.to_string())
-}
-
-fn frame(viewer: &Viewer, look: &Look) -> Answered {
-    let painted = viewer.frame(look, &());
-    let painted = painted.map_err(|error| error.to_string())?;
-    let [rows, columns] = painted.shape;
-    Ok(match painted.pixels {
-        Pixels::Png(bytes) => (json!({"rows": rows, "columns": columns}), bytes),
-        Pixels::Values {
-            components,
-            dtype,
-            bytes,
-        } => (
-            json!({"rows": rows, "columns": columns, "components": components, "dtype": dtype}),
-            bytes,
-        ),
-    })
+    let answer = viewer.answer(question, json, &());
+    let Answer { json, pixels } = answer.map_err(|error| error.to_string())?;
+    Ok((json, pixels))
 }
 
 /// What a page computes with, where the float32 of a frame do not suffice.
-fn hits(viewer: &Viewer, sight: &Sight) -> firsthit::Result<(Value, Vec<u8>)> {
-    let camera = sight.camera()?;
-    let hits = trace(viewer.scene(), &camera, First, &())?;
+fn hits(viewer: &Viewer, camera: &FlatCamera) -> firsthit::Result<(Value, Vec<u8>)> {
+    let hits = trace(viewer.scene(), &camera.camera()?, First, &())?;
     let mut bytes = Vec::with_capacity(16 * hits.len());
     bytes.extend(hits.t.iter().flat_map(|t| t.to_le_bytes()));
     bytes.extend(hits.object.iter().flat_map(|object| object.to_le_bytes()));
@@ -215,7 +166,7 @@ fn hits(viewer: &Viewer, sight: &Sight) -> firsthit::Result<(Value, Vec<u8>)> {
             .iter()
             .flat_map(|primitive| primitive.to_le_bytes()),
     );
-    let about = json!({"rows": sight.rows, "columns": sight.columns});
+    let about = json!({"rows": camera.rows, "columns": camera.columns});
     Ok((about, bytes))
 }
 
@@ -268,7 +219,7 @@ mod tests {
         .unwrap();
         assert_eq!(
             door.answer(),
-            r#"{"columns":5,"components":1,"dtype":"int32","rows":3}"#
+            r#"{"columns":5,"components":1,"dtype":"int32","rows":3,"samples":1}"#
         );
         ask(
             &mut door,
@@ -276,7 +227,7 @@ mod tests {
             &json!({"camera": camera, "pixel": [2, 1]}),
         )
         .unwrap();
-        ask(&mut door, "say", &json!({"camera": camera})).unwrap();
+        ask(&mut door, "camera", &json!({"camera": camera})).unwrap();
         assert_eq!(door.pixels(), b"");
     }
 

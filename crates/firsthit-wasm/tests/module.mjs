@@ -8,7 +8,7 @@ import { createHash } from "node:crypto";
 import { existsSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 
-import { Broken, Firsthit, Refused } from "../firsthit.mjs";
+import { Broken, Firsthit, Refused } from "../../firsthit-view/web/firsthit.mjs";
 
 const [moduleFile, native, folder] = process.argv.slice(2);
 const testdata = join(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "../../../testdata");
@@ -48,7 +48,7 @@ function question(info, [rows, columns]) {
     for (let k = 0; k < 12; k++) {
         ask("probe", { camera, pixel: [Math.floor((columns * (k % 4) + 1) / 4), Math.floor((rows * Math.floor(k / 4) + 1) / 3)] });
     }
-    ask("say", { camera });
+    ask("camera", { camera });
 }
 
 // Every file of testdata/ that is read, and the example.

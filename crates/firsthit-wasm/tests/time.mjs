@@ -4,7 +4,7 @@
 import { readFileSync } from "node:fs";
 import { basename } from "node:path";
 
-import { Firsthit } from "../firsthit.mjs";
+import { Firsthit } from "../../firsthit-view/web/firsthit.mjs";
 
 const [moduleFile, file, size = "480x640"] = process.argv.slice(2);
 const [rows, columns] = size.split("x").map(Number);

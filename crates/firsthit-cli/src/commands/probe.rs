@@ -9,10 +9,10 @@ use super::ends;
 use crate::args::ProbeArgs;
 use crate::camera::{camera, check, of_file};
 use crate::console::{end_report, warn};
+use crate::explanation;
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_count};
 use crate::progress::Interrupt;
-use crate::story;
 
 pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     check(&args.camera)?;
@@ -20,15 +20,15 @@ pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Fail
     with_count(args.threads, || {
         let loaded = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
         warn(&loaded.warnings);
-        let (story, guessed) = probe(args, ends, &loaded, &Interrupt(interrupted))?;
+        let (explained, guessed) = probe(args, ends, &loaded, &Interrupt(interrupted))?;
         if args.json {
-            let mut done = story::json(&story);
+            let mut done = explanation::json(&explained);
             if let Some(fields) = done.as_object_mut() {
                 fields.insert("guessed".to_owned(), json!(guessed));
             }
             return end_report(done).map_err(|error| Failure::stdout(&error));
         }
-        let mut text = story::text(&story, args.all);
+        let mut text = explanation::text(&explained, args.all);
         if !guessed.is_empty() {
             text.extend(["guessed    ", &guessed.join(", "), "\n"]);
         }
@@ -65,6 +65,6 @@ fn probe<'a>(
     let base = of_file(&args.camera, model)?;
     let chosen = camera(&args.camera, (&args.file, &base), scene, model)?;
     let (column, row) = args.pixel.unwrap_or_default();
-    let story = explain_pixel(scene, &chosen.camera, [column, row], &settings, watch)?;
-    Ok((story, chosen.guessed))
+    let explained = explain_pixel(scene, &chosen.camera, [column, row], &settings, watch)?;
+    Ok((explained, chosen.guessed))
 }

@@ -14,9 +14,9 @@ use crate::words::counted;
 use crate::words::{exact_number, number, triple};
 
 /// The explanation as lines for people, with a newline at the end of each. With `all`, every object has a line of its own.
-pub fn text(story: &Explanation<'_>, all: bool) -> String {
+pub fn text(explained: &Explanation<'_>, all: bool) -> String {
     let mut lines = Vec::new();
-    if let Some(pixel) = &story.pixel {
+    if let Some(pixel) = &explained.pixel {
         let Pixel {
             column,
             row,
@@ -28,36 +28,36 @@ pub fn text(story: &Explanation<'_>, all: bool) -> String {
             "pixel      {column},{row} of {columns} x {rows}, from the left and from the top"
         ));
     }
-    lines.extend(ray_lines(story));
-    match &story.hit {
-        Some(hit) => lines.extend(surface::lines(hit, story.pixel.as_ref())),
+    lines.extend(ray_lines(explained));
+    match &explained.hit {
+        Some(hit) => lines.extend(surface::lines(hit, explained.pixel.as_ref())),
         None => lines.push("hit        none".to_owned()),
     }
-    lines.extend(behind_lines(story));
-    lines.extend(objects::lines(&story.candidates, all));
+    lines.extend(behind_lines(explained));
+    lines.extend(objects::lines(&explained.candidates, all));
     let lines = lines.iter().map(|line| escape_controls(line) + "\n");
     lines.collect()
 }
 
 /// The explanation for programs. It has every object.
-pub fn json(story: &Explanation<'_>) -> Value {
-    let counts = story.counts().into_iter();
+pub fn json(explained: &Explanation<'_>) -> Value {
+    let counts = explained.counts().into_iter();
     let counts = counts.map(|(reason, count)| (reason.name().to_owned(), json!(count)));
     json!({
-        "pixel": story.pixel.as_ref().map(pixel_json),
-        "ray": ray_json(&story.ray, &story.filter),
-        "fault": story.fault,
-        "hit": story.hit.as_ref().map(surface::json),
-        "behind": story.behind.iter().map(behind_json).collect::<Vec<_>>(),
-        "behind_count": story.behind_count,
+        "pixel": explained.pixel.as_ref().map(pixel_json),
+        "ray": ray_json(&explained.ray, &explained.filter),
+        "fault": explained.fault,
+        "hit": explained.hit.as_ref().map(surface::json),
+        "behind": explained.behind.iter().map(behind_json).collect::<Vec<_>>(),
+        "behind_count": explained.behind_count,
         "counts": counts.collect::<serde_json::Map<_, _>>(),
-        "candidates": story.candidates.iter().map(candidate_json).collect::<Vec<_>>(),
+        "candidates": explained.candidates.iter().map(candidate_json).collect::<Vec<_>>(),
     })
 }
 
 /// The ray, and what it does not meet.
-fn ray_lines(story: &Explanation<'_>) -> Vec<String> {
-    let Explanation { ray, filter, .. } = story;
+fn ray_lines(explained: &Explanation<'_>) -> Vec<String> {
+    let Explanation { ray, filter, .. } = explained;
     let mut lines = vec![format!(
         "ray        from {} along {}, {} < t <= {}",
         triple(ray.origin),
@@ -86,7 +86,7 @@ fn ray_lines(story: &Explanation<'_>) -> Vec<String> {
     if !passes.is_empty() {
         lines.push(format!("           it {}", passes.join(", ")));
     }
-    if let Some(fault) = story.fault {
+    if let Some(fault) = explained.fault {
         lines.push(format!("           it meets nothing: {fault}"));
     }
     lines
@@ -100,9 +100,9 @@ fn side_name(side: Side) -> &'static str {
 }
 
 /// What lies behind the hit.
-fn behind_lines(story: &Explanation<'_>) -> Vec<String> {
+fn behind_lines(explained: &Explanation<'_>) -> Vec<String> {
     let mut lines = Vec::new();
-    for (k, place) in story.behind.iter().enumerate() {
+    for (k, place) in explained.behind.iter().enumerate() {
         let label = if k == 0 { "behind" } else { "" };
         let side = if place.is_front { "front" } else { "back" };
         let named = named(place.hit.object, place.name, place.shape);
@@ -112,7 +112,7 @@ fn behind_lines(story: &Explanation<'_>) -> Vec<String> {
             part(place.shape, place.hit.primitive),
         ));
     }
-    let more = story.behind_count - story.behind.len();
+    let more = explained.behind_count - explained.behind.len();
     if more > 0 {
         lines.push(format!(
             "           ... and {}",

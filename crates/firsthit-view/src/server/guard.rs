@@ -4,8 +4,8 @@ use super::http::{Method, Request, Status};
 
 /// The headers of every answer. No script from elsewhere runs in the page, no other page may frame or read it, and no cache keeps it.
 pub(super) const HEADERS: &str = "\
-Content-Security-Policy: default-src 'none'; script-src 'self'; connect-src 'self'; img-src 'self' blob: data:; \
-style-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'\r\n\
+Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'; \
+img-src 'self' blob: data:; style-src 'self'; worker-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'\r\n\
 X-Content-Type-Options: nosniff\r\n\
 Referrer-Policy: no-referrer\r\n\
 Cache-Control: no-store\r\n\

@@ -5,9 +5,8 @@
 
 mod guard;
 mod http;
-mod pages;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io;
 use std::net::{Ipv4Addr, Shutdown, SocketAddrV4, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -16,13 +15,10 @@ use std::time::{Duration, Instant};
 
 use firsthit::Error;
 use firsthit::watch::Watch;
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use crate::frame::Pixels;
-use crate::look::{FlatCamera, FrameRequest};
-use crate::probe::Probe;
+use crate::answer::{Answer, AnswerError};
+use crate::page_files;
 use crate::viewer::{Viewer, lock};
 use guard::Guard;
 use http::{Method, Reader, Refusal, Request, Response, Status};
@@ -47,17 +43,32 @@ pub struct Server {
     lingers: Option<Duration>,
 }
 
+/// A connection that is open.
+#[derive(Debug)]
+struct Open {
+    stream: TcpStream,
+    /// Whether it has shown the token.
+    is_known: bool,
+}
+
+impl Open {
+    fn end(&self) {
+        // It may be gone already.
+        let _ = self.stream.shutdown(Shutdown::Both);
+    }
+}
+
 /// What all connections know.
 #[derive(Debug)]
 struct Shared {
-    viewer: Viewer,
+    viewer: Arc<Viewer>,
     guard: Guard,
     port: u16,
     is_stopped: AtomicBool,
     /// How many connections there have been.
     connections: AtomicU64,
     /// Those that are open, by their numbers.
-    streams: Mutex<HashMap<u64, TcpStream>>,
+    open: Mutex<BTreeMap<u64, Open>>,
     /// When a page asked last.
     asked: Mutex<Option<Instant>>,
     /// The number of the newest frame that each page has asked for.
@@ -70,17 +81,17 @@ impl Server {
     /// # Errors
     ///
     /// Where the port is taken, or the system has no random numbers.
-    pub fn bind(viewer: Viewer, port: u16) -> io::Result<Self> {
+    pub fn bind(viewer: impl Into<Arc<Viewer>>, port: u16) -> io::Result<Self> {
         let listener = TcpListener::bind(SocketAddrV4::new(Ipv4Addr::LOCALHOST, port))?;
         listener.set_nonblocking(true)?;
         let port = listener.local_addr()?.port();
         let shared = Arc::new(Shared {
-            viewer,
+            viewer: viewer.into(),
             guard: Guard::new(port)?,
             port,
             is_stopped: AtomicBool::new(false),
             connections: AtomicU64::new(0),
-            streams: Mutex::default(),
+            open: Mutex::default(),
             asked: Mutex::new(None),
             newest: Mutex::default(),
         });
@@ -111,9 +122,8 @@ impl Server {
             let is_left = (self.lingers.zip(silence)).is_some_and(|(most, silence)| silence > most);
             if is_left || is_stopped() {
                 self.shared.is_stopped.store(true, Ordering::Relaxed);
-                for stream in lock(&self.shared.streams).values() {
-                    // It may be gone already.
-                    let _ = stream.shutdown(Shutdown::Both);
+                for open in lock(&self.shared.open).values() {
+                    open.end();
                 }
                 return;
             }
@@ -129,22 +139,34 @@ impl Server {
     /// Serves a connection in a thread of its own.
     fn take(&self, mut stream: TcpStream) {
         let number = self.shared.connections.fetch_add(1, Ordering::Relaxed);
-        let mut streams = lock(&self.shared.streams);
-        if streams.len() >= MOST_CONNECTIONS {
-            // A page that is slow or gone is nobody's business but its own, here and below.
-            let _ = Response::bare(Status::BUSY).write(&mut stream, true);
-            return;
+        let mut open = lock(&self.shared.open);
+        if open.len() >= MOST_CONNECTIONS {
+            // Who has not shown the token makes room for who may: the oldest of them.
+            let strangers = || open.iter().filter(|(_, open)| !open.is_known);
+            let Some(oldest) = strangers().map(|(&number, _)| number).next() else {
+                // A page that is slow or gone is nobody's business but its own, here and below.
+                let _ = Response::bare(Status::BUSY).write(&mut stream, true);
+                return;
+            };
+            if let Some(stranger) = open.remove(&oldest) {
+                stranger.end();
+            }
         }
         let Ok(again) = stream.try_clone() else {
             return;
         };
-        streams.insert(number, again);
-        drop(streams);
+        let is_known = false;
+        let newcomer = Open {
+            stream: again,
+            is_known,
+        };
+        open.insert(number, newcomer);
+        drop(open);
         let place = Place {
             shared: Arc::clone(&self.shared),
             number,
         };
-        let serve = move || drop(place.shared.serve(&stream));
+        let serve = move || drop(place.shared.serve(&stream, number));
         // Where no thread begins the place is free again with what it would have done.
         drop(std::thread::Builder::new().name("page".into()).spawn(serve));
     }
@@ -158,7 +180,7 @@ struct Place {
 
 impl Drop for Place {
     fn drop(&mut self) {
-        lock(&self.shared.streams).remove(&self.number);
+        lock(&self.shared.open).remove(&self.number);
     }
 }
 
@@ -222,16 +244,9 @@ impl Watch for Superseded<'_> {
     }
 }
 
-/// A question about a camera.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Say {
-    camera: FlatCamera,
-}
-
 impl Shared {
     /// Answers the requests of a connection.
-    fn serve(&self, stream: &TcpStream) -> io::Result<()> {
+    fn serve(&self, stream: &TcpStream, number: u64) -> io::Result<()> {
         stream.set_nonblocking(false)?;
         stream.set_nodelay(true)?;
         // Who has not shown the token holds no place for long.
@@ -248,6 +263,9 @@ impl Shared {
                     }
                     if request.method == Method::Post {
                         stream.set_read_timeout(Some(IDLE))?;
+                        if let Some(open) = lock(&self.open).get_mut(&number) {
+                            open.is_known = true;
+                        }
                     }
                     self.answer(&request, stream).write(&mut to, is_last)?;
                     if is_last {
@@ -262,7 +280,7 @@ impl Shared {
 
     fn answer(&self, request: &Request, stream: &TcpStream) -> Response {
         match request.method {
-            Method::Get => match pages::page(&request.path) {
+            Method::Get => match page_files::file(&request.path) {
                 Some((kind, body)) => Response::new(Status::OK, kind, body),
                 None => Response::bare(Status::NOT_FOUND),
             },
@@ -280,37 +298,23 @@ impl Shared {
     }
 
     fn question(&self, request: &Request, caller: &Caller<'_>) -> Result<Response, Response> {
-        match request.path.as_str() {
-            "/info" => Ok(found(&self.viewer.info())),
-            "/alive" => Ok(found(&json!({}))),
-            "/frame" => {
-                let look: FrameRequest = parsed(&request.body)?;
+        let question = request.path.strip_prefix('/').unwrap_or_default();
+        match question {
+            "alive" => Ok(found(&json!({}))),
+            "frame" => {
                 let page = request.header("x-firsthit-page").unwrap_or_default();
-                self.frame(&look, page, caller)
+                self.frame(&request.body, page, caller)
             }
-            "/probe" => {
-                let asked: Probe = parsed(&request.body)?;
-                let story = self.viewer.probe(&asked, caller);
-                story
-                    .map(|story| found(&story))
+            _ => {
+                let answer = self.viewer.answer(question, &request.body, caller);
+                answer
+                    .map(|answer| found(&answer.json))
                     .map_err(|error| refused(&error))
             }
-            "/say" => {
-                let Say { camera } = parsed(&request.body)?;
-                let said = self.viewer.say(&camera);
-                said.map(|said| found(&said))
-                    .map_err(|error| refused(&error))
-            }
-            _ => Err(Response::bare(Status::NOT_FOUND)),
         }
     }
 
-    fn frame(
-        &self,
-        look: &FrameRequest,
-        page: &str,
-        caller: &Caller<'_>,
-    ) -> Result<Response, Response> {
+    fn frame(&self, body: &[u8], page: &str, caller: &Caller<'_>) -> Result<Response, Response> {
         let newest = {
             let mut pages = lock(&self.newest);
             if pages.len() >= MOST_CONNECTIONS && !pages.contains_key(page) {
@@ -326,32 +330,16 @@ impl Shared {
             own,
         };
         let started = Instant::now();
-        let painted = self.viewer.frame(look, &watch);
-        let painted = painted.map_err(|error| refused(&error))?;
-        let [rows, columns] = painted.shape;
-        let seconds = started.elapsed().as_secs_f64();
-        let (kind, about, body) = match painted.pixels {
-            Pixels::Png(bytes) => (
-                "image/png",
-                json!({"rows": rows, "columns": columns, "samples": painted.samples, "seconds": seconds}),
-                bytes,
-            ),
-            Pixels::Values {
-                components,
-                dtype,
-                bytes,
-            } => (
-                "application/octet-stream",
-                json!({
-                    "rows": rows, "columns": columns, "samples": painted.samples, "seconds": seconds,
-                    "components": components, "dtype": dtype,
-                }),
-                bytes,
-            ),
+        let answer = self.viewer.answer("frame", body, &watch);
+        let Answer { mut json, pixels } = answer.map_err(|error| refused(&error))?;
+        json["seconds"] = started.elapsed().as_secs_f64().into();
+        let kind = match json.get("dtype") {
+            None => "image/png",
+            Some(_) => "application/octet-stream",
         };
         Ok(Response {
-            extra: Some(("X-Firsthit-Frame", about.to_string())),
-            ..Response::new(Status::OK, kind, body)
+            extra: Some(("X-Firsthit-Frame", json.to_string())),
+            ..Response::new(Status::OK, kind, pixels)
         })
     }
 }
@@ -360,14 +348,11 @@ fn found(value: &Value) -> Response {
     Response::new(Status::OK, "application/json", value.to_string())
 }
 
-fn parsed<T: DeserializeOwned>(body: &[u8]) -> Result<T, Response> {
-    serde_json::from_slice(body).map_err(|error| failed(Status::BAD_REQUEST, &error.to_string()))
-}
-
-fn refused(error: &Error) -> Response {
+fn refused(error: &AnswerError) -> Response {
     let status = match error {
-        Error::Interrupted => Status::SUPERSEDED,
-        _ => Status::BAD_REQUEST,
+        AnswerError::Unknown(_) => Status::NOT_FOUND,
+        AnswerError::Failed(Error::Interrupted) => Status::SUPERSEDED,
+        AnswerError::Malformed(_) | AnswerError::Failed(_) => Status::BAD_REQUEST,
     };
     failed(status, &error.to_string())
 }

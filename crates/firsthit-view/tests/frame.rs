@@ -1,0 +1,183 @@
+//! What a page may ask of a frame beside its camera, and how questions are answered by their names.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on panics")]
+
+use std::io::Cursor;
+use std::sync::Arc;
+
+use firsthit::camera::StandardView;
+use firsthit::render::{Appearance, framing_camera};
+use firsthit::scene::{Environment, EnvironmentKind, EnvironmentMap};
+use firsthit::{DMat3, DVec3, Object, Scene, Sphere};
+use firsthit_view::{
+    Answer, AnswerError, EnvironmentChoice, EnvironmentRequest, FrameRequest, Pixels, Viewer,
+};
+use serde_json::{Value, json};
+
+const SHAPE: [usize; 2] = [30, 60];
+
+/// Two balls side by side, seen from the front.
+fn viewer(environment: Option<Environment>) -> Viewer {
+    let ball = |x: f64| Object::new(Sphere::new(DVec3::new(x, 0.0, 0.0), 1.0).unwrap());
+    let scene = Scene::new(vec![ball(-1.2), ball(1.2)]).unwrap();
+    let scene = scene.with_environment(environment.map(Arc::new));
+    let camera = framing_camera(&scene, DVec3::Z, StandardView::Front, SHAPE).unwrap();
+    Viewer::new("two balls", scene, Appearance::default(), &camera).unwrap()
+}
+
+fn request(viewer: &Viewer) -> FrameRequest {
+    let camera = viewer.info()["camera"].take();
+    FrameRequest {
+        is_lit: true,
+        samples: Some(1),
+        ..FrameRequest::new(serde_json::from_value(camera).unwrap())
+    }
+}
+
+/// Its colours, row by row.
+fn colors(viewer: &Viewer, request: &FrameRequest) -> Vec<[u8; 3]> {
+    let Pixels::Png(png) = viewer.frame(request, &()).unwrap().pixels else {
+        panic!("colours are a PNG");
+    };
+    let mut reader = png::Decoder::new(Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let size = reader.next_frame(&mut bytes).unwrap().buffer_size();
+    bytes.truncate(size);
+    bytes.as_chunks::<3>().0.to_vec()
+}
+
+/// The colour in the middle of a ball.
+fn middle(colors: &[[u8; 3]], ball: usize) -> [u8; 3] {
+    let [rows, columns] = SHAPE;
+    colors[rows / 2 * columns + [columns / 4, columns * 3 / 4][ball]]
+}
+
+#[test]
+fn an_object_in_another_colour_changes_nothing_else() {
+    let viewer = viewer(None);
+    let plain = request(&viewer);
+    let red = FrameRequest {
+        colors: vec![(1, [1.0, 0.0, 0.0])],
+        ..plain.clone()
+    };
+    let (before, painted) = (colors(&viewer, &plain), colors(&viewer, &red));
+    assert_eq!(middle(&before, 0), middle(&painted, 0));
+    let [r, g, b] = middle(&painted, 1);
+    assert!(r > 100 && g < 10 && b < 10, "{:?}", middle(&painted, 1));
+    assert_eq!(colors(&viewer, &plain), before);
+    for (wrong, why) in [
+        ((2, [0.0; 3]), "identifiers"),
+        ((0, [0.0, f64::NAN, 0.0]), "from 0 to 1"),
+    ] {
+        let wrong = FrameRequest {
+            colors: vec![wrong],
+            ..plain.clone()
+        };
+        assert!(
+            viewer
+                .frame(&wrong, &())
+                .unwrap_err()
+                .to_string()
+                .contains(why)
+        );
+    }
+}
+
+fn with(choice: EnvironmentChoice, strength: f64, turn: f64) -> EnvironmentRequest {
+    EnvironmentRequest {
+        choice,
+        strength,
+        turn,
+    }
+}
+
+fn brightness(colors: &[[u8; 3]], ball: usize) -> u32 {
+    middle(colors, ball).iter().copied().map(u32::from).sum()
+}
+
+#[test]
+fn the_environment_of_the_scene_is_turned_and_scaled() {
+    // Bright where +x is.
+    let texels: Vec<[f32; 3]> = [0.05, 0.05, 0.9, 0.05, 0.05, 0.05].map(|x| [x; 3]).to_vec();
+    let map = Arc::new(EnvironmentMap::new(6, 1, texels).unwrap());
+    let kind = EnvironmentKind::of_map(map, DVec3::Z, &DMat3::IDENTITY);
+    let viewer = viewer(Some(Environment::new(kind)));
+    let plain = FrameRequest {
+        samples: Some(64),
+        ..request(&viewer)
+    };
+    let own = |strength, turn| FrameRequest {
+        environment: Some(with(EnvironmentChoice::Own, strength, turn)),
+        ..plain.clone()
+    };
+    let before = colors(&viewer, &plain);
+    assert_eq!(colors(&viewer, &own(1.0, 0.0)), before);
+    assert_eq!(colors(&viewer, &own(1.0, 360.0)), before);
+    assert!(brightness(&colors(&viewer, &own(2.0, 0.0)), 0) > brightness(&before, 0) + 20);
+    // The camera looks along +y: from behind it comes more light than from the side.
+    assert!(brightness(&colors(&viewer, &own(1.0, -90.0)), 1) > brightness(&before, 1) + 20);
+    for (strength, turn) in [(-1.0, 0.0), (f64::NAN, 0.0), (1.0, f64::INFINITY)] {
+        assert!(viewer.frame(&own(strength, turn), &()).is_err());
+    }
+    // Without it there is the automatic light.
+    let none = FrameRequest {
+        environment: Some(with(EnvironmentChoice::None, 1.0, 0.0)),
+        ..plain.clone()
+    };
+    assert_ne!(colors(&viewer, &none), before);
+}
+
+#[test]
+fn daylight_has_its_sun_where_the_page_has_it() {
+    let viewer = viewer(None);
+    let day = |sun: Option<[f64; 3]>| FrameRequest {
+        samples: Some(16),
+        sun,
+        environment: Some(with(EnvironmentChoice::Daylight, 1.0, 0.0)),
+        ..request(&viewer)
+    };
+    let front = colors(&viewer, &day(Some([0.0, 1.0, -0.5])));
+    let behind = colors(&viewer, &day(Some([0.0, -1.0, -0.5])));
+    assert!(brightness(&front, 0) > brightness(&behind, 0) + 50);
+    assert!(viewer.frame(&day(None), &()).is_ok());
+    let night = viewer.frame(&day(Some([0.0, 1.0, 0.5])), &()).unwrap_err();
+    assert!(night.to_string().contains("elevation"), "{night}");
+}
+
+#[test]
+fn questions_are_answered_by_their_names() {
+    let viewer = viewer(None);
+    let ask = |name: &str, about: &Value| viewer.answer(name, about.to_string().as_bytes(), &());
+    assert_eq!(ask("info", &Value::Null).unwrap().json, viewer.info());
+    let camera = viewer.info()["camera"].take();
+    let Answer { json, pixels } = ask("frame", &json!({"camera": camera, "channel": "t"})).unwrap();
+    let expected =
+        json!({"rows": 30, "columns": 60, "samples": 1, "components": 1, "dtype": "float32"});
+    assert_eq!(json, expected);
+    assert!(!pixels.is_empty());
+    let probed = ask("probe", &json!({"camera": camera, "pixel": [15, 15]})).unwrap();
+    assert_eq!(probed.json["hit"]["object"], 0);
+    assert!(ask("camera", &json!({"camera": camera})).unwrap().json["toml"].is_string());
+    assert!(matches!(
+        ask("open", &json!({})),
+        Err(AnswerError::Unknown(_))
+    ));
+    assert!(matches!(
+        ask("frame", &json!({})),
+        Err(AnswerError::Malformed(_))
+    ));
+    let outside = ask("probe", &json!({"camera": camera, "pixel": [60, 0]}));
+    assert!(matches!(outside, Err(AnswerError::Failed(_))));
+}
+
+/// A world whose samples are its own: the page asks for as many in steps.
+#[test]
+fn info_tells_how_many_samples_there_will_be() {
+    let viewer = viewer(None);
+    let all = FrameRequest {
+        samples: None,
+        ..request(&viewer)
+    };
+    let painted = viewer.frame(&all, &()).unwrap();
+    assert_eq!(viewer.info()["samples"], painted.samples);
+    assert_eq!(viewer.info()["environment"], false);
+}

@@ -1,0 +1,151 @@
+// @ts-check
+// The engine that runs in the page: firsthit as a WebAssembly module, in workers. What it reads goes nowhere else.
+
+import { EngineError, painted } from "./engine.js";
+
+/** @typedef {import("./engine.js").Engine} Engine */
+/** @typedef {import("./engine.js").FlatCamera} FlatCamera */
+/** @typedef {import("./engine.js").FrameRequest} FrameRequest */
+/** @typedef {import("./engine.js").Painted} Painted */
+/** @typedef {import("./engine.js").Visibility} Visibility */
+/** @typedef {{answer: any, pixels: Uint8Array<ArrayBuffer>}} Answer */
+/**
+ * What a worker is started with.
+ * @typedef {object} Source
+ * @property {() => Worker} worker makes a worker that runs worker.js
+ * @property {ArrayBuffer} module the module's bytes
+ * @property {string} name the file's, whose extension tells the format
+ * @property {ArrayBuffer} content the file's
+ * @property {{title: string, warnings: string[]} | null} about what the file does not say
+ */
+
+/** A worker with the scene, and who waits for its answers. */
+class Desk {
+    /** @type {Map<number, {resolve: (answer: Answer) => void, reject: (error: Error) => void}>} */
+    #waiting = new Map();
+    #count = 0;
+    /** @type {Worker} */
+    #worker;
+    /** Whether a bug, or memory that ran out, has ended it. */
+    isBroken = false;
+
+    /** @param {Source} source */
+    constructor({ worker, module, name, content }) {
+        this.#worker = worker();
+        this.#worker.onmessage = ({ data }) => {
+            this.isBroken ||= data.isBroken === true;
+            const asked = this.#waiting.get(data.id);
+            this.#waiting.delete(data.id);
+            if (data.error !== undefined) asked?.reject(new EngineError(data.error));
+            else asked?.resolve(data);
+        };
+        this.#worker.onerror = (event) => {
+            this.isBroken = true;
+            for (const { reject } of this.#waiting.values()) reject(new EngineError(event.message || "The worker did not start."));
+            this.#waiting.clear();
+        };
+        this.loaded = this.#post({ module, name, content });
+        // Whoever asks is told.
+        this.loaded.catch(() => {});
+    }
+
+    /** @param {string} question @param {object} about @returns {Promise<Answer>} */
+    async ask(question, about) {
+        await this.loaded;
+        return this.#post({ question, about });
+    }
+
+    close() {
+        this.#worker.terminate();
+        for (const { reject } of this.#waiting.values()) reject(new EngineError("The page has ended."));
+    }
+
+    /** @param {object} asked @returns {Promise<Answer>} */
+    #post(asked) {
+        const id = ++this.#count;
+        return new Promise((resolve, reject) => {
+            this.#waiting.set(id, { resolve, reject });
+            this.#worker.postMessage({ id, ...asked });
+        });
+    }
+}
+
+/** @implements {Engine} */
+export class WasmEngine {
+    /** @type {Desk} */
+    #desk;
+    /** The engine for questions that shall not wait for pictures, with a worker of its own. @type {WasmEngine | null} */
+    #aside = null;
+
+    /** @param {Source} source @param {any} [info] what is known of the scene already */
+    constructor(source, info = null) {
+        this.source = source;
+        this.known = info;
+        this.#desk = new Desk(source);
+    }
+
+    /** Starts the module and loads the file. @param {Source} source @returns {Promise<WasmEngine>} */
+    static async start(source) {
+        const engine = new WasmEngine(source);
+        try {
+            const { answer } = await engine.#desk.loaded;
+            engine.known = { ...answer, ...(source.about ?? {}) };
+            return engine;
+        } catch (error) {
+            engine.close();
+            throw error;
+        }
+    }
+
+    async info() {
+        return this.known;
+    }
+
+    /** @param {FlatCamera} camera @param {[number, number]} pixel @param {Visibility} part @returns {Promise<any>} */
+    async probe(camera, pixel, part) {
+        return (await this.#ask("probe", { camera, pixel, part })).answer;
+    }
+
+    /** @param {FlatCamera} camera @returns {Promise<any>} */
+    async cameraText(camera) {
+        return (await this.#ask("camera", { camera })).answer;
+    }
+
+    async alive() {}
+
+    /** A call cannot be interrupted, so a picture of many samples is asked for in steps. @param {FrameRequest} request @param {AbortSignal} signal @returns {Promise<Painted>} */
+    async frame(request, signal) {
+        const started = performance.now();
+        const isInSteps = request.is_lit && request.channel === "color";
+        const last = request.samples ?? this.known.samples;
+        const steps = [];
+        for (let samples = 1; isInSteps && samples < last; samples *= 2) steps.push(samples);
+        for (const samples of steps) {
+            await this.#ask("frame", { ...request, samples });
+            signal.throwIfAborted();
+        }
+        const { answer, pixels } = await this.#ask("frame", request);
+        signal.throwIfAborted();
+        return painted({ ...answer, seconds: (performance.now() - started) / 1000 }, new Blob([pixels]));
+    }
+
+    another() {
+        this.#aside ??= new WasmEngine(this.source, this.known);
+        return this.#aside;
+    }
+
+    close() {
+        this.#desk.close();
+        this.#aside?.close();
+    }
+
+    /** @param {string} question @param {object} about */
+    #ask(question, about) {
+        // After a trap nothing of a module can be relied on.
+        if (this.#desk.isBroken) {
+            this.#desk.close();
+            this.#desk = new Desk(this.source);
+        }
+        return this.#desk.ask(question, about);
+    }
+}

@@ -1,0 +1,116 @@
+// @ts-check
+// The picture on the stage: colours for the numbers of a channel, their range and its bar, and the picture as a file.
+
+import { colored, rangeOf } from "./color.js";
+import { element, six } from "./dom.js";
+
+/** @typedef {import("./engine.js").Painted} Painted */
+/** @typedef {import("./compare.js").Shown} Shown */
+
+/** Channels whose numbers are not shown by a map of colours. */
+const KINDS = /** @type {Record<string, "identifier" | "flag" | "direction" | "number">} */ ({
+    object: "identifier", primitive: "identifier", front: "flag", normal: "direction", position: "direction",
+});
+
+/** Whether a channel is shown by a map of colours. @param {string} channel */
+export const isMapped = (channel) => channel !== "color" && !KINDS[channel];
+
+export class Picture {
+    /** @param {any} info */
+    constructor(info) {
+        this.info = info;
+        this.canvas = element("picture");
+        this.drawing = this.canvas.getContext("2d", { willReadFrequently: true });
+        /** What is shown now, if it has all its pixels. @type {Shown | null} */
+        this.shown = null;
+        /** The range of the numbers that are shown. @type {[number, number] | null} */
+        this.range = null;
+    }
+
+    /** @param {Painted} painted @param {string} channel @param {boolean} isWhole whether it has all the pixels of the stage */
+    paint(painted, channel, isWhole) {
+        const { rows, columns } = painted.about;
+        const { canvas, drawing } = this;
+        if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
+        element("bar").hidden = true;
+        if (painted.image) {
+            drawing.clearRect(0, 0, columns, rows);
+            drawing.drawImage(painted.image, 0, 0);
+            painted.image.close();
+        } else {
+            this.#paintNumbers(painted, channel);
+        }
+        const pixels = () => drawing.getImageData(0, 0, columns, rows).data;
+        this.shown = isWhole ? { rows, columns, pixels: pixels(), values: painted.values ?? null, name: channel } : null;
+        document.body.dataset.painted = `${columns}x${rows}`;
+    }
+
+    /** @param {Painted} painted @param {string} channel */
+    #paintNumbers({ about: { rows, columns, components }, values }, channel) {
+        if (!values || !components) return;
+        const kind = KINDS[channel] ?? "number";
+        const range = kind === "number" ? (chosenRange() ?? rangeOf(values)) : null;
+        const map = this.info.maps[element("map").value];
+        const shown = channel === "position" ? this.#spread(values) : values;
+        const pixels = colored(shown, components, { kind, map, range });
+        this.drawing.putImageData(new ImageData(/** @type {any} */ (pixels), columns, rows), 0, 0);
+        if (range) showBar(map, range);
+        this.range = range;
+    }
+
+    /** Positions, each axis from -1 to 1. @param {Float32Array | Int32Array} values */
+    #spread(values) {
+        const [low, high] = this.info.bounds ?? [[0, 0, 0], [1, 1, 1]];
+        return Float32Array.from(values, (x, k) => (2 * (x - low[k % 3])) / (high[k % 3] - low[k % 3] || 1) - 1);
+    }
+
+    /** The colour that is shown there. @param {[number, number]} pixel */
+    colorAt([column, row]) {
+        return [...this.drawing.getImageData(column, row, 1, 1).data];
+    }
+
+    /** The picture with its marks and its bar, as a PNG. @returns {Promise<Blob>} */
+    asShown() {
+        const [overlay, bar] = [element("overlay"), element("bar-map")];
+        const whole = document.createElement("canvas");
+        [whole.width, whole.height] = [overlay.width, overlay.height];
+        const on = /** @type {CanvasRenderingContext2D} */ (whole.getContext("2d"));
+        on.imageSmoothingEnabled = !this.canvas.classList.contains("pixels");
+        for (const layer of [this.canvas, overlay]) on.drawImage(layer, 0, 0, whole.width, whole.height);
+        if (!element("bar").hidden) {
+            const scale = devicePixelRatio;
+            const [width, height, gap] = [192 * scale, 13 * scale, 8 * scale];
+            const [left, top] = [whole.width - width - gap, whole.height - height - gap];
+            on.drawImage(bar, left, top, width, height);
+            on.font = `${13 * scale}px system-ui, sans-serif`;
+            [on.textBaseline, on.shadowColor, on.shadowBlur, on.fillStyle] = ["bottom", "#000", 3 * scale, "#fff"];
+            on.fillText(element("bar-low").textContent, left, top - 2 * scale);
+            on.textAlign = "right";
+            on.fillText(element("bar-high").textContent, left + width, top - 2 * scale);
+        }
+        return new Promise((resolve, reject) => {
+            whole.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The browser made no PNG of the picture."))));
+        });
+    }
+}
+
+/** @param {number[][]} map @param {[number, number]} range */
+function showBar(map, range) {
+    const canvas = element("bar-map");
+    canvas.width = map.length;
+    const on = canvas.getContext("2d");
+    const pixels = on.createImageData(map.length, 1);
+    map.forEach((color, k) => pixels.data.set([...color, 255], 4 * k));
+    on.putImageData(pixels, 0, 0);
+    [element("bar-low").textContent, element("bar-high").textContent] = range.map(six);
+    element("bar").hidden = false;
+}
+
+/** The range that was typed, if it is one. @returns {[number, number] | null} */
+function chosenRange() {
+    const [low, high] = ["low", "high"].map((id) => element(id).value.trim());
+    const isEmpty = low === "" && high === "";
+    const isRange = low !== "" && high !== "" && Number(low) < Number(high);
+    for (const id of ["low", "high"]) element(id).setAttribute("aria-invalid", String(!isEmpty && !isRange));
+    return isRange ? [Number(low), Number(high)] : null;
+}
