@@ -274,6 +274,10 @@ pub(crate) struct ProbeArgs {
 pub(crate) struct ViewArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
+    /// Write the page to this file, part.html, with the scene inside, and serve nothing. Browsers open it without this program and
+    /// without a network
+    #[arg(short, long, value_name = "FILE", conflicts_with_all = ["port", "no_browser", "keep"])]
+    pub(crate) output: Option<PathBuf>,
     /// The port on 127.0.0.1 to listen on. To look from another machine: ssh -L PORT:127.0.0.1:PORT [default: one that is free]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_hyphen_values = true)]
     pub(crate) port: Option<u16>,

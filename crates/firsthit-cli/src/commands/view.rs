@@ -1,20 +1,25 @@
 //! `firsthit view`: a page that shows a scene, in the browser.
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use firsthit::error::escaped;
-use firsthit_view::Viewer;
+use firsthit::image::write_whole;
+use firsthit::watch::Watch;
 use firsthit_view::server::Server;
+use firsthit_view::{Module, Viewer};
 
 use super::render::{Asked, asked_for};
 use crate::args::ViewArgs;
 use crate::camera::{camera, of_file};
-use crate::console::{say, warn};
+use crate::console::{counted, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded};
+use crate::output;
+use crate::progress::Interrupt;
 
 pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let asked = Asked {
@@ -24,6 +29,8 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
         load: &args.load,
     };
     asked.check()?;
+    let report = args.output.as_deref().map(|path| Report::new(path, args));
+    let report = report.transpose()?;
     // Pictures are made in the threads of connections, which all share these.
     loading::share_threads(args.threads)?;
     let loaded = loading::read(&args.file, &args.load, args.light.color)?.picked(&args.pick)?;
@@ -31,8 +38,12 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
         scene,
         warnings,
         model,
+        files,
         ..
     } = loaded;
+    if let Some(report) = &report {
+        output::check_other(report.path, &[], &files)?;
+    }
     warn(&warnings);
     let base = of_file(&args.camera, &model)?;
     let chosen = camera(&args.camera, (&args.file, &base), &scene, &model)?;
@@ -41,6 +52,9 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
     let viewer = viewer
         .shown(model.display, model.edges)
         .warned(warnings.iter().map(ToString::to_string).collect());
+    if let Some(report) = &report {
+        return report.write(&viewer, &Interrupt(interrupted));
+    }
     let server = Server::bind(viewer, args.port.unwrap_or(0)).map_err(|error| {
         let option = args.port.map(|port| format!("--port {port}"));
         let option = option.unwrap_or_else(|| "a free port".to_owned());
@@ -61,6 +75,42 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
     };
     server.run(&is_stopped);
     Ok(())
+}
+
+/// The page as a file, in place of a server.
+struct Report<'a> {
+    path: &'a Path,
+    module: Module,
+}
+
+impl<'a> Report<'a> {
+    fn new(path: &'a Path, args: &ViewArgs) -> Result<Self, Failure> {
+        let is_html = |own: &OsStr| {
+            ["html", "htm"]
+                .iter()
+                .any(|one| own.eq_ignore_ascii_case(one))
+        };
+        if !path.extension().is_some_and(is_html) {
+            let what = format!("--output: {} must end in .html", escaped(path));
+            return Err(Failure::usage(what));
+        }
+        output::check_other(path, &[], std::slice::from_ref(&args.file))?;
+        let module = Module::built_in().ok_or_else(|| {
+            Failure::usage(
+                "--output: this program was built without the WebAssembly module that a report runs; the Python package has it, and so has a \
+                 program that is built after `make wasm`",
+            )
+        })?;
+        Ok(Self { path, module })
+    }
+
+    fn write(&self, viewer: &Viewer, watch: &dyn Watch) -> Result<(), Failure> {
+        let report = viewer.report(self.module, watch)?;
+        write_whole(self.path, watch, |out| out.write_all(&report))?;
+        let bytes = counted(report.len() as u64, "byte");
+        say(format!("{}: {bytes}", escaped(self.path)));
+        Ok(())
+    }
 }
 
 /// The file's name, which the page shows.

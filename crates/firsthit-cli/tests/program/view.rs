@@ -8,6 +8,10 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::Duration;
 
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use firsthit_view::Module;
+use flate2::read::GzDecoder;
 use serde_json::{Value, json};
 
 use crate::support::{Lab, Outcome};
@@ -120,7 +124,7 @@ fn what_is_said_of_a_camera_renders_the_same_bytes() {
     let first = page.json("/info", &json!({}))["camera"].clone();
     for camera in cameras(&first) {
         let picture = page.ask("/frame", &json!({"camera": camera, "is_lit": true}));
-        let said = page.json("/say", &json!({"camera": camera}));
+        let said = page.json("/camera", &json!({"camera": camera}));
         lab.ok(&format!(
             "render square.ply -q -o by-command.png {}",
             said["command"].as_str().unwrap()
@@ -149,7 +153,7 @@ fn matrices_and_colmap_make_the_same_camera_but_for_rounding() {
     let lab = Lab::with_square();
     let page = Page::open(&lab, "square.ply --size 64x48");
     let camera = page.json("/info", &json!({}))["camera"].clone();
-    let said = page.json("/say", &json!({"camera": camera}));
+    let said = page.json("/camera", &json!({"camera": camera}));
     lab.ok(&format!(
         "render square.ply -q --channels t -o t.npy {}",
         said["command"].as_str().unwrap()
@@ -194,7 +198,7 @@ fn a_pixel_says_what_probe_prints() {
     let lab = Lab::with_square();
     let page = Page::open(&lab, "square.ply --size 64x48");
     let camera = page.json("/info", &json!({}))["camera"].clone();
-    let said = page.json("/say", &json!({"camera": camera}));
+    let said = page.json("/camera", &json!({"camera": camera}));
     let mut told = page.json("/probe", &json!({"camera": camera, "pixel": [30, 20]}));
     let arguments = format!(
         "probe square.ply --pixel 30,20 {}",
@@ -271,10 +275,40 @@ fn what_is_wrong_is_said_in_a_line() {
     lab.fails("view square.ply --no-browser --port 0", 2, "--port");
     lab.fails("view square.ply --no-browser --size 0x1", 2, "--size");
     lab.fails("view square.ply --no-browser --host 0.0.0.0", 2, "--host");
+    lab.fails("view square.ply -o page.png", 2, "must end in .html");
+    lab.fails("view square.ply -o page.html --port 9", 2, "--port");
     let page = Page::open(&lab, "square.ply");
     lab.fails(
         &format!("view square.ply --no-browser --port {}", page.port),
         2,
         "--port",
     );
+}
+
+/// With the module or without it: nothing is half written, and no picture is silently left out.
+#[test]
+fn a_report_is_written_or_says_why_not() {
+    let lab = Lab::with_square();
+    if Module::built_in().is_none() {
+        lab.fails("view square.ply -o page.html", 2, "make wasm");
+        assert_eq!(lab.names(), ["square.ply"]);
+        return;
+    }
+    lab.ok("view square.ply -o page.html --size 64x48");
+    lab.ok("view square.ply -o again.html --size 64x48 --threads 1");
+    let page = String::from_utf8(lab.read("page.html")).unwrap();
+    assert_eq!(page.as_bytes(), lab.read("again.html"));
+    assert!(page.contains("default-src 'none'"));
+    // What is inside is the scene: the same bytes as are saved.
+    let (_, rest) = page
+        .split_once("id=\"report-scene\" type=\"text/plain\">")
+        .unwrap();
+    let (packed, _) = rest.split_once("</script>").unwrap();
+    let mut scene = Vec::new();
+    let packed = BASE64_STANDARD.decode(packed).unwrap();
+    GzDecoder::new(&packed[..]).read_to_end(&mut scene).unwrap();
+    lab.write("scene.fhs", scene);
+    lab.ok("render scene.fhs -q -o inside.png --size 64x48");
+    lab.ok("render square.ply -q -o own.png --size 64x48");
+    assert!(lab.png("inside.png") == lab.png("own.png"));
 }
