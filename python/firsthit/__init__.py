@@ -46,6 +46,7 @@ from ._load import open as open  # noqa: A004 - fh.open
 from ._material import Material, Texture
 from ._moving import Pushbroom, RollingShutter
 from ._nearest import ClosestPoints
+from ._notebook import NotebookView
 from ._object import Object
 from ._ray_sensor import RaySensor
 from ._render import render, render_progressively
@@ -100,6 +101,7 @@ __all__ = [
     "Material",
     "Mesh",
     "NamedCamera",
+    "NotebookView",
     "Object",
     "Place",
     "Plan",

@@ -35,6 +35,7 @@ __all__ = [
     "Shape",
     "Texels",
     "Trajectory",
+    "Viewer",
     "all_threads",
     "attribute",
     "attribute_names",
@@ -675,16 +676,26 @@ def render_more(
 def sampling(channels: Sequence[str]) -> list[str]: ...
 
 @final
-class PageServer:
+class Viewer:
     def __new__(
         cls,
         seen: tuple[Scene, Camera],
         shading: _Shading,
         background: Sequence[_Vector] | None,
         up: _Vector,
+        shown: tuple[tuple[float, str], EdgesTuple | None],
         title: str,
-        port: int,
-    ) -> PageServer: ...
+    ) -> Viewer: ...
+    @staticmethod
+    def can_report() -> bool: ...
+    def report(self) -> bytes | None: ...
+    def embedded_page(self) -> str: ...
+    def still(self) -> bytes: ...
+    def answer(self, question: str, about: str) -> tuple[str, bytes]: ...
+
+@final
+class PageServer:
+    def __new__(cls, viewer: Viewer, port: int) -> PageServer: ...
     @property
     def address(self) -> str: ...
     @property

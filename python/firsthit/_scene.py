@@ -23,6 +23,7 @@ from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._lint import Lintable
 from ._measures import Measures
 from ._nearest import NearestQueries
+from ._notebook import Viewable
 from ._object import Object, affine, placed
 from ._queries import Queries
 from ._section import Cuttable
@@ -53,7 +54,9 @@ class _Last(NamedTuple):
     known: int
 
 
-class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable, Explainable):
+class Scene(
+    Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable, Explainable, Viewable
+):
     """Objects and lights. Any number of threads may use it at once.
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any
@@ -449,10 +452,12 @@ class Scene(Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintab
         """Return the camera to look through where nobody says."""
         return self._cameras[0].camera if self._has_view else Camera.framing(self)
 
+    def _triangles(self) -> int:
+        return sum(made.triangles for made in self._objects)
+
     def __repr__(self) -> str:
-        triangles = sum(made.triangles for made in self._objects)
         plural = "" if len(self._objects) == 1 else "s"
-        return f"Scene({len(self._objects):,} object{plural}, {triangles:,} triangles)"
+        return f"Scene({len(self._objects):,} object{plural}, {self._triangles():,} triangles)"
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the objects; what is built from them is built again."""

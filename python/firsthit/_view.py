@@ -5,32 +5,23 @@ from __future__ import annotations
 import html
 import time
 import webbrowser
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from . import _firsthit
-from ._camera import Camera
-from ._picture import Picture
+from ._viewer import viewer_of
 
 if TYPE_CHECKING:
     from types import TracebackType
 
     import numpy.typing as npt
 
+    from ._camera import Camera
     from ._environment import Environment
     from ._lights import Sky
     from ._scene import Scene
     from ._shading import Shader
     from ._types import LightName, Selection
     from .typing import ShaderName
-
-#: What of `render`'s arguments a page does not take: it asks for pictures itself.
-_NOT_GIVEN = dict.fromkeys(
-    (
-        "ambient", "color_bar", "color_by", "color_map", "color_range", "cull", "edges", "noise",
-        "region", "resume", "samples", "shadows", "threads",
-    )
-)  # fmt: skip
-
 
 #: Pages that are served: nobody needs to hold them.
 _RUNNING: set[View] = set()
@@ -113,8 +104,9 @@ def view(
 ) -> View:
     """Show a scene in the browser: turn it, ask pixels, measure, copy the camera.
 
-    The page shows the scene as it is at the call. Its server runs in a thread, listens on 127.0.0.1
-    alone, and answers the pages that have its token; see docs/view.md.
+    In a notebook, `Scene.view` shows the same without a server. The page shows the scene as it is
+    at the call. Its server runs in a thread, listens on 127.0.0.1 alone, and answers the pages that
+    have its token; see docs/view.md.
 
     Parameters
     ----------
@@ -156,29 +148,13 @@ def view(
     ...     page.address.startswith("http://127.0.0.1:")
     True
     """
-    if camera is not None and not isinstance(camera, Camera):
-        raise TypeError("view takes a Scene and a Camera")
-    if callable(shade):
-        raise TypeError("view takes a shader by its name or a Shader, no function")
     if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port <= 65535:
         raise ValueError(f"port must be from 0 to 65535, got {port!r}")
-    given: dict[str, Any] = {
-        "background": background, "environment": environment, "objects": objects,
-        "shade": shade, "light": light, "ground": ground,
-    }  # fmt: skip
-    picture = Picture.of(scene, camera, "color", **_NOT_GIVEN, **given)
-    seen = picture.camera
-    if not isinstance(seen, Camera):
-        seen = Camera.framing(scene)
-    server = _firsthit.PageServer(
-        (picture.native, seen._native),
-        picture.look._native(),
-        picture.background,
-        picture.up,
-        title,
-        port,
-    )
-    page = View(server, title)
+    viewer = viewer_of(
+        scene, camera, title, background=background, environment=environment, objects=objects,
+        shade=shade, light=light, ground=ground,
+    )  # fmt: skip
+    page = View(_firsthit.PageServer(viewer, port), title)
     _RUNNING.add(page)
     if browser:
         webbrowser.open(page.address)

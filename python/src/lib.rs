@@ -81,7 +81,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::shoot::{channel, channel_names, count, occluded, shoot, shoot_all, shoot_camera};
     #[pymodule_export]
-    use crate::view::PageServer;
+    use crate::view::{PageServer, Viewer};
 
     #[pymodule_init]
     #[expect(clippy::unnecessary_wraps, reason = "as PyO3 calls it")]

@@ -1,22 +1,98 @@
-//! The viewer's page of a scene.
+//! The viewer of a scene: its page, served or in one file, and the questions that a page asks.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::Duration;
 
-use firsthit_view::Viewer;
 use firsthit_view::server::Server;
-use pyo3::exceptions::PyOSError;
+use firsthit_view::{Answer, AnswerError, Module};
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 use crate::camera::Camera;
+use crate::edges::EdgesIn;
 use crate::errors::raise;
+use crate::frame::DisplayIn;
+use crate::run::{guarded, run};
 use crate::scene::Scene;
 use crate::shading::ShadingIn;
 
 /// How often it is asked whether the server has ended.
 const POLL: Duration = Duration::from_millis(5);
+
+/// What a page is about.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Viewer(Arc<firsthit_view::Viewer>);
+
+#[pymethods]
+impl Viewer {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        seen: (PyRef<'_, Scene>, PyRef<'_, Camera>),
+        shading: ShadingIn,
+        background: Option<Vec<[f64; 3]>>,
+        up: [f64; 3],
+        shown: (DisplayIn, Option<EdgesIn>),
+        title: String,
+    ) -> PyResult<Self> {
+        let (scene, camera) = seen;
+        let (display, edges) = shown;
+        let seen = scene.0.clone().with_up(up.into());
+        let made = || {
+            let appearance = shading.appearance(background.as_deref())?;
+            let edges = edges.as_ref().map(EdgesIn::edges).transpose()?;
+            let viewer = firsthit_view::Viewer::new(title, seen, appearance, &camera.0)?;
+            Ok(viewer.shown(display.transform()?, edges))
+        };
+        let viewer = made().map_err(|error| raise(py, &error))?;
+        Ok(Self(Arc::new(viewer)))
+    }
+
+    /// Whether there is a module that runs a report.
+    #[staticmethod]
+    fn can_report() -> bool {
+        Module::built_in().is_some()
+    }
+
+    /// The page in one file; `None` where there is no module.
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        let Some(module) = Module::built_in() else {
+            return Ok(None);
+        };
+        let report = run(py, 0, |stop| self.0.report(module, stop))?;
+        Ok(Some(PyBytes::new(py, &report)))
+    }
+
+    /// The page for a window that answers it.
+    fn embedded_page(&self, py: Python<'_>) -> PyResult<String> {
+        run(py, 0, |stop| self.0.embedded_page(stop))
+    }
+
+    /// A PNG of what the page begins with.
+    fn still<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let still = run(py, 0, |stop| self.0.still(stop))?;
+        Ok(PyBytes::new(py, &still))
+    }
+
+    /// Answers a question of the page: JSON, and the pixels of a frame.
+    fn answer<'py>(
+        &self,
+        py: Python<'py>,
+        question: &str,
+        about: &str,
+    ) -> PyResult<(String, Bound<'py, PyBytes>)> {
+        let ask = || self.0.answer(question, about.as_bytes(), &());
+        let answered = guarded(|| py.detach(ask))?;
+        let Answer { json, pixels } = answered.map_err(|error| match error {
+            AnswerError::Failed(error) => raise(py, &error),
+            other => PyValueError::new_err(other.to_string()),
+        })?;
+        Ok((json.to_string(), PyBytes::new(py, &pixels)))
+    }
+}
 
 /// A server of the page, in a thread of its own. It ends when it is told to.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -29,22 +105,8 @@ pub(crate) struct PageServer {
 #[pymethods]
 impl PageServer {
     #[new]
-    fn new(
-        py: Python<'_>,
-        seen: (PyRef<'_, Scene>, PyRef<'_, Camera>),
-        shading: ShadingIn,
-        background: Option<Vec<[f64; 3]>>,
-        up: [f64; 3],
-        title: String,
-        port: u16,
-    ) -> PyResult<Self> {
-        let (scene, camera) = seen;
-        let appearance = shading.appearance(background.as_deref());
-        let seen = scene.0.clone().with_up(up.into());
-        let viewer = appearance
-            .and_then(|appearance| Viewer::new(title, seen, appearance, &camera.0))
-            .map_err(|error| raise(py, &error))?;
-        let server = Server::bind(viewer, port)
+    fn new(viewer: PyRef<'_, Viewer>, port: u16) -> PyResult<Self> {
+        let server = Server::bind(Arc::clone(&viewer.0), port)
             .map_err(|error| PyOSError::new_err(format!("port {port}: {error}")))?
             .lingering(None);
         let address = server.address();

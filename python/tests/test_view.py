@@ -47,7 +47,7 @@ def test_a_camera_that_is_copied_is_the_same():
     camera = fh.Camera((1 / 3, -5, 2), (0.1, 2, -0.7), (0, 0.1, 1), 0.3, 0.4, 0.3, 30, 40)
     with fh.view(scene(), camera, browser=False) as page:
         first = json.loads(ask(page, "/info", {}))["camera"]
-        said = json.loads(ask(page, "/say", {"camera": first}))
+        said = json.loads(ask(page, "/camera", {"camera": first}))
     again = eval(said["python"], {"fh": fh})
     for got, expected in zip(again.rays(), camera.rays(), strict=True):
         assert np.array_equal(got, expected)

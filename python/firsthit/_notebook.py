@@ -1,0 +1,228 @@
+"""The viewer in notebooks, and as a file."""
+
+from __future__ import annotations
+
+import base64
+import html
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _firsthit
+
+if TYPE_CHECKING:
+    import os
+
+    import numpy.typing as npt
+
+    from ._camera import Camera
+    from ._environment import Environment
+    from ._lights import Sky
+    from ._scene import Scene
+    from ._shading import Shader
+    from ._types import LightName, Selection
+    from .typing import ShaderName
+
+#: A page with more triangles inside would make a notebook of more than some 50 MB.
+_MOST_TRIANGLES = 500_000
+
+_NO_MODULE = (
+    "this build of firsthit has no WebAssembly module, which runs the page: take the package from"
+    " the index, or build it after `make wasm`"
+)
+
+
+class NotebookView:
+    """A scene to look at in a notebook: to turn, to probe, to measure, and to save as a file.
+
+    Made by `Scene.view`. A notebook shows it where it is the last line of a cell. With the engine
+    ``"page"`` all that is shown is in the notebook itself: it works without a kernel, and where the
+    notebook is sent to. With ``"kernel"`` the kernel answers the page. Where no script may run
+    there is a picture.
+    """
+
+    def __init__(
+        self,
+        viewer: _firsthit.Viewer,
+        title: str,
+        engine: Literal["page", "kernel"],
+        height: int,
+    ) -> None:
+        """Hold a viewer; `Scene.view` makes one."""
+        self._viewer = viewer
+        self._title = title
+        self._engine = engine
+        self._height = height
+        self._widget: Any = None
+
+    @property
+    def engine(self) -> Literal["page", "kernel"]:
+        """Who computes the pictures."""
+        return self._engine
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page to an HTML file, with the scene inside.
+
+        Browsers open it without firsthit and without a network.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, which ends in ``.html``.
+
+        Raises
+        ------
+        ValueError
+            For another extension.
+        RuntimeError
+            If this build has no WebAssembly module.
+        OSError
+            If the system refuses to write it.
+        """
+        path = Path(path)
+        if path.suffix.lower() not in (".html", ".htm"):
+            raise ValueError(f"{path} must end in .html")
+        report = self._viewer.report()
+        if report is None:
+            raise RuntimeError(_NO_MODULE)
+        path.write_bytes(report)
+
+    def __repr__(self) -> str:
+        """Say what it shows."""
+        return f"NotebookView({self._title!r}, engine={self._engine!r})"
+
+    def _repr_html_(self) -> str:
+        picture = base64.b64encode(self._viewer.still()).decode()
+        title = html.escape(self._title)
+        shown = f'<img alt="{title}" style="height:100%" src="data:image/png;base64,{picture}">'
+        report = self._viewer.report()
+        if report is None:
+            return f"{shown}<p>{html.escape(_NO_MODULE)}</p>"
+        # Where no frame may be, what is behind it is seen.
+        page = html.escape(report.decode())
+        over = "position:absolute;inset:0;width:100%;height:100%;border:0;background:Canvas"
+        about = f'title="{title}" sandbox="allow-scripts allow-downloads" style="{over}"'
+        frame = f'<iframe {about} srcdoc="{page}"></iframe>'
+        return f'<div style="position:relative;height:{self._height}px">{shown}{frame}</div>'
+
+    def _repr_mimebundle_(self, **given: Any) -> Any:
+        if self._engine == "kernel":
+            if self._widget is None:
+                from ._widget import widget_of
+
+                self._widget = widget_of(self._viewer, self._height)
+            return self._widget._repr_mimebundle_(**given)
+        return {"text/html": self._repr_html_(), "text/plain": repr(self)}
+
+
+def notebook_view(
+    scene: Scene,
+    camera: Camera | None,
+    title: str,
+    engine: Literal["page", "kernel"] | None,
+    height: int,
+    **given: Any,
+) -> NotebookView:
+    """Check what `Scene.view` was given, and make what it returns."""
+    if engine not in (None, "page", "kernel"):
+        raise ValueError(f'engine must be "page" or "kernel", got {engine!r}')
+    if isinstance(height, bool) or not isinstance(height, int) or height < 1:
+        raise ValueError(f"height must be a positive number of pixels, got {height!r}")
+    if engine is None:
+        is_page = _firsthit.Viewer.can_report() and scene._triangles() <= _MOST_TRIANGLES
+        engine = "page" if is_page or not has_widgets() else "kernel"
+    if engine == "kernel" and not has_widgets():
+        raise ImportError('the engine "kernel" takes anywidget: pip install "firsthit[notebook]"')
+    from ._viewer import viewer_of
+
+    viewer = viewer_of(scene, camera, title, **given)
+    return NotebookView(viewer, title, engine, height)
+
+
+def has_widgets() -> bool:
+    """Return whether anywidget is there."""
+    from importlib.util import find_spec
+
+    return find_spec("anywidget") is not None
+
+
+class Viewable:
+    """The part of `Scene` that shows it in notebooks."""
+
+    def view(
+        self,
+        camera: Camera | None = None,
+        *,
+        background: Sky | npt.ArrayLike | None = None,
+        environment: Environment | None = None,
+        objects: Selection | None = None,
+        shade: ShaderName | Shader | None = None,
+        light: LightName | None = None,
+        ground: bool | None = None,
+        title: str = "scene",
+        engine: Literal["page", "kernel"] | None = None,
+        height: int = 560,
+    ) -> NotebookView:
+        """Show the scene in a notebook: turn it, ask pixels, measure, copy the camera.
+
+        From a script, `firsthit.view` shows the same in the browser. The page shows the scene as it
+        is at the call.
+
+        Parameters
+        ----------
+        camera : Camera, optional
+            Where the page begins, as for `firsthit.view`.
+        background, environment, objects, shade, light, ground
+            As for `render`. ``shade`` is no function of one's own.
+        title : str
+            What the page calls it.
+        engine : {"page", "kernel"}, optional
+            Who computes the pictures. ``"page"``: firsthit in the page itself, as a WebAssembly
+            module, with the scene; it works without a kernel, and the notebook is a few megabytes
+            larger. ``"kernel"``: this process with all its threads; it takes anywidget, ``pip
+            install firsthit[notebook]``, and needs no port. If left out, the kernel for more than
+            500,000 triangles where anywidget is there, else the page.
+        height : int
+            Of what is shown, in pixels of the notebook.
+
+        Returns
+        -------
+        NotebookView
+            What notebooks show. Its ``save`` writes the page to a file.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `firsthit.view`.
+        ImportError
+            For the engine ``"kernel"`` without anywidget.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> ball = scene.add(fh.Sphere((0, 0, 0), 1))
+        >>> scene.view(title="a ball", engine="page")
+        NotebookView('a ball', engine='page')
+        """
+        return notebook_view(
+            self,  # type: ignore[arg-type]
+            camera, title, engine, height, background=background, environment=environment,
+            objects=objects, shade=shade, light=light, ground=ground,
+        )  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        """Show a picture of it, for notebooks."""
+        from ._viewer import viewer_of
+
+        said = html.escape(repr(self))
+        try:
+            viewer = viewer_of(self, None, "scene", **dict.fromkeys(_LOOK))  # type: ignore[arg-type]
+            picture = base64.b64encode(viewer.still()).decode()
+        except ValueError:
+            # There is nothing to be seen of it.
+            return f"<p>{said}</p>"
+        return f'<img alt="{said}" src="data:image/png;base64,{picture}"><p>{said}</p>'
+
+
+#: How a picture looks, of `render`'s arguments.
+_LOOK = ("background", "environment", "objects", "shade", "light", "ground")

@@ -1,0 +1,94 @@
+"""The viewer in notebooks, and as a file."""
+
+import html
+import json
+import re
+
+import firsthit as fh
+import pytest
+from firsthit import _firsthit, _notebook
+
+HAS_MODULE = _firsthit.Viewer.can_report()
+
+
+def scene():
+    scene = fh.Scene()
+    scene.add(fh.Box((-1, -1, -1), (1, 1, 1)), name="box")
+    return scene
+
+
+def test_what_a_notebook_shows_is_the_file_that_is_saved(tmp_path):
+    view = scene().view(title="<b>box</b>", engine="page", height=300)
+    shown = view._repr_mimebundle_()["text/html"]
+    assert "height:300px" in shown
+    assert "<b>" not in shown
+    # Where no script runs: a picture.
+    assert shown.index("data:image/png;base64,") < 300
+    if not HAS_MODULE:
+        assert "make wasm" in shown
+        with pytest.raises(RuntimeError, match="make wasm"):
+            view.save(tmp_path / "box.html")
+        assert list(tmp_path.iterdir()) == []
+        return
+    [inside] = re.findall(r'srcdoc="([^"]*)"', shown)
+    view.save(tmp_path / "box.html")
+    assert html.unescape(inside) == (tmp_path / "box.html").read_text()
+
+
+def test_only_pages_are_saved(tmp_path):
+    with pytest.raises(ValueError, match=r"must end in \.html"):
+        scene().view().save(tmp_path / "box.png")
+
+
+def test_a_kernel_answers_as_the_server_does():
+    widget = pytest.importorskip("firsthit._widget")
+    page = widget.widget_of(scene().view(engine="kernel", title="box")._viewer, 300)
+    told = []
+    page.send = lambda message, buffers=(): told.append((message, buffers))
+
+    def ask(question, about):
+        asked = {"own": "me", "id": 7, "question": question, "about": json.dumps(about)}
+        page._answer(page, asked, [])
+        message, buffers = told.pop()
+        assert (message.pop("own"), message.pop("id")) == ("me", 7)
+        return message, buffers
+
+    camera = json.loads(ask("info", {})[0]["json"])["camera"] | {"rows": 30, "columns": 40}
+    message, buffers = ask("frame", {"camera": camera, "is_lit": True})
+    assert json.loads(message["json"])["rows"] == 30
+    assert buffers[0].startswith(b"\x89PNG")
+    assert ask("probe", {"camera": camera, "pixel": [99, 0]})[0]["error"].startswith("pixel ")
+    assert "there is no question" in ask("open", {})[0]["error"]
+    page._answer(page, {"id": 8}, [])
+    assert "question" in told.pop()[0]["error"]
+
+
+def test_the_kernel_takes_anywidget(monkeypatch):
+    monkeypatch.setattr(_notebook, "has_widgets", lambda: False)
+    assert scene().view().engine == "page"
+    with pytest.raises(ImportError, match=r"firsthit\[notebook\]"):
+        scene().view(engine="kernel")
+
+
+def test_large_scenes_stay_with_the_kernel(monkeypatch):
+    monkeypatch.setattr(_notebook, "has_widgets", lambda: True)
+    monkeypatch.setattr(_notebook, "_MOST_TRIANGLES", 0)
+    large = scene()
+    large.add(fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+    assert large.view().engine == "kernel"
+    assert large.view(engine="page").engine == "page"
+    assert scene().view().engine == ("page" if HAS_MODULE else "kernel")
+
+
+def test_what_makes_no_sense_is_refused():
+    for options in [{"engine": "gpu"}, {"height": 0}, {"height": True}, {"light": "moon"}]:
+        with pytest.raises(ValueError, match=r"engine|height|light"):
+            scene().view(**options)
+    with pytest.raises(TypeError, match="Camera"):
+        scene().view("front")
+
+
+def test_a_scene_is_a_picture():
+    shown = scene()._repr_html_()
+    assert shown.startswith('<img alt="Scene(1 object, 0 triangles)" src="data:image/png;base64,')
+    assert fh.Scene()._repr_html_().startswith("<")
