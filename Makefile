@@ -80,9 +80,10 @@ test-light: .venv/ready
 	VIRTUAL_ENV=$(LIGHT_PEER) $(VENV)/maturin develop --release --quiet
 	$(LIGHT_PEER)/bin/python python/light_tests/mitsuba_z.py --pictures $(LIGHT_PEER)
 
-# The viewer's page in Chromium; its scripts by the types in their comments, where npm is. What cannot be had is skipped.
+# The viewer's page in Chromium, a report and a notebook; its scripts by the types in their comments, where npm is. What cannot be had is
+# skipped.
 BROWSER := $(OUTSIDE)/browser
-test-browser: program
+test-browser: .venv/ready wasm program
 	if command -v npm > /dev/null; then \
 	    npm install --silent --no-save --prefix $(BROWSER) typescript@7.0.2 && \
 	    $(BROWSER)/node_modules/.bin/tsc --project crates/firsthit-view/web; \
@@ -90,6 +91,7 @@ test-browser: program
 	if command -v chromedriver > /dev/null; then \
 	    $(PYTHON) -m venv $(BROWSER)/venv && \
 	    $(BROWSER)/venv/bin/pip install --quiet --requirement python/browser_tests/requirements.txt && \
+	    VIRTUAL_ENV=$(BROWSER)/venv $(VENV)/maturin develop --release --quiet && \
 	    FIRSTHIT=$(CURDIR)/$(PROGRAM) $(BROWSER)/venv/bin/python -m pytest python/browser_tests; \
 	else echo "the viewer in a browser: skipped: chromium and chromedriver are not there"; fi
 
@@ -106,14 +108,14 @@ test-cluster: .venv/ready
 	$(CLUSTER) python/cluster_tests/kills.py drivers $(KILLS)
 	$(CLUSTER) python/cluster_tests/mutations.py $(DAMAGES)
 
-# The wheel, the source distribution and the crates, in dist/, each checked as an index would. The wheels of Linux run
+# The wheel, the source distribution and the crates, in dist/, each with the WebAssembly module and checked as an index would. The wheels of Linux run
 # on any with glibc 2.17, for which zig links them. WHEEL_PROFILE=release is built sooner.
 WHEEL_PROFILE ?= dist
 MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
 CRATES := --package firsthit --package firsthit-view --package firsthit-cli
 # What cargo unpacked of ours when it last verified crates: it goes by the version and would verify that again.
 UNPACKED = $${CARGO_HOME:-$$HOME/.cargo}/registry/*/-*/firsthit-*
-dist: .venv-dist/ready
+dist: .venv-dist/ready wasm
 	$(PYTHON) packaging/pages.py --check
 	rm -rf dist $(OUTSIDE)/package
 	$(MATURIN) sdist --out dist
@@ -131,10 +133,11 @@ pages:
 	$(PYTHON) packaging/pages.py
 
 # The site, in target/docs: see mkdocs.yml. Once .venv-docs is there, it asks no other host for anything. RUST= leaves out
-# the Rust reference, which takes cargo a while the first time.
+# the Rust reference and the viewer, which take cargo a while the first time. The viewer takes `make wasm` too.
 RUST ?= yes
 docs: .venv-docs/ready
 	$(if $(RUST),$(CARGO) doc --package firsthit --no-deps --quiet)
+	$(if $(RUST),$(CARGO) build --release --package firsthit-cli --quiet)
 	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/python -B -m mkdocs build --strict
 	@echo "made target/docs; to read it: $(PYTHON) -m http.server --directory target/docs"
 
@@ -244,13 +247,13 @@ check: .venv/ready
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
 
-# Whether other targets compile: WebAssembly, 32-bit x86 and 64-bit ARM.
+# Whether other targets compile: 32-bit x86 and 64-bit ARM.
 check-targets:
 	CARGO=$(CARGO) .ci/targets
 
-# The viewer as a WebAssembly module, target/wasm/firsthit.wasm.
+# The viewer as a WebAssembly module, target/wasm/firsthit.wasm. What is compiled afterwards has it inside, for reports.
 wasm:
-	CARGO=$(CARGO) .ci/wasm
+	CARGO=$(CARGO) .ci/wasm module
 
 # Whether the module in Node answers as the same code does on this machine, to the byte.
 test-wasm:

@@ -162,7 +162,7 @@ def page(driver: webdriver.Chrome, viewer: Viewer) -> Page:
     page = Page(driver)
     driver.get("about:blank")
     driver.get(viewer.address)
-    page.run("sessionStorage.removeItem('firsthit-notes cube.obj')")
+    page.run("sessionStorage.clear()")
     page.open(viewer.address)
     page.complaints()
     page.unfold()

@@ -301,6 +301,10 @@ def test_two_corners_of_a_cube_are_measured(page: Page) -> None:
     assert len(page["marks"].find_elements(By.TAG_NAME, "li")) == 3
     page["picture"].send_keys(Keys.ESCAPE)
     assert not page["measure"].is_displayed()
+    # Cleared by mistake, they come back.
+    page["picture"].send_keys("u")
+    assert len(page["marks"].find_elements(By.TAG_NAME, "li")) == 3
+    page["picture"].send_keys(Keys.ESCAPE)
 
 
 def test_notes_stay_when_the_page_is_loaded_again(page: Page) -> None:
@@ -318,7 +322,7 @@ def test_notes_stay_when_the_page_is_loaded_again(page: Page) -> None:
 def test_objects_are_hidden_and_shown_alone(page: Page) -> None:
     page.settle()
     rows, columns = shape(page)
-    boxes = page["objects"].find_elements(By.CSS_SELECTOR, "input")
+    boxes = page["objects"].find_elements(By.CSS_SELECTOR, "input[type=checkbox]")
     page["picture"].send_keys("1")
     page.settle()
     # The triangle stands at z = 0, beside the cube.
@@ -333,6 +337,53 @@ def test_objects_are_hidden_and_shown_alone(page: Page) -> None:
     assert [box.is_selected() for box in boxes] == [False, True]
     page["show-all"].click()
     assert [box.is_selected() for box in boxes] == [True, True]
+
+
+def test_objects_are_coloured_and_have_their_own_colours_again(page: Page) -> None:
+    page.finish()
+    before = pixels(page)
+    rows, columns = before.shape[:2]
+    page.run(
+        "const field = document.querySelector('#objects input[type=color]');"
+        "field.value = '#ff0000';"
+        "field.dispatchEvent(new Event('input', {bubbles: true}))"
+    )
+    page.wait(lambda: page.data("busy") == "no" and not np.array_equal(before, pixels(page)))
+    red, green, blue = pixels(page)[rows // 2, columns // 2]
+    assert red > 60
+    assert max(green, blue) < red / 4
+    page["own-colors"].click()
+    page.wait(lambda: page.data("busy") == "no" and np.array_equal(before, pixels(page)))
+
+
+def test_the_camera_stays_when_the_page_is_loaded_again(page: Page) -> None:
+    page["picture"].send_keys("2")
+    page.finish()
+    moved = camera(page)
+    page.driver.refresh()
+    page.wait(lambda: page.data("ready") == "yes")
+    assert camera(page) == moved
+
+
+def test_a_sky_lights_the_scene_and_the_ball_moves_its_sun(page: Page) -> None:
+    page.finish()
+    before = pixels(page)
+    page.choose("environment", "clear sky")
+    page.wait(lambda: page.data("busy") == "no" and not np.array_equal(before, pixels(page)))
+    sky = pixels(page)
+    page["ball"].send_keys(Keys.ARROW_RIGHT * 3)
+    page.wait(lambda: page.data("busy") == "no" and not np.array_equal(sky, pixels(page)))
+    assert "error" not in str(page["message"].get_attribute("class"))
+    page.choose("environment", "as rendered")
+    page.choose("light", "as rendered")
+    page.wait(lambda: page.data("busy") == "no" and np.array_equal(before, pixels(page)))
+
+
+def test_a_click_beside_everything_says_so(page: Page) -> None:
+    page.settle()
+    hover(page, 1, 1, click=True)
+    page.wait(lambda: "meets nothing" in page.message())
+    assert page["marks"].find_elements(By.TAG_NAME, "li") == []
 
 
 def test_a_section_plane_looks_into_the_cube(page: Page) -> None:
