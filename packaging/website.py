@@ -5,7 +5,8 @@ the site, README.md is the first page, and the other documents of the root are p
 files that the site has not become links to the repository if Cargo.toml has its address, and plain
 text otherwise.
 
-The Rust reference joins the site if `cargo doc` has made it.
+The Rust reference joins the site if `cargo doc` has made it, and the viewer with the chapter alive
+if the program is built with its WebAssembly module.
 
 The site asks no other host for anything: a script, style, font or picture from elsewhere is an
 error.
@@ -15,6 +16,8 @@ from __future__ import annotations
 
 import posixpath
 import re
+import subprocess
+import tempfile
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[1]
 RUSTDOC = ROOT / "target" / "doc"
+PROGRAM = ROOT / "target" / "release" / "firsthit"
 
 #: Documents of the root, and the pages they are.
 ROOT_PAGES = {
@@ -41,6 +45,10 @@ FROM_PAGES = {page: document for document, page in ROOT_PAGES.items()}
 
 #: Where a page wants the link to the Rust reference.
 RUST = "<!-- the Rust reference -->"
+
+#: Where a page wants the viewer with the chapter alive, which is this file of the site.
+CHAPTER = "<!-- the chapter alive -->"
+CHAPTER_FILE = "chapter.html"
 
 LINK = re.compile(r"\[((?:[^][]|\[[^]]*\])*)\]\(([^()\s]+)\)")
 FENCE = re.compile(r"^(```.*?^```$)", re.MULTILINE | re.DOTALL)
@@ -66,7 +74,25 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             if path.is_file() and path.name != ".lock" and path.suffix != ".md":
                 name = f"rust/{path.relative_to(RUSTDOC).as_posix()}"
                 files.append(File.generated(config, name, abs_src_path=str(path)))
+    chapter = _chapter()
+    if chapter is not None:
+        files.append(File.generated(config, CHAPTER_FILE, content=chapter))
     return files
+
+
+def _chapter() -> bytes | None:
+    """Return the viewer of a small scene as a report; nothing where the program cannot make one."""
+    if not PROGRAM.is_file():
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / CHAPTER_FILE
+        command = [PROGRAM, "view", ROOT / "docs" / "chapter.toml", "-o", path]
+        told = subprocess.run(command, check=False, capture_output=True, text=True)
+        if "WebAssembly module" in told.stderr:
+            return None
+        if told.returncode != 0:
+            raise PluginError(told.stderr)
+        return path.read_bytes()
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
@@ -97,7 +123,12 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         if files.get_file_from_path("rust/firsthit/index.html")
         else ""
     )
-    return "".join(parts).replace(RUST, told)
+    chapter = ""
+    if files.get_file_from_path(CHAPTER_FILE):
+        address = f"{posixpath.relpath(CHAPTER_FILE, page.url or '.')}#chapter"
+        style = "width:100%;height:46rem;border:1px solid gray"
+        chapter = f'<iframe src="{address}" title="The viewer" style="{style}"></iframe>'
+    return "".join(parts).replace(RUST, told).replace(CHAPTER, chapter)
 
 
 def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -147,3 +148,20 @@ assert found.all() or not found.any()
 """
     told = run(sys.executable, "-c", script)
     assert told.returncode == 0, told.stderr
+
+
+def test_a_page_is_one_file_with_the_scene_inside(model, tmp_path):
+    module = ROOT / "target" / "wasm" / "firsthit.wasm"
+    if not module.is_file():
+        pytest.skip("the WebAssembly module could not be compiled here")
+    told = run(PROGRAM, "view", model, "-o", "page.html", cwd=tmp_path)
+    assert told.returncode == 0, told.stderr
+    page = (tmp_path / "page.html").read_text()
+    assert len(page) > 3_000_000
+    assert 'id="report-scene"' in page
+    # Nothing of it comes from elsewhere.
+    assert not re.findall(r"""(?:src|href)=["'](?!data:)""", page)
+    # And for a notebook.
+    scene = fh.load(model)
+    scene.view(title="a.obj").save(tmp_path / "again.html")
+    assert 'id="report-scene"' in (tmp_path / "again.html").read_text()
