@@ -55,8 +55,9 @@ test-python: .venv/ready
 # What people install, in an environment of its own: the wheel of dist/, its source distribution, a new Cargo project.
 test-installed: dist
 	$(PYTHON) -m venv --clear $(OUTSIDE)/venv
-	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl pytest mypy
+	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl anywidget pytest mypy
 	$(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
+	cd $(OUTSIDE) && venv/bin/pytest -q $(CURDIR)/python/tests/test_notebook.py
 
 # What stands in for trimesh and Open3D (docs/compat.md), by the peers' own tests and beside the peers.
 COMPAT = $(OUTSIDE)/compat
@@ -83,7 +84,8 @@ test-light: .venv/ready
 # The viewer's page in Chromium, a report and a notebook; its scripts by the types in their comments, where npm is. What cannot be had is
 # skipped.
 BROWSER := $(OUTSIDE)/browser
-test-browser: .venv/ready wasm program
+test-browser: .venv/ready wasm
+	$(MAKE) program
 	if command -v npm > /dev/null; then \
 	    npm install --silent --no-save --prefix $(BROWSER) typescript@7.0.2 && \
 	    $(BROWSER)/node_modules/.bin/tsc --project crates/firsthit-view/web; \
@@ -251,6 +253,7 @@ check: .venv/ready
 check-targets:
 	CARGO=$(CARGO) .ci/targets
 
+MODULE := crates/firsthit-view/module/firsthit.wasm.gz
 # The viewer as a WebAssembly module, target/wasm/firsthit.wasm. What is compiled afterwards has it inside, for reports.
 wasm:
 	CARGO=$(CARGO) .ci/wasm module
@@ -275,4 +278,4 @@ miri:
 	else echo "Miri: skipped: rustup toolchain install nightly --component miri,rust-src"; fi
 
 clean:
-	rm -rf target dist .venv .venv-bench .venv-dist .venv-docs render.png
+	rm -rf target dist .venv .venv-bench .venv-bench-light .venv-dist .venv-docs render.png $(MODULE)

@@ -5,6 +5,7 @@ use std::path::Path;
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(has_module)");
+    // The folder is in git: cargo would compile anew each time where it is not there.
     println!("cargo::rerun-if-changed=module");
     if Path::new("module/firsthit.wasm.gz").exists() {
         println!("cargo::rustc-cfg=has_module");

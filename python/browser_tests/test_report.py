@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from conftest import CUBE, PROGRAM, Page, Viewer
 from PIL import Image
-from test_view import camera, hover, line, pixels, program, shape
+from test_view import camera, hover, line, pixels, shape
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -111,17 +111,28 @@ def test_a_file_is_read_in_the_page(page: Page, viewer: Viewer, tmp_path: Path) 
     said = opened(page, tmp_path / "bad.obj", "v 0 0\n")
     assert said.startswith("bad.obj:1: ")
     assert page["title"].text == "square.obj"
-    # The server has seen nothing of it.
-    assert "cube" in program(viewer, "info", "cube.obj")
+    # The server was told that the page is there, and nothing else.
+    entries: list[dict[str, str]] = page.driver.get_log("performance")
+    messages = [json.loads(entry["message"])["message"] for entry in entries]
+    sent = [m["params"]["request"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+    posts = [request for request in sent if request["method"] == "POST"]
+    assert {(post["url"], post["postData"]) for post in posts} <= {
+        (f"http://127.0.0.1:{viewer.port}/alive", "{}")
+    }
 
 
 def opened(page: Page, path: Path, content: str) -> str:
     """Open a file as a hand would; return what the page says, if it has an error."""
     path.write_text(content)
     page["open-file"].send_keys(str(path))
-    is_error = "error" in str(page["message"].get_attribute("class"))
-    page.wait(lambda: is_error or "Reading" not in page.message())
-    return page.message() if "error" in str(page["message"].get_attribute("class")) else ""
+    before = page["title"].text
+
+    def error() -> str:
+        is_error = "error" in str(page["message"].get_attribute("class"))
+        return page.message() if is_error else ""
+
+    page.wait(lambda: error() or page["title"].text != before)
+    return error()
 
 
 def test_an_executed_notebook_shows_the_scene(driver: webdriver.Chrome, tmp_path: Path) -> None:
@@ -185,7 +196,7 @@ def test_a_notebook_s_kernel_answers_its_page(driver: webdriver.Chrome) -> None:
 
     scene = fh.Scene()
     scene.add(fh.Box((-1, -1, -1), (1, 1, 1)), name="box")
-    widget = widgets.widget_of(scene.view(title="boxed", engine="kernel")._viewer, 500)
+    widget = widgets.PageWidget(scene.view(title="boxed", engine="kernel")._viewer, 500)
     told: list[tuple[dict[str, object], list[bytes]]] = []
     widget.send = lambda message, buffers=(): told.append((message, list(buffers)))
     turn = threading.Lock()

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._types import LightName, Selection
     from .typing import ShaderName
 
-#: A page with more triangles inside would make a notebook of more than some 50 MB.
+#: With more triangles inside, an output is more than 25 MB.
 _MOST_TRIANGLES = 500_000
 
 _NO_MODULE = (
@@ -94,24 +94,29 @@ class NotebookView:
         picture = base64.b64encode(self._viewer.still()).decode()
         title = html.escape(self._title)
         shown = f'<img alt="{title}" style="height:100%" src="data:image/png;base64,{picture}">'
+        if self._engine == "kernel":
+            # Where widgets are not shown.
+            return f"<div>{shown}</div>"
         report = self._viewer.report()
         if report is None:
             return f"{shown}<p>{html.escape(_NO_MODULE)}</p>"
         # Where no frame may be, what is behind it is seen.
         page = html.escape(report.decode())
         over = "position:absolute;inset:0;width:100%;height:100%;border:0;background:Canvas"
-        about = f'title="{title}" sandbox="allow-scripts allow-downloads" style="{over}"'
-        frame = f'<iframe {about} srcdoc="{page}"></iframe>'
+        may = 'sandbox="allow-scripts allow-downloads" allow="clipboard-write"'
+        frame = f'<iframe title="{title}" {may} style="{over}" srcdoc="{page}"></iframe>'
         return f'<div style="position:relative;height:{self._height}px">{shown}{frame}</div>'
 
     def _repr_mimebundle_(self, **given: Any) -> Any:
-        if self._engine == "kernel":
-            if self._widget is None:
-                from ._widget import widget_of
+        shown = {"text/html": self._repr_html_(), "text/plain": repr(self)}
+        if self._engine != "kernel":
+            return shown
+        if self._widget is None:
+            from ._widget import PageWidget
 
-                self._widget = widget_of(self._viewer, self._height)
-            return self._widget._repr_mimebundle_(**given)
-        return {"text/html": self._repr_html_(), "text/plain": repr(self)}
+            self._widget = PageWidget(self._viewer, self._height)
+        data, about = self._widget._repr_mimebundle_(**given)
+        return {**data, **shown}, about
 
 
 def notebook_view(

@@ -17,22 +17,25 @@ function render({ model, el }) {
     const own = crypto.randomUUID();
     const frame = document.createElement("iframe");
     frame.setAttribute("sandbox", "allow-scripts allow-downloads");
+    frame.allow = "clipboard-write";
     frame.srcdoc = model.get("page");
     Object.assign(frame.style, { width: "100%", height: `${model.get("height")}px`, border: "0" });
-    const { port1, port2 } = new MessageChannel();
+    let port = null;
+    // A frame that is moved within the notebook is loaded again, and asks for another port.
     const start = (event) => {
         if (event.source !== frame.contentWindow || event.data !== "firsthit") return;
-        removeEventListener("message", start);
+        const { port1, port2 } = new MessageChannel();
+        port = port1;
+        port.onmessage = ({ data }) => model.send({ own, ...data });
         frame.contentWindow.postMessage("firsthit", "*", [port2]);
     };
     addEventListener("message", start);
-    port1.onmessage = ({ data }) => model.send({ own, ...data });
     const answered = (message, buffers) => {
         if (message.own !== own) return;
         const [view] = buffers;
         const end = view && view.byteOffset + view.byteLength;
         const pixels = view?.buffer.slice(view.byteOffset, end);
-        port1.postMessage({ ...message, pixels });
+        port?.postMessage({ ...message, pixels });
     };
     model.on("msg:custom", answered);
     el.append(frame);
@@ -67,8 +70,3 @@ class PageWidget(anywidget.AnyWidget):
             self.send({**about, "error": str(error)})
         else:
             self.send({**about, "json": json}, [pixels] if pixels else [])
-
-
-def widget_of(viewer: _firsthit.Viewer, height: int) -> PageWidget:
-    """Return the widget of a viewer."""
-    return PageWidget(viewer, height)

@@ -15,7 +15,7 @@ use crate::camera::Camera;
 use crate::edges::EdgesIn;
 use crate::errors::raise;
 use crate::frame::DisplayIn;
-use crate::run::{guarded, run};
+use crate::run::run;
 use crate::scene::Scene;
 use crate::shading::ShadingIn;
 
@@ -84,8 +84,9 @@ impl Viewer {
         question: &str,
         about: &str,
     ) -> PyResult<(String, Bound<'py, PyBytes>)> {
-        let ask = || self.0.answer(question, about.as_bytes(), &());
-        let answered = guarded(|| py.detach(ask))?;
+        let answered = run(py, 0, |stop| {
+            Ok(self.0.answer(question, about.as_bytes(), stop))
+        })?;
         let Answer { json, pixels } = answered.map_err(|error| match error {
             AnswerError::Failed(error) => raise(py, &error),
             other => PyValueError::new_err(other.to_string()),

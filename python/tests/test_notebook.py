@@ -7,6 +7,7 @@ import re
 import firsthit as fh
 import pytest
 from firsthit import _firsthit, _notebook
+from page_support import ask as ask_server
 
 HAS_MODULE = _firsthit.Viewer.can_report()
 
@@ -42,7 +43,7 @@ def test_only_pages_are_saved(tmp_path):
 
 def test_a_kernel_answers_as_the_server_does():
     widget = pytest.importorskip("firsthit._widget")
-    page = widget.widget_of(scene().view(engine="kernel", title="box")._viewer, 300)
+    page = widget.PageWidget(scene().view(engine="kernel", title="box")._viewer, 300)
     told = []
     page.send = lambda message, buffers=(): told.append((message, buffers))
 
@@ -56,7 +57,8 @@ def test_a_kernel_answers_as_the_server_does():
     camera = json.loads(ask("info", {})[0]["json"])["camera"] | {"rows": 30, "columns": 40}
     message, buffers = ask("frame", {"camera": camera, "is_lit": True})
     assert json.loads(message["json"])["rows"] == 30
-    assert buffers[0].startswith(b"\x89PNG")
+    with fh.view(scene(), title="box", browser=False) as served:
+        assert buffers[0] == ask_server(served, "/frame", {"camera": camera, "is_lit": True})
     assert ask("probe", {"camera": camera, "pixel": [99, 0]})[0]["error"].startswith("pixel ")
     assert "there is no question" in ask("open", {})[0]["error"]
     page._answer(page, {"id": 8}, [])
@@ -91,4 +93,13 @@ def test_what_makes_no_sense_is_refused():
 def test_a_scene_is_a_picture():
     shown = scene()._repr_html_()
     assert shown.startswith('<img alt="Scene(1 object, 0 triangles)" src="data:image/png;base64,')
-    assert fh.Scene()._repr_html_().startswith("<")
+    assert fh.Scene()._repr_html_() == "<p>Scene(0 objects, 0 triangles)</p>"
+
+
+def test_a_kernel_s_view_holds_a_picture_and_no_second_page():
+    pytest.importorskip("anywidget")
+    shown, about = scene().view(engine="kernel")._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in shown
+    assert shown["text/html"].startswith("<div><img ")
+    assert len(shown["text/html"]) < 1_000_000
+    assert isinstance(about, dict)

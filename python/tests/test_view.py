@@ -1,7 +1,6 @@
 """The viewer's page from Python: its server, its numbers, and its end."""
 
 import gc
-import http.client
 import json
 import socket
 import subprocess
@@ -12,6 +11,7 @@ import firsthit as fh
 import numpy as np
 import pytest
 from firsthit import _view
+from page_support import ask
 
 
 def scene():
@@ -19,18 +19,6 @@ def scene():
     scene.add(fh.Sphere((0, 0, 0), 1))
     scene.add(fh.Box((1.5, -1, -1), (2.5, 1, 1)), name="box")
     return scene
-
-
-def ask(page, path, question):
-    place, token = page.address.removeprefix("http://").split("/#")
-    connection = http.client.HTTPConnection(place, timeout=30)
-    headers = {"X-Firsthit-Token": token, "Content-Type": "application/json"}
-    connection.request("POST", path, json.dumps(question), headers)
-    reply = connection.getresponse()
-    content = reply.read()
-    connection.close()
-    assert reply.status == 200, content
-    return content
 
 
 def test_the_page_s_picture_is_render_s(tmp_path):

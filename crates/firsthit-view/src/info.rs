@@ -65,7 +65,7 @@ impl Viewer {
             "hidden": hidden.collect::<Vec<_>>(),
             "object_count": self.scene().objects().len(),
             "triangles": self.scene().triangles(),
-            "camera": self.sight,
+            "camera": self.first_camera,
             "channels": channels.map(|kind| json!({"name": kind.name, "about": kind.about})).collect::<Vec<_>>(),
             "maps": maps.collect::<serde_json::Map<_, _>>(),
             "lights": LightRig::NAMES,
@@ -78,7 +78,7 @@ impl Viewer {
 
     /// As many samples as `firsthit render` takes; null where it would refuse the camera.
     fn samples(&self) -> Option<u32> {
-        let camera = self.sight.camera().ok()?;
+        let camera = self.first_camera.camera().ok()?;
         let resolved = self.appearance.resolve(self.scene(), Some(&camera));
         Some(resolved.ok()?.samples)
     }

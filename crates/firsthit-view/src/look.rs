@@ -86,7 +86,7 @@ pub enum EnvironmentChoice {
     Own,
     /// None.
     None,
-    /// The sky of a clear day, with its sun where the request has one, else halfway up.
+    /// The sky of a clear day, with its sun where the request has one, else 40 degrees above the horizon.
     Daylight,
 }
 

@@ -17,8 +17,8 @@ use crate::look::FrameRequest;
 use crate::page_files::{INDEX, MODULE, SCRIPTS, STYLE, Script, WORKER};
 use crate::viewer::Viewer;
 
-/// No browser holds a longer text.
-const MOST_BYTES: usize = 400 << 20;
+/// A third more as text, this is what browsers hold, and the module unpacks beside its own memory.
+const MOST_BYTES: usize = 256 << 20;
 
 /// The edge of the picture for those who run no scripts, in pixels at most.
 const STILL_EDGE: usize = 640;
@@ -39,17 +39,23 @@ impl Module {
 impl Viewer {
     /// The page in one HTML file, with the scene and an engine inside. It asks nobody for anything, and its policy would not let it.
     ///
-    /// The same scene gives the same bytes on every machine.
+    /// The same scene and the same module give the same bytes on every machine.
     ///
     /// # Errors
     ///
     /// Those of [`fhs::encode`], and [`Error::Limit`] for more than a browser reads.
     pub fn report(&self, module: Module, watch: &dyn Watch) -> Result<Vec<u8>> {
         let scene = fhs::encode(self.scene(), &self.world()?, watch)?;
-        let scene = BASE64_STANDARD.encode(packed(&scene)?);
+        let scene = packed(&scene)?;
         if watch.is_stopped() {
             return Err(Error::Interrupted);
         }
+        if scene.len() > MOST_BYTES {
+            let (got, limit) = (scene.len().to_string(), MOST_BYTES.to_string());
+            let what = "packed bytes of a scene in a report";
+            return Err(Error::Limit { what, got, limit });
+        }
+        let scene = BASE64_STANDARD.encode(scene);
         let module = BASE64_STANDARD.encode(module.0);
         let engine = json!({"kind": "wasm", "title": self.title, "warnings": self.warnings});
         let still = BASE64_STANDARD.encode(self.still(watch)?);
@@ -59,12 +65,6 @@ impl Viewer {
             data("report-module", "text/plain", &module),
             data("report-scene", "text/plain", &scene),
         ];
-        let bytes: usize = head.iter().map(String::len).sum();
-        if bytes > MOST_BYTES {
-            let (got, limit) = (bytes.to_string(), MOST_BYTES.to_string());
-            let what = "bytes in a report";
-            return Err(Error::Limit { what, got, limit });
-        }
         Ok(page(&head.concat(), &still).into_bytes())
     }
 
@@ -86,7 +86,7 @@ impl Viewer {
     ///
     /// Those of [`Viewer::frame`].
     pub fn still(&self, watch: &dyn Watch) -> Result<Vec<u8>> {
-        let mut camera = self.sight;
+        let mut camera = self.first_camera;
         let longest = camera.rows.max(camera.columns);
         if longest > STILL_EDGE {
             let shrunk = |edge: usize| (edge * STILL_EDGE / longest).max(1);
@@ -107,7 +107,7 @@ impl Viewer {
         let camera = NamedCamera {
             name: String::new(),
             own_name: String::new(),
-            view: *self.sight.camera()?.view(),
+            view: *self.first_camera.camera()?.view(),
             has_size: true,
             description: None,
         };
@@ -227,15 +227,14 @@ fn variable(script: &str) -> String {
 mod tests {
     use super::*;
 
-    /// What [`bundle`] takes for granted.
+    /// What [`bundle`] and [`page`] take for granted.
     #[test]
     fn scripts_are_written_to_be_bundled() {
         for scripts in [SCRIPTS, WORKER] {
             for (k, Script { name, text }) in scripts.iter().enumerate() {
-                assert!(
-                    !text.contains("</script") && !text.contains("<!--"),
-                    "{name}"
-                );
+                for part in ["</script", "<!--", "<title>", "<body>", "<link", "<script"] {
+                    assert!(!text.contains(part), "{name}: {part}");
+                }
                 for line in text.lines() {
                     let is_import = line.starts_with("import");
                     assert_eq!(is_import, imported(line).is_some(), "{name}: {line}");

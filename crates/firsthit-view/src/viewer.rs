@@ -16,7 +16,7 @@ pub struct Viewer {
     pub(crate) title: String,
     scene: Arc<Scene>,
     pub(crate) appearance: Appearance,
-    pub(crate) sight: FlatCamera,
+    pub(crate) first_camera: FlatCamera,
     pub(crate) warnings: Vec<String>,
     pub(crate) display: DisplayTransform,
     pub(crate) edges: Option<Edges>,
@@ -58,8 +58,8 @@ impl Viewer {
         camera: &Camera,
     ) -> Result<Self> {
         let mut warnings = Vec::new();
-        let sight = if let Some(sight) = FlatCamera::of(camera) {
-            sight
+        let first_camera = if let Some(first_camera) = FlatCamera::of(camera) {
+            first_camera
         } else {
             let other = "the page begins with a camera of its own: that of the scene has an aperture or no flat viewplane around its aim";
             warnings.push(other.to_owned());
@@ -71,7 +71,7 @@ impl Viewer {
             title: title.into(),
             scene: Arc::new(scene),
             appearance,
-            sight,
+            first_camera,
             warnings,
             display: DisplayTransform::default(),
             edges: None,

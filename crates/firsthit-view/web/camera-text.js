@@ -100,6 +100,7 @@ function ofMatrices(given, rows, columns) {
     const { k, camera_from_world: pose, size } = given;
     if (!Array.isArray(k) || !Array.isArray(pose)) throw new Error(FAILURE);
     const [wide, high] = size ?? [columns, rows];
+    if (Math.abs(k[0][1]) > 1e-9 * Math.abs(k[0][0])) throw new Error("The page's camera has no skew; this one has.");
     // The first pixel's centre is at 0.
     const middle = [k[0][2] + 0.5, k[1][2] + 0.5];
     const rotation = pose.slice(0, 3).map((/** @type {number[]} */ row) => row.slice(0, 3));

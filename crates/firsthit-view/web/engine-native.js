@@ -2,7 +2,7 @@
 // The engine of this program's server: each question is a request, and carries the token.
 
 import { EngineError, painted } from "./engine.js";
-import { remember, remembered } from "./memory.js";
+import { remember, remembered } from "./storage.js";
 
 /** @typedef {import("./engine.js").Engine} Engine */
 /** @typedef {import("./engine.js").FlatCamera} FlatCamera */
@@ -24,8 +24,9 @@ function takeToken() {
 
 /** @implements {Engine} */
 export class NativeEngine {
-    constructor() {
-        this.token = takeToken();
+    /** @param {string} [token] the address's, where it is known already */
+    constructor(token) {
+        this.token = token ?? takeToken();
         this.page = crypto.randomUUID();
     }
 
@@ -48,6 +49,11 @@ export class NativeEngine {
         return this.#json("/alive", {});
     }
 
+    /** The server stops a frame when a newer one is asked for. */
+    steps() {
+        return [1, 4, null];
+    }
+
     /** @param {FrameRequest} request @param {AbortSignal} signal @returns {Promise<Painted>} */
     async frame(request, signal) {
         const reply = await this.#ask("/frame", request, signal);
@@ -56,7 +62,7 @@ export class NativeEngine {
     }
 
     another() {
-        return new NativeEngine();
+        return new NativeEngine(this.token);
     }
 
     close() {}

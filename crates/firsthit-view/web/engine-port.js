@@ -1,7 +1,8 @@
 // @ts-check
 // The engine of a page that another window embeds: questions and answers go through a port that it sends. Notebooks carry them so.
 
-import { EngineError, painted } from "./engine.js";
+import { doublingSteps, EngineError, painted } from "./engine.js";
+import { say } from "./status.js";
 
 /** @typedef {import("./engine.js").Engine} Engine */
 /** @typedef {import("./engine.js").FlatCamera} FlatCamera */
@@ -10,8 +11,8 @@ import { EngineError, painted } from "./engine.js";
 /** @typedef {import("./engine.js").Visibility} Visibility */
 /** @typedef {{json: any, pixels: Uint8Array<ArrayBuffer>}} Answer */
 
-/** So long the page waits for an answer, in milliseconds: a kernel may be busy with a cell. */
-const PATIENCE = 60_000;
+/** After so long, in milliseconds, the page says that it waits. */
+const PATIENCE = 10_000;
 
 /** @implements {Engine} */
 export class PortEngine {
@@ -59,6 +60,11 @@ export class PortEngine {
 
     async alive() {}
 
+    /** @param {number} samples */
+    steps(samples) {
+        return doublingSteps(samples);
+    }
+
     /** @param {FrameRequest} request @param {AbortSignal} signal @returns {Promise<Painted>} */
     async frame(request, signal) {
         const started = performance.now();
@@ -85,8 +91,9 @@ export class PortEngine {
         return new Promise((resolve, reject) => {
             this.#waiting.set(id, { resolve, reject });
             this.port.postMessage({ id, question, about: JSON.stringify(about) });
+            // It goes on waiting: a kernel that is busy with a cell answers afterwards.
             setTimeout(() => {
-                if (this.#waiting.delete(id)) reject(new EngineError("Nobody answers: is the kernel running?"));
+                if (this.#waiting.has(id)) say("The kernel is busy, or has ended.", true);
             }, PATIENCE);
         });
     }

@@ -1,7 +1,7 @@
 // @ts-check
 // The engine that runs in the page: firsthit as a WebAssembly module, in workers. What it reads goes nowhere else.
 
-import { EngineError, painted } from "./engine.js";
+import { doublingSteps, EngineError, painted } from "./engine.js";
 
 /** @typedef {import("./engine.js").Engine} Engine */
 /** @typedef {import("./engine.js").FlatCamera} FlatCamera */
@@ -20,7 +20,7 @@ import { EngineError, painted } from "./engine.js";
  */
 
 /** A worker with the scene, and who waits for its answers. */
-class Desk {
+class ModuleWorker {
     /** @type {Map<number, {resolve: (answer: Answer) => void, reject: (error: Error) => void}>} */
     #waiting = new Map();
     #count = 0;
@@ -72,23 +72,23 @@ class Desk {
 
 /** @implements {Engine} */
 export class WasmEngine {
-    /** @type {Desk} */
-    #desk;
-    /** The engine for questions that shall not wait for pictures, with a worker of its own. @type {WasmEngine | null} */
+    /** @type {ModuleWorker | null} */
+    #worker = null;
+    /** With a worker of its own, for what shall not wait for pictures. @type {WasmEngine | null} */
     #aside = null;
 
     /** @param {Source} source @param {any} [info] what is known of the scene already */
     constructor(source, info = null) {
         this.source = source;
         this.known = info;
-        this.#desk = new Desk(source);
     }
 
     /** Starts the module and loads the file. @param {Source} source @returns {Promise<WasmEngine>} */
     static async start(source) {
         const engine = new WasmEngine(source);
         try {
-            const { answer } = await engine.#desk.loaded;
+            engine.#worker = new ModuleWorker(source);
+            const { answer } = await engine.#worker.loaded;
             engine.known = { ...answer, ...(source.about ?? {}) };
             return engine;
         } catch (error) {
@@ -103,7 +103,7 @@ export class WasmEngine {
 
     /** @param {FlatCamera} camera @param {[number, number]} pixel @param {Visibility} part @returns {Promise<any>} */
     async probe(camera, pixel, part) {
-        return (await this.#ask("probe", { camera, pixel, part })).answer;
+        return (await this.another().#ask("probe", { camera, pixel, part })).answer;
     }
 
     /** @param {FlatCamera} camera @returns {Promise<any>} */
@@ -113,39 +113,39 @@ export class WasmEngine {
 
     async alive() {}
 
-    /** A call cannot be interrupted, so a picture of many samples is asked for in steps. @param {FrameRequest} request @param {AbortSignal} signal @returns {Promise<Painted>} */
+    /** A call cannot be interrupted. @param {number} samples */
+    steps(samples) {
+        return doublingSteps(samples);
+    }
+
+    /** @param {FrameRequest} request @param {AbortSignal} signal @returns {Promise<Painted>} */
     async frame(request, signal) {
         const started = performance.now();
-        const isInSteps = request.is_lit && request.channel === "color";
-        const last = request.samples ?? this.known.samples;
-        const steps = [];
-        for (let samples = 1; isInSteps && samples < last; samples *= 2) steps.push(samples);
-        for (const samples of steps) {
-            await this.#ask("frame", { ...request, samples });
-            signal.throwIfAborted();
-        }
         const { answer, pixels } = await this.#ask("frame", request);
         signal.throwIfAborted();
         return painted({ ...answer, seconds: (performance.now() - started) / 1000 }, new Blob([pixels]));
     }
 
+    /** Its worker starts with the first question. The other engine of that one is itself: two workers are enough. */
     another() {
         this.#aside ??= new WasmEngine(this.source, this.known);
+        this.#aside.#aside = this.#aside;
         return this.#aside;
     }
 
     close() {
-        this.#desk.close();
-        this.#aside?.close();
+        this.#worker?.close();
+        if (this.#aside !== this) this.#aside?.close();
     }
 
     /** @param {string} question @param {object} about */
     #ask(question, about) {
         // After a trap nothing of a module can be relied on.
-        if (this.#desk.isBroken) {
-            this.#desk.close();
-            this.#desk = new Desk(this.source);
+        if (this.#worker?.isBroken) {
+            this.#worker.close();
+            this.#worker = null;
         }
-        return this.#desk.ask(question, about);
+        this.#worker ??= new ModuleWorker(this.source);
+        return this.#worker.ask(question, about);
     }
 }

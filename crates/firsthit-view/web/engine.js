@@ -15,6 +15,7 @@
  * @property {(camera: FlatCamera, pixel: [number, number], part: Visibility) => Promise<any>} probe what a pixel shows, by its column and row
  * @property {(camera: FlatCamera) => Promise<any>} cameraText a camera as other programs read it
  * @property {() => Promise<any>} alive tells that the page is still there
+ * @property {(samples: number) => (number | null)[]} steps in how many samples each a still picture of so many is asked for; null is all of them
  * @property {() => Engine} another one whose frames do not end those of this one
  * @property {() => void} close
  */
@@ -26,6 +27,13 @@ export class EngineError extends Error {
         super(why);
         this.isSuperseded = isSuperseded;
     }
+}
+
+/** The steps where a frame cannot be interrupted: none takes longer than all before it. @param {number} samples @returns {(number | null)[]} */
+export function doublingSteps(samples) {
+    const steps = [];
+    for (let step = 1; step < samples; step *= 2) steps.push(step);
+    return [...steps, null];
 }
 
 /** A frame from the bytes that engines send: colours are a PNG, other values a zlib stream. @param {About} about @param {Blob} blob @returns {Promise<Painted>} */

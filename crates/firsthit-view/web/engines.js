@@ -12,7 +12,9 @@ import { WasmEngine } from "./engine-wasm.js";
 /** What of a report stands in an element. @param {string} id @returns {Blob} */
 function packedIn(id) {
     const text = atob(element(id).textContent);
-    return new Blob([Uint8Array.from(text, (sign) => sign.charCodeAt(0))]);
+    const bytes = new Uint8Array(text.length);
+    for (let k = 0; k < text.length; k++) bytes[k] = text.charCodeAt(k);
+    return new Blob([bytes]);
 }
 
 /** The module's bytes. @returns {Promise<ArrayBuffer>} */

@@ -10,6 +10,10 @@ import { say } from "./status.js";
 const pristine = [...document.body.childNodes].map((node) => node.cloneNode(true));
 /** @type {Page | null} */
 let page = null;
+/** So often the page tells its first engine that it is there, in milliseconds. */
+const ALIVE = 5_000;
+/** How many files were opened. */
+let opened = 0;
 
 /** Shows what an engine has, in place of what is shown. @param {import("./engine.js").Engine} engine */
 async function show(engine) {
@@ -25,9 +29,13 @@ async function show(engine) {
 
 /** @param {File} file */
 async function open(file) {
+    const number = ++opened;
     say(`Reading ${file.name} ...`, false);
     try {
-        await show(await engineOfFile(file));
+        const engine = await engineOfFile(file);
+        // A later one may have been read sooner.
+        if (number === opened) await show(engine);
+        else engine.close();
     } catch (error) {
         say(words(error), true);
     }
@@ -41,7 +49,10 @@ addEventListener("drop", (event) => {
 });
 try {
     say("Loading ...", false);
-    await show(await engineOfPage());
+    const first = await engineOfPage();
+    await show(first);
+    // Whatever is shown later: it serves the page, and files to come need it.
+    setInterval(() => first.alive().catch((error) => say(words(error), true)), ALIVE);
     // part.html#chapter begins with that section. The address of a served page has its token there.
     const section = element("report-engine") && element(location.hash.slice(1));
     if (section instanceof HTMLDetailsElement) {

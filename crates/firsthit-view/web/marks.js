@@ -2,7 +2,7 @@
 // Hits that are kept: a path that is measured, with notes.
 
 import { download, element, make, plain, vector, words } from "./dom.js";
-import { remember, remembered } from "./memory.js";
+import { remember, remembered } from "./storage.js";
 import { measured } from "./probe-text.js";
 import { say } from "./status.js";
 

@@ -10,7 +10,7 @@ import { download, element, make, offer, vector, words } from "./dom.js";
 import { arrow, listKeys, press } from "./keys.js";
 import { LightBall } from "./light-ball.js";
 import { Marks } from "./marks.js";
-import { remember, remembered } from "./memory.js";
+import { remember, remembered } from "./storage.js";
 import { Objects } from "./objects.js";
 import { isMapped, Picture } from "./picture.js";
 import { controlCamera } from "./pointer.js";
@@ -28,8 +28,6 @@ const AS_RENDERED = "as rendered";
 const SUN = "a sun: the ball";
 /** The choices of the light from all around, and what engines call them. */
 const ENVIRONMENTS = /** @type {Record<string, "own" | "none" | "daylight">} */ ({ "the scene's": "own", none: "none", "clear sky": "daylight" });
-/** So often the page tells that it is there, in milliseconds. */
-const ALIVE = 5_000;
 /** Lines along edges are so many pixels wide, where the scene has none. */
 const EDGES = 1.5;
 
@@ -42,14 +40,14 @@ export class Page {
     #pointed = null;
     /** The step of the turntable that comes next; 0 where it stands. */
     #turning = 0;
-    /** Whether the stage had a size. */
-    #isSized = false;
+    /** Whether the camera's height is as it is to be: it is fitted to the stage's shape once. */
+    #isFitted = false;
 
     /** @param {Engine} engine @param {any} info what the engine has @param {(file: File) => void} open shows a file in place of this */
     constructor(engine, info, open) {
         this.engine = engine;
         this.info = info;
-        this.cameraKey = `firsthit-camera ${info.title}`;
+        this.cameraKey = `firsthit-camera ${[info.title, info.triangles, info.bounds].join(" ")}`;
         this.camera = new OrbitCamera(info.camera, info.up, info.bounds);
         this.picture = new Picture(info);
         this.#introduce();
@@ -72,9 +70,10 @@ export class Page {
             this.compare.draw();
             this.draw();
         };
-        this.view = new View(engine, (rows, columns) => this.request(rows, columns), paint, () => this.#rest());
-        this.tellCamera = newest(() => this.#tellCamera());
-        this.point = newest((/** @type {[number, number]} */ pixel) => this.#point(pixel));
+        this.view = new View(engine, info.samples ?? 1, (rows, columns) => this.request(rows, columns), paint, () => this.#rest());
+        const { signal } = this.#ended;
+        this.tellCamera = newest(() => this.#tellCamera(), signal);
+        this.point = newest((/** @type {[number, number]} */ pixel) => this.#point(pixel), signal);
 
         this.#connectPicture();
         this.#connectViews();
@@ -82,6 +81,7 @@ export class Page {
         this.#connectCamera();
         this.#connectSaving();
         this.#connectKeys();
+        element("open-line").hidden = !(info.opens_files || element("report-module"));
         element("open-file").addEventListener("change", () => {
             const [file] = element("open-file").files;
             if (file) open(file);
@@ -166,11 +166,14 @@ export class Page {
 
     /** Goes on where the page was before it was loaded again. */
     #restoreCamera() {
-        const saved = remembered(this.cameraKey);
-        if (saved === null) return;
-        Object.assign(this.camera, JSON.parse(saved));
+        try {
+            const saved = JSON.parse(remembered(this.cameraKey) ?? "");
+            Object.assign(this.camera, saved);
+        } catch {
+            return;
+        }
         element("orthographic").checked = this.camera.projection === "orthographic";
-        this.#isSized = true;
+        this.#isFitted = true;
     }
 
     /** Where the picture lies on the stage: all over it, but for the chapter's, which has a shape of its own. */
@@ -232,6 +235,7 @@ export class Page {
         const [rows, columns] = this.view.shape;
         if (pixel[0] >= columns || pixel[1] >= rows) return;
         const { text, ...probed } = await this.engine.probe(this.flatCamera(rows, columns), pixel, this.part());
+        if (this.#ended.signal.aborted) return;
         this.#pointed = probed;
         element("probe").textContent = probeText(probed);
         element("probe").title = text;
@@ -248,6 +252,7 @@ export class Page {
     async #keep(pixel) {
         try {
             const { hit } = await this.engine.probe(this.flatCamera(...this.view.shape), pixel, this.part());
+            if (this.#ended.signal.aborted) return;
             if (hit) this.marks.add(hit);
             else say("The ray of this pixel meets nothing: there is no point to keep.", true);
         } catch (error) {
@@ -346,6 +351,7 @@ export class Page {
 
     async #tellCamera() {
         const texts = await this.engine.cameraText(this.flatCamera(...this.view.shape));
+        if (this.#ended.signal.aborted) return;
         const wanted = texts[element("say-as").value];
         const text = typeof wanted === "string" ? wanted : JSON.stringify(wanted);
         element("said").textContent = wanted === null ? "Parallel rays have no matrix of pixels." : text;
@@ -443,22 +449,19 @@ export class Page {
         return true;
     }
 
-    /** Follows the stage's size, and tells the engine that the page is there. */
+    /** Follows the stage's size. */
     #watch() {
-        const { signal } = this.#ended;
         const stage = element("stage");
         const observer = new ResizeObserver(() => {
             const [rows, columns] = [stage.clientHeight, stage.clientWidth].map((edge) => Math.max(1, Math.round(edge * devicePixelRatio)));
-            if (!this.#isSized) this.camera.keepWidth(columns / rows);
-            this.#isSized = true;
+            if (!this.#isFitted) this.camera.keepWidth(columns / rows);
+            this.#isFitted = true;
             this.#place();
             this.view.resize(rows, columns);
             this.tellCamera();
         });
         observer.observe(stage);
-        signal.addEventListener("abort", () => observer.disconnect());
-        const timer = setInterval(() => this.engine.alive().catch((error) => say(words(error), true)), ALIVE);
-        signal.addEventListener("abort", () => clearInterval(timer));
+        this.#ended.signal.addEventListener("abort", () => observer.disconnect());
     }
 }
 
@@ -472,8 +475,8 @@ async function copy(text) {
     }
 }
 
-/** Does something for the newest of many calls: one at a time, and of those that wait the last. @template {any[]} T @param {(...given: T) => Promise<void>} act @returns {(...given: T) => Promise<void>} */
-function newest(act) {
+/** Does something for the newest of many calls: one at a time, and of those that wait the last. @template {any[]} T @param {(...given: T) => Promise<void>} act @param {AbortSignal} ended after which nothing is said any more @returns {(...given: T) => Promise<void>} */
+function newest(act, ended) {
     /** @type {T | null} */
     let next = null;
     let isAtIt = false;
@@ -487,7 +490,7 @@ function newest(act) {
             try {
                 await act(...now);
             } catch (error) {
-                say(words(error), true);
+                if (!ended.aborted) say(words(error), true);
             }
         }
         isAtIt = false;

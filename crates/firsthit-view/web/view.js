@@ -8,8 +8,6 @@ import { say } from "./status.js";
 /** @typedef {import("./engine.js").FrameRequest} FrameRequest */
 /** @typedef {import("./engine.js").Painted} Painted */
 
-/** The samples of a still picture, one step after the other; null is as many as `firsthit render` takes. */
-const STEPS = [1, 4, null];
 /** So long nothing moves before the picture is made in full, in milliseconds. */
 const STILL = 120;
 /** A frame while something moves shall take no longer, in milliseconds. */
@@ -18,12 +16,14 @@ const MOVING = 45;
 export class View {
     /**
      * @param {import("./engine.js").Engine} engine
+     * @param {number} samples of a picture in full
      * @param {(rows: number, columns: number) => FrameRequest} request what to ask for, of that size
      * @param {(painted: Painted, request: FrameRequest) => void} paint
      * @param {() => void} rested is told when the picture is as good as it gets
      */
-    constructor(engine, request, paint, rested) {
+    constructor(engine, samples, request, paint, rested) {
         this.engine = engine;
+        this.samples = samples;
         this.request = request;
         this.paint = paint;
         this.rested = rested;
@@ -107,7 +107,7 @@ export class View {
         const [rows, columns] = this.shape;
         const whole = this.request(rows, columns);
         // In the chapter a pixel is one ray, without the noise of lights.
-        const counts = this.fixed ? [] : STEPS;
+        const counts = this.fixed ? [] : this.engine.steps(this.samples);
         const steps = whole.channel === "color" ? counts.map((samples) => ({ ...whole, samples, is_lit: true })) : [];
         for (const request of [{ ...whole, samples: 1, is_lit: false }, ...steps]) {
             if (number !== this.number || this.isMoving) return;

@@ -204,7 +204,7 @@ mod tests {
         );
         let camera = json!({
             "position": [0.2, 0.2, 2.0], "aim": [0, 0, -1], "up": [0, 1, 0],
-            "projection": "perspective", "height": 0.5, "rows": 3, "columns": 5,
+            "projection": "perspective", "focal_length": 1.0, "width": 0.8, "height": 0.5, "rows": 3, "columns": 5,
         });
         ask(&mut door, "hits", &json!({"camera": camera})).unwrap();
         assert_eq!(door.pixels().len(), 15 * 16);

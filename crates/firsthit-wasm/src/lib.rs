@@ -2,7 +2,8 @@
 //!
 //! The host puts bytes into a room ([`fh_room`]), and calls [`fh_load`] or [`fh_ask`], which say whether all went well. Then it
 //! reads the answer, and for some questions the pixels, by their address and length. The module imports nothing, opens nothing, and
-//! holds one scene at a time. `firsthit.mjs` beside this crate wraps the calls for JavaScript.
+//! holds one scene at a time. `firsthit.mjs` of the crate firsthit-view wraps the calls for
+//! JavaScript.
 //!
 //! What is asked and answered is what the server of `firsthit view` is asked and answers; see [`Door`].
 
@@ -23,6 +24,13 @@ static DOOR: Mutex<Door> = Mutex::new(Door::new());
 
 /// What was said of a bug that ended a call. It is apart, for the call holds the door.
 static BUG: Mutex<String> = Mutex::new(String::new());
+
+/// The door. A bug behind it leaves a text.
+fn door() -> MutexGuard<'static, Door> {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| panic::set_hook(Box::new(|bug| *lock(&BUG) = bug.to_string())));
+    lock(&DOOR)
+}
 
 /// A poisoned lock holds what it did.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -45,9 +53,7 @@ fn status(result: Result<(), Refused>) -> i32 {
 /// call of [`fh_load`] or [`fh_ask`].
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_room(bytes: usize) -> *mut u8 {
-    static HOOK: Once = Once::new();
-    HOOK.call_once(|| panic::set_hook(Box::new(|bug| *lock(&BUG) = bug.to_string())));
-    lock(&DOOR)
+    door()
         .room(bytes)
         .map_or(ptr::null_mut(), <[u8]>::as_mut_ptr)
 }
@@ -56,43 +62,43 @@ pub extern "C" fn fh_room(bytes: usize) -> *mut u8 {
 /// viewer is about this file, and the answer is that to `info`.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_load(name_bytes: usize) -> i32 {
-    status(lock(&DOOR).load(name_bytes))
+    status(door().load(name_bytes))
 }
 
 /// Takes the embedded example in place of a file.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_example() -> i32 {
-    status(lock(&DOOR).example())
+    status(door().example())
 }
 
 /// Answers the question in the room: its name, which takes that many bytes, and then its JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_ask(name_bytes: usize) -> i32 {
-    status(lock(&DOOR).ask(name_bytes))
+    status(door().ask(name_bytes))
 }
 
 /// The address of the last answer: JSON, or where a call was refused a line of text.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_answer() -> *const u8 {
-    lock(&DOOR).answer().as_ptr()
+    door().answer().as_ptr()
 }
 
 /// The length of the last answer, in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_answer_bytes() -> usize {
-    lock(&DOOR).answer().len()
+    door().answer().len()
 }
 
 /// The address of the last answer's pixels.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_pixels() -> *const u8 {
-    lock(&DOOR).pixels().as_ptr()
+    door().pixels().as_ptr()
 }
 
 /// Their length, in bytes; 0 where the answer has none.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_pixels_bytes() -> usize {
-    lock(&DOOR).pixels().len()
+    door().pixels().len()
 }
 
 /// The address of what is known of a call that a trap ended. After a trap nothing else may be called: start another module.

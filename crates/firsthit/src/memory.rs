@@ -37,7 +37,7 @@ pub(crate) fn check(what: &'static str, bytes: usize) -> Result<()> {
 fn unaddressed() -> usize {
     const PAGE_BYTES: usize = 1 << 16;
     // The last page is left, so that no address overflows.
-    let pages = usize::MAX / PAGE_BYTES - std::arch::wasm32::memory_size::<0>();
+    let pages = (usize::MAX / PAGE_BYTES).saturating_sub(std::arch::wasm32::memory_size::<0>());
     pages * PAGE_BYTES
 }
 

@@ -301,6 +301,12 @@ impl Shared {
         let question = request.path.strip_prefix('/').unwrap_or_default();
         match question {
             "alive" => Ok(found(&json!({}))),
+            "info" => {
+                let mut info = self.viewer.info();
+                // The page reads files with the module.
+                info["opens_files"] = page_files::MODULE.is_some().into();
+                Ok(found(&info))
+            }
             "frame" => {
                 let page = request.header("x-firsthit-page").unwrap_or_default();
                 self.frame(&request.body, page, caller)

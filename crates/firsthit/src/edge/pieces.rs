@@ -24,8 +24,8 @@ const BENT_HALVES: u32 = 5;
 /// degree above its chord.
 const NARROW: f64 = 0.999;
 
-/// Places of the picture count as no farther from its corner, in pixels. There the side is all that matters, and what is as wide as float64
-/// reaches would never be found to be beside the picture.
+/// Coordinates in the picture are clamped to this, in pixels, so that a box around two of them stays finite. An infinite box would never
+/// be found to be beside the picture.
 const FARTHEST: f64 = 1e18;
 
 /// A piece of a line.
