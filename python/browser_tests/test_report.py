@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import json
 import subprocess
 import sys
@@ -82,6 +84,21 @@ def test_a_report_s_picture_and_hits_are_the_program_s(report: Page, tmp_path: P
     hit = json.loads(said.stdout)["hit"]
     assert float(line(told, "t ")) == hit["t"]
     assert line(told, "object") == f"{hit['object']} cube"
+
+
+def test_a_worker_that_fails_is_said(driver: webdriver.Chrome, tmp_path: Path) -> None:
+    path = made(tmp_path)
+    text = path.read_text()
+    start = text.index('id="report-module"')
+    start, end = text.index(">", start) + 1, text.index("</script>", start)
+    module = gzip.decompress(base64.b64decode(text[start:end]))
+    # A module that ends in the middle.
+    cut = base64.b64encode(gzip.compress(module[: len(module) // 2])).decode()
+    path.write_text(text[:start] + cut + text[end:])
+    page = Page(driver)
+    driver.get(path.as_uri())
+    page.wait(lambda: "error" in str(page["message"].get_attribute("class")))
+    assert "WebAssembly" in page.message()
 
 
 def test_names_in_a_report_are_text(driver: webdriver.Chrome, tmp_path: Path) -> None:
