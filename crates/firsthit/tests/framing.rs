@@ -284,3 +284,19 @@ fn framing_does_not_depend_on_where_the_model_is() {
         assert!((distance(far) - distance(0.0)).abs() < 1e-6, "{far}");
     }
 }
+
+/// The ground of a picture stands at this height, and its sign is in a digest.
+#[test]
+fn of_zeros_with_two_signs_the_support_is_the_positive_one() {
+    for heights in [[0.0, -0.0, 0.0], [-0.0, 0.0, -0.0], [-0.0, -0.0, -0.0]] {
+        let [a, b, c] = heights;
+        let corners = vec![[0.0, 0.0, a], [1.0, 0.0, b], [0.0, 1.0, c]];
+        let mesh = Mesh::new(Positions::Double(corners.into()), vec![[0, 1, 2]]).unwrap();
+        let bounds = mesh.bounds();
+        let scene = Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap();
+        for direction in [DVec3::Z, DVec3::NEG_Z] {
+            assert!(scene.support(direction).is_sign_positive(), "{heights:?}");
+        }
+        assert!(bounds.low.z.is_sign_positive() && bounds.high.z.is_sign_positive());
+    }
+}

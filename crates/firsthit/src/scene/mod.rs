@@ -555,7 +555,8 @@ pub(crate) fn support(objects: &[Object], direction: DVec3) -> f64 {
         }
         farthest = farthest.max(objects[index].support(direction));
     }
-    farthest
+    // Of zeros with two signs `max` may return either, from machine to machine.
+    farthest + 0.0
 }
 
 /// The box around all finite boxes.

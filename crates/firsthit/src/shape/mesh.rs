@@ -90,8 +90,12 @@ fn checked_bounds(positions: &Positions, triangles: &[[u32; 3]]) -> Result<Bound
         Positions::Single(points) => bounds_of(points, triangles),
         Positions::Double(points) => bounds_of(points, triangles),
     };
-    if let Some(bounds) = bounds {
-        return Ok(bounds);
+    if let Some(Bounds { low, high }) = bounds {
+        // Of zeros with two signs `min` and `max` may return either, from machine to machine.
+        return Ok(Bounds {
+            low: low + 0.0,
+            high: high + 0.0,
+        });
     }
     check_indices("triangles", triangles, positions.len())?;
     let mut corners = triangles.iter().flatten();
