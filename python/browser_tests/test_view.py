@@ -374,6 +374,11 @@ def test_a_sky_lights_the_scene_and_the_ball_moves_its_sun(page: Page) -> None:
     page["ball"].send_keys(Keys.ARROW_RIGHT * 3)
     page.wait(lambda: page.data("busy") == "no" and not np.array_equal(sky, pixels(page)))
     assert "error" not in str(page["message"].get_attribute("class"))
+    # It does not set.
+    low = pixels(page)
+    page["ball"].send_keys(Keys.ARROW_DOWN * 25)
+    page.wait(lambda: page.data("busy") == "no" and not np.array_equal(low, pixels(page)))
+    assert "error" not in str(page["message"].get_attribute("class"))
     page.choose("environment", "as rendered")
     page.choose("light", "as rendered")
     page.wait(lambda: page.data("busy") == "no" and np.array_equal(before, pixels(page)))

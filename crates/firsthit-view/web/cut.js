@@ -19,6 +19,8 @@ export class CutPlane {
         element("cut-axis").addEventListener("change", () => {
             const name = element("cut-axis").value;
             this.normal = axes[name] ?? unit(times(-1, aim()));
+            // The camera's side is the one that goes.
+            element("cut-turned").checked = dot(this.normal, aim()) > 0;
             this.#slide();
             changed();
         });

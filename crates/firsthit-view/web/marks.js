@@ -10,15 +10,15 @@ import { say } from "./status.js";
 /** @typedef {{hit: any, note: string}} Mark */
 
 export class Marks {
-    /** @param {string} title of the scene @param {() => void} changed */
-    constructor(title, changed) {
+    /** @param {string} title of the scene @param {string} scene what tells it from others of that title @param {() => void} changed */
+    constructor(title, scene, changed) {
         this.title = title;
         this.changed = changed;
         /** @type {Mark[]} */
         this.kept = [];
         /** Those that were cleared last. @type {Mark[]} */
         this.cleared = [];
-        this.key = `firsthit-notes ${title}`;
+        this.key = `firsthit-notes ${scene}`;
         element("clear").addEventListener("click", () => this.clear());
         element("undo").addEventListener("click", () => this.undo());
         element("save-notes").addEventListener("click", () => {

@@ -1,7 +1,7 @@
 // @ts-check
 // The page: a picture that is looked at, and questions about it.
 
-import { OrbitCamera, unit } from "./camera.js";
+import { add, dot, length, OrbitCamera, times, unit } from "./camera.js";
 import { parseCamera } from "./camera-text.js";
 import { Chapter } from "./chapter.js";
 import { Compare } from "./compare.js";
@@ -28,6 +28,8 @@ const AS_RENDERED = "as rendered";
 const SUN = "a sun: the ball";
 /** The choices of the light from all around, and what engines call them. */
 const ENVIRONMENTS = /** @type {Record<string, "own" | "none" | "daylight">} */ ({ "the scene's": "own", none: "none", "clear sky": "daylight" });
+/** The sine of the height of a sky's sun, at least. */
+const LOWEST_SUN = 0.02;
 /** Lines along edges are so many pixels wide, where the scene has none. */
 const EDGES = 1.5;
 
@@ -47,13 +49,14 @@ export class Page {
     constructor(engine, info, open) {
         this.engine = engine;
         this.info = info;
-        this.cameraKey = `firsthit-camera ${[info.title, info.triangles, info.bounds].join(" ")}`;
+        const scene = [info.title, info.triangles, info.bounds].join(" ");
+        this.cameraKey = `firsthit-camera ${scene}`;
         this.camera = new OrbitCamera(info.camera, info.up, info.bounds);
         this.picture = new Picture(info);
         this.#introduce();
 
         const changed = () => this.moved();
-        this.marks = new Marks(info.title, () => this.draw());
+        this.marks = new Marks(info.title, scene, () => this.draw());
         this.objects = new Objects(info, changed);
         this.cut = new CutPlane(info.bounds, () => this.camera.aim, changed);
         const axes = () => ({ right: this.camera.axes()[0], up: this.camera.axes()[1], aim: unit(this.camera.aim) });
@@ -122,7 +125,7 @@ export class Page {
             samples: 1,
             is_lit: false,
             light: info.lights.includes(light) ? light : null,
-            sun: hasSun ? this.ball.direction : null,
+            sun: hasSun && this.ball.direction ? this.#sun(this.ball.direction, environment?.choice === "daylight") : null,
             environment,
             colors: [...this.objects.colors],
             ground: [null, true, false][element("ground").selectedIndex],
@@ -130,6 +133,15 @@ export class Page {
             edges: cut.plane() ? 0 : element("edges").checked ? (info.edges ?? EDGES) : 0,
             part: this.part(),
         };
+    }
+
+    /** Where the sun's light goes; that of a sky has its sun above the horizon. @param {Vector} direction @param {boolean} isOfSky */
+    #sun(direction, isOfSky) {
+        const up = this.camera.sceneUp;
+        const height = -dot(direction, up);
+        if (!isOfSky || height >= LOWEST_SUN) return direction;
+        const level = add(direction, times(height, up));
+        return add(level, times(-LOWEST_SUN * Math.max(length(level), LOWEST_SUN), up));
     }
 
     /** The light from all around that was chosen. @returns {EnvironmentRequest | null} */
@@ -154,6 +166,7 @@ export class Page {
         this.#place();
         view.moved();
         this.tellCamera();
+        remember(this.cameraKey, JSON.stringify(this.camera.saved()));
     }
 
     /** The picture is as good as it gets. */
@@ -161,7 +174,6 @@ export class Page {
         // What is under the pointer may be something else by now.
         if (this.#lastPixel) this.point(this.#lastPixel);
         announce(element("message").textContent);
-        remember(this.cameraKey, JSON.stringify(this.camera.saved()));
     }
 
     /** Goes on where the page was before it was loaded again. */

@@ -65,6 +65,9 @@ const make = (name, content) => {
     writeFileSync(join(made, name), content);
     return join(made, name);
 };
+// Zeros with both signs: what is the smaller one depends on the machine.
+question(load(make("zeros.obj", "v 0 0 -0\nv 1 0 0\nv 0 1 -0\nv -0 -1 0\nf 1 2 3\nf 1 4 2\n")).answer, [24, 32]);
+
 const scene = `
 [camera]
 position = [0.3, -6, 1.5]
