@@ -140,7 +140,7 @@ RUST ?= yes
 docs: .venv-docs/ready
 	$(if $(RUST),$(CARGO) doc --package firsthit --no-deps --quiet)
 	$(if $(RUST),$(CARGO) build --release --package firsthit-cli --quiet)
-	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/python -B -m mkdocs build --strict
+	NO_MKDOCS_2_WARNING=1 $(if $(RUST),,WITHOUT_VIEWER=1) .venv-docs/bin/python -B -m mkdocs build --strict
 	@echo "made target/docs; to read it: $(PYTHON) -m http.server --directory target/docs"
 
 .venv-docs/ready: docs/requirements.txt

@@ -14,6 +14,7 @@ error.
 
 from __future__ import annotations
 
+import os
 import posixpath
 import re
 import subprocess
@@ -82,7 +83,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 def _chapter() -> bytes | None:
     """Return the viewer of a small scene as a report; nothing where the program cannot make one."""
-    if not PROGRAM.is_file():
+    # An old one may be there that nobody asked for.
+    if os.environ.get("WITHOUT_VIEWER") or not PROGRAM.is_file():
         return None
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / CHAPTER_FILE
