@@ -127,7 +127,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     )
     chapter = ""
     if files.get_file_from_path(CHAPTER_FILE):
-        address = f"{posixpath.relpath(CHAPTER_FILE, page.url or '.')}#chapter"
+        folder = posixpath.dirname(page.url) or "."
+        address = f"{posixpath.relpath(CHAPTER_FILE, folder)}#chapter"
         style = "width:100%;height:46rem;border:1px solid gray"
         chapter = f'<iframe src="{address}" title="The viewer" style="{style}"></iframe>'
     return "".join(parts).replace(RUST, told).replace(CHAPTER, chapter)
