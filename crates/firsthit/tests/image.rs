@@ -61,27 +61,50 @@ fn encode(format: &str, frame: &Frame, channel: Option<&str>) -> Vec<u8> {
     bytes
 }
 
-#[test]
-fn a_png_holds_the_bytes_of_the_srgb_formula() {
-    let frame = frame();
-    let bytes = encode("png", &frame, Some("color"));
+/// Checks the pixels of a PNG of a frame's colours.
+fn check_colors(frame: &Frame) {
+    let bytes = encode("png", frame, Some("color"));
     let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
-    assert_eq!((info.width, info.height), (3, 2));
+    let &[rows, columns] = frame.shape() else {
+        panic!("a picture has rows and columns");
+    };
+    assert_eq!((info.height as usize, info.width as usize), (rows, columns));
     assert_eq!(
         (info.color_type, info.bit_depth),
         (png::ColorType::Rgb, png::BitDepth::Eight)
     );
     assert!(reader.info().srgb.is_some());
     let data = &frame.channel("color").unwrap().data;
+    assert_eq!(pixels.len(), data.len());
     for (index, &byte) in pixels.iter().enumerate() {
         let linear = data.value(index);
         assert_eq!(
             f64::from(byte),
             (srgb_encode(linear) * 255.0).round(),
-            "{linear}"
+            "{index}: {linear}"
         );
+    }
+}
+
+#[test]
+fn a_png_holds_the_bytes_of_the_srgb_formula() {
+    check_colors(&frame());
+}
+
+/// More rows than are coloured at a time, and no multiple of it; and a row that is longer than that.
+#[test]
+fn large_pngs_are_whole() {
+    for [rows, columns] in [[701, 499], [3, 200_003]] {
+        let colors = (0_u32..).take(3 * rows * columns);
+        let colors = colors.map(|k| (k.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
+        let colors = Data::Float32(colors.collect());
+        let mut frame = Frame::new([rows, columns]);
+        frame
+            .push(Channel::new("color", 3, colors, Display::Color))
+            .unwrap();
+        check_colors(&frame);
     }
 }
 

@@ -1,5 +1,6 @@
 use std::borrow::Cow;
 use std::fmt::{self, Debug, Formatter};
+use std::ops::Range;
 
 use super::origin::Origin;
 use crate::error::{Error, Result};
@@ -348,6 +349,17 @@ impl Data {
             Self::Float32(values) => f64::from(values[index]),
             Self::Int32(values) => f64::from(values[index]),
             Self::Bool(values) => f64::from(u8::from(values[index])),
+        }
+    }
+
+    /// Puts some values into `to`, in place of what it has, each as [`value`](Self::value) gives it.
+    pub(super) fn read(&self, range: Range<usize>, to: &mut Vec<f64>) {
+        to.clear();
+        match self {
+            Self::Float64(values) => to.extend_from_slice(&values[range]),
+            Self::Float32(values) => to.extend(values[range].iter().map(|&x| f64::from(x))),
+            Self::Int32(values) => to.extend(values[range].iter().map(|&x| f64::from(x))),
+            Self::Bool(values) => to.extend(values[range].iter().map(|&x| f64::from(u8::from(x)))),
         }
     }
 }

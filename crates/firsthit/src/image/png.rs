@@ -1,6 +1,7 @@
 use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
+use rayon::prelude::*;
 
 use super::channel_colors::{ChannelColors, legend};
 use super::content::{Content, WriteSettings, picture_sides, refuse_mattes};
@@ -12,6 +13,9 @@ use crate::geometry::{DisplayTransform, ToneMap};
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
 const CHUNK: usize = 1 << 16;
+
+/// How many bytes of colours are made at a time, about: they stay near the cores until they are packed.
+const BLOCK: usize = 1 << 19;
 
 /// Refuses a frame that is no picture, distances that do not fit into 16 bits of the chosen steps, and colours of an exposure that
 /// is no number.
@@ -98,7 +102,7 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     Ok(())
 }
 
-/// Writes the picture in rows of `row` bytes.
+/// Writes the picture in rows of `row` bytes. All threads of the current rayon pool make a block of rows, then one packs it.
 fn encode_colors(
     channel: &Channel,
     display: DisplayTransform,
@@ -107,14 +111,18 @@ fn encode_colors(
 ) -> io::Result<()> {
     let map = ChannelColors::of(channel, display);
     let values_of_row = row / map.bytes() * channel.components;
-    let mut values = Vec::with_capacity(values_of_row);
-    let mut bytes = vec![0; row];
-    for start in (0..channel.data.len()).step_by(values_of_row) {
-        let end = start + values_of_row;
-        values.clear();
-        values.extend((start..end).map(|index| channel.data.value(index)));
-        map.apply(&values, channel.components, &mut bytes);
-        out.write_all(&bytes)?;
+    let rows = channel.data.len() / values_of_row;
+    let rows_of_block = (BLOCK / row).clamp(1, rows.max(1));
+    let mut bytes = vec![0; rows_of_block * row];
+    for first in (0..rows).step_by(rows_of_block) {
+        let block = &mut bytes[..rows_of_block.min(rows - first) * row];
+        let rows = block.par_chunks_mut(row).enumerate();
+        rows.for_each_init(Vec::new, |values, (k, bytes)| {
+            let start = (first + k) * values_of_row;
+            channel.data.read(start..start + values_of_row, values);
+            map.apply(values, channel.components, bytes);
+        });
+        out.write_all(block)?;
     }
     Ok(())
 }
