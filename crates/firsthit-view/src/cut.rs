@@ -34,6 +34,17 @@ impl CutPlane {
         })
     }
 
+    /// Of length one.
+    pub(crate) fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// Two directions in the plane.
+    pub(crate) fn axes(&self) -> [DVec3; 2] {
+        let (x, y) = self.normal.any_orthonormal_pair();
+        [x, y]
+    }
+
     /// The part of a ray that is behind the plane.
     pub(crate) fn behind(&self, ray: Ray) -> Ray {
         let before = self.normal.dot(ray.origin) - self.offset;

@@ -10,13 +10,14 @@ use firsthit::image::{self, Channel, Data, Frame, WriteSettings};
 use firsthit::render::{Appearance, Picture, SAMPLES};
 use firsthit::scene::{Daylight, DirectionalLight, Environment, EnvironmentKind, Light};
 use firsthit::sensor::Sensor;
-use firsthit::shade::{LightRig, Shader};
+use firsthit::shade::{LightRig, Shade, Shader};
 use firsthit::shoot::Cpu;
 use firsthit::watch::Watch;
 use firsthit::{Color, DVec3, Error, Result, Scene};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
+use crate::cap::CappedShade;
 use crate::cut::{CutCamera, CutPlane};
 use crate::look::{EnvironmentChoice, EnvironmentRequest, FrameRequest};
 use crate::viewer::{ProgressiveState, Viewer};
@@ -86,11 +87,17 @@ impl Viewer {
             Some(cut) => cut,
             None => &camera,
         };
+        let capped = plane.map(|plane| CappedShade::new(&shading, &resolved.scene, plane));
+        let capped = capped.transpose()?;
+        let shade: &dyn Shade = match &capped {
+            Some(capped) => capped,
+            None => &shading,
+        };
         let kinds: [&Kind; 1] = [kind];
         let picture = Picture {
             samples: resolved.samples,
             edges: self.edges_of(look)?,
-            ..Picture::new(&resolved.scene, sensor, &shading, &kinds)
+            ..Picture::new(&resolved.scene, sensor, shade, &kinds)
         };
         let frame = if kind.is_color() && look.is_lit {
             self.continued(&picture, look, watch)?

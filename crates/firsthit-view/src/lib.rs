@@ -9,6 +9,7 @@
 
 mod answer;
 mod camera_text;
+mod cap;
 mod cut;
 pub mod explanation;
 mod frame;

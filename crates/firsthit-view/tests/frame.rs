@@ -7,9 +7,10 @@ use std::sync::Arc;
 use firsthit::camera::StandardView;
 use firsthit::render::{Appearance, framing_camera};
 use firsthit::scene::{Environment, EnvironmentKind, EnvironmentMap};
-use firsthit::{DMat3, DVec3, Object, Scene, Sphere};
+use firsthit::{DMat3, DVec3, Mesh, Object, Positions, Scene, Sphere};
 use firsthit_view::{
-    Answer, AnswerError, EnvironmentChoice, EnvironmentRequest, FrameRequest, Pixels, Viewer,
+    Answer, AnswerError, Cut, EnvironmentChoice, EnvironmentRequest, FrameRequest, Pixels, Viewer,
+    Visibility,
 };
 use serde_json::{Value, json};
 
@@ -180,4 +181,60 @@ fn info_tells_how_many_samples_there_will_be() {
     let painted = viewer.frame(&all, &()).unwrap();
     assert_eq!(viewer.info()["samples"], painted.samples);
     assert_eq!(viewer.info()["environment"], false);
+}
+
+/// A tetrahedron of some of its sides, cut across, in red.
+fn cut_tetrahedron(sides: &[[u32; 3]]) -> Vec<[u8; 3]> {
+    let tips = vec![
+        [-1.0, -1.0, -1.0],
+        [1.0, -1.0, -1.0],
+        [0.0, 1.0, -1.0],
+        [0.0, 0.0, 1.0],
+    ];
+    let mesh = Mesh::new(Positions::compact(tips), sides.to_vec()).unwrap();
+    let scene = Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap();
+    let camera = framing_camera(&scene, DVec3::Z, StandardView::Top, SHAPE).unwrap();
+    let viewer = Viewer::new("tetrahedron", scene, Appearance::default(), &camera).unwrap();
+    let cut = Cut {
+        normal: [0.0, 0.0, 1.0],
+        offset: 0.0,
+    };
+    let request = FrameRequest {
+        colors: vec![(0, [1.0, 0.0, 0.0])],
+        part: Visibility {
+            cut: Some(cut),
+            ..Visibility::default()
+        },
+        ..request(&viewer)
+    };
+    colors(&viewer, &request)
+}
+
+#[test]
+fn a_plane_through_a_solid_shows_a_face_in_its_colour() {
+    let sides = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let cut = cut_tetrahedron(&sides);
+    // Half of each edge is cut off: the face is a triangle in the middle.
+    let [rows, columns] = SHAPE;
+    let face: Vec<_> = (columns / 2 - 4..columns / 2 + 4)
+        .map(|column| cut[rows / 2 * columns + column])
+        .collect();
+    assert!(
+        face.iter().all(|&[r, g, b]| r > 200 && g == 0 && b == 0),
+        "{face:?}"
+    );
+    let [least, most] = [face.iter().min().unwrap(), face.iter().max().unwrap()];
+    assert!(most[0] - least[0] > 10, "stripes: {face:?}");
+    // Which way its triangles face is of no account.
+    let turned = sides.map(|[a, b, c]| [a, c, b]);
+    assert_eq!(
+        cut_tetrahedron(&turned)[rows / 2 * columns..][..columns],
+        cut[rows / 2 * columns..][..columns]
+    );
+    // What is open has no inside.
+    let open = cut_tetrahedron(&sides[1..]);
+    assert_ne!(
+        open[rows / 2 * columns + columns / 2],
+        cut[rows / 2 * columns + columns / 2]
+    );
 }
