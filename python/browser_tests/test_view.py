@@ -365,6 +365,65 @@ def test_the_camera_stays_when_the_page_is_loaded_again(page: Page) -> None:
     assert camera(page) == moved
 
 
+def test_what_is_shown_stays_when_the_page_is_loaded_again(page: Page) -> None:
+    page["objects"].find_elements(By.CSS_SELECTOR, "input[type=checkbox]")[1].click()
+    page.run(
+        "const field = document.querySelector('#objects input[type=color]');"
+        "field.value = '#ff0000';"
+        "field.dispatchEvent(new Event('input', {bubbles: true}))"
+    )
+    page.choose("light", "studio")
+    page.choose("ground", "without")
+    page.choose("cut-axis", "x")
+    page.finish()
+    before = pixels(page)
+    page.driver.refresh()
+    page.wait(lambda: page.data("ready") == "yes" and page.data("busy") == "no")
+    assert np.array_equal(before, pixels(page))
+    boxes = page["objects"].find_elements(By.CSS_SELECTOR, "input[type=checkbox]")
+    assert [box.is_selected() for box in boxes] == [True, False]
+    assert page["cut-axis"].get_property("value") == "x"
+
+
+def test_options_say_what_else_is_shown(page: Page, viewer: Viewer) -> None:
+    page["objects"].find_elements(By.CSS_SELECTOR, "input[type=checkbox]")[1].click()
+    page.choose("light", "studio")
+    page.choose("ground", "without")
+    page["edges"].click()
+    page.finish()
+    page.wait(lambda: "--edges 1.5" in str(page["said"].get_property("textContent")))
+    options = str(page["said"].get_property("textContent"))
+    assert options.endswith(" --light studio --no-ground --edges 1.5 --hide 1")
+    assert page["unsaid"].get_property("textContent") == ""
+    program(viewer, "render", "cube.obj", *options.split(), "-o", "looked.png", "-q")
+    looked = np.asarray(Image.open(viewer.folder / "looked.png").convert("RGB"))
+    assert np.array_equal(pixels(page), looked)
+    page.choose("cut-axis", "x")
+    page.finish()
+    unsaid = "Not said here: the section plane."
+    page.wait(lambda: page["unsaid"].get_property("textContent") == unsaid)
+    assert page["save-rendered"].get_attribute("disabled")
+
+
+def test_a_framed_scene_fills_the_picture(page: Page) -> None:
+    page["objects"].find_elements(By.CSS_SELECTOR, "input[type=checkbox]")[1].click()
+    for key in ["1", "o"]:
+        page["picture"].send_keys(key)
+        page["frame"].click()
+        page.choose("channel", "object")
+        page.finish()
+        painted = pixels(page)
+        seen = (painted != painted[0, 0]).any(-1)
+        rows = np.flatnonzero(seen.any(1))
+        # The box is as wide as 5 and as high as 2: the cube is seen in its left two fifths.
+        columns = np.flatnonzero(seen.any(0))
+        share = 2.5 * (columns[-1] - columns[0] + 1) / painted.shape[1]
+        assert 0.8 < share < 1.05
+        assert 0 < columns[0]
+        assert 0 < rows[0] <= rows[-1] < painted.shape[0] - 1
+        page.choose("channel", "color")
+
+
 def test_a_sky_lights_the_scene_and_the_ball_moves_its_sun(page: Page) -> None:
     page.finish()
     before = pixels(page)
@@ -436,6 +495,11 @@ def test_two_pictures_are_compared(page: Page) -> None:
     assert page["before"].is_displayed()
     page["forget-picture"].click()
     assert not page["before"].is_displayed()
+    # One that is not done is kept when it is.
+    page["picture"].send_keys("2")
+    page["keep-picture"].click()
+    page.finish()
+    page.wait(lambda: page["difference"].text == "No pixel differs.")
 
 
 def test_what_is_copied_is_taken_back(page: Page) -> None:

@@ -36,6 +36,7 @@ impl Viewer {
                 "name": object.name(),
                 "shape": object.shape().name(),
                 "triangles": object.triangles(),
+                "color": object.color().to_array(),
             })
         });
         let objects_hidden = self.scene().objects().iter().enumerate();

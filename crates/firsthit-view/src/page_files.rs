@@ -31,6 +31,7 @@ pub(crate) const SCRIPTS: &[Script] = scripts! {
     "color.js"
     "probe-text.js"
     "camera-text.js"
+    "look-text.js"
     "status.js"
     "engine.js"
     "engine-native.js"

@@ -29,6 +29,9 @@ export function turned(v, axis, angle) {
 /** The steepest that a turn leaves the camera, in radians. */
 const STEEPEST = (89.5 / 180) * Math.PI;
 
+/** The share of the picture that a framed scene takes. */
+const MARGIN = 0.95;
+
 export class OrbitCamera {
     /** @param {FlatCamera} given where it begins @param {Vector} up the scene's @param {[Vector, Vector] | null} bounds the scene's box */
     constructor(given, up, bounds) {
@@ -155,17 +158,30 @@ export class OrbitCamera {
         this.home = this.saved();
     }
 
-    /** Brings the whole scene into the picture. @param {number} aspect columns to rows */
+    /** Brings the scene's box into the picture, its middle in the picture's. @param {number} aspect columns to rows */
     frame(aspect) {
-        const radius = this.size() / 2;
+        const axes = [...this.axes(), unit(this.aim)];
+        const middle = this.middle();
+        // The corners seen from the middle: to the right, upwards and ahead.
+        const corners = this.corners().map((corner) => axes.map((axis) => dot(minus(corner, middle), axis)));
+        const wide = aspect * this.pixelShape();
+        const least = this.size() / 100;
         if (this.projection === "perspective") {
-            const half = Math.atan((this.height / 2 / this.focal) * Math.min(1, aspect));
-            this.distance = radius / Math.sin(half);
+            const tall = (MARGIN * this.height) / 2 / this.focal;
+            const fit = (/** @type {number[]} */ [x, y, z]) => Math.max(Math.abs(x) / (tall * wide), Math.abs(y) / tall, least) - z;
+            this.distance = Math.max(...corners.map(fit));
         } else {
-            this.height = (2 * radius) / Math.min(1, aspect);
-            this.distance = Math.max(this.distance, 2 * radius);
+            const fit = (/** @type {number[]} */ [x, y]) => Math.max(Math.abs(x) / wide, Math.abs(y), least);
+            this.height = (2 / MARGIN) * Math.max(...corners.map(fit));
+            this.distance = Math.max(this.distance, this.size());
         }
-        this.position = minus(this.middle(), times(this.distance, unit(this.aim)));
+        this.position = minus(middle, times(this.distance, unit(this.aim)));
+    }
+
+    /** The corners of the scene's box. @returns {Vector[]} */
+    corners() {
+        const [low, high] = this.bounds ?? [[-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]];
+        return [...Array(8).keys()].map((k) => /** @type {Vector} */ ([0, 1, 2].map((axis) => ((k >> axis) & 1 ? high : low)[axis])));
     }
 
     /** Looks along a direction. @param {Vector} aim @param {Vector} up @param {number} aspect */

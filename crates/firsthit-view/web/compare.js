@@ -3,7 +3,7 @@
 
 import { element, six } from "./dom.js";
 
-/** @typedef {{rows: number, columns: number, pixels: Uint8ClampedArray, values: Float32Array | Int32Array | null, name: string}} Shown */
+/** @typedef {{rows: number, columns: number, pixels: Uint8ClampedArray, values: Float32Array | Int32Array | null, name: string, isDone: boolean}} Shown */
 
 export class Compare {
     /** @param {() => Shown | null} shown the picture that the page shows */
@@ -11,12 +11,14 @@ export class Compare {
         this.shown = shown;
         /** @type {Shown | null} */
         this.kept = null;
+        /** Whether the next picture that is done is to be kept. */
+        this.isWaiting = false;
         element("keep-picture").addEventListener("click", () => {
-            this.kept = this.shown();
+            this.isWaiting = true;
             this.draw();
         });
         element("forget-picture").addEventListener("click", () => {
-            this.kept = null;
+            [this.kept, this.isWaiting] = [null, false];
             this.draw();
         });
         element("split").addEventListener("input", () => this.draw());
@@ -24,12 +26,15 @@ export class Compare {
 
     /** Paints the left part of the kept picture over the new one, and says how they differ. */
     draw() {
-        const [kept, now] = [this.kept, this.shown()];
+        const now = this.shown();
+        // One of few samples would differ from any other.
+        if (this.isWaiting && now?.isDone) [this.kept, this.isWaiting] = [now, false];
+        const { kept, isWaiting } = this;
         const canvas = element("before");
         const isSame = kept && now && kept.rows === now.rows && kept.columns === now.columns;
         canvas.hidden = !isSame;
-        element("split-label").hidden = element("forget-picture").hidden = kept === null;
-        element("difference").textContent = isSame ? difference(kept, now) : kept ? "The kept picture has another size." : "";
+        element("split-label").hidden = element("forget-picture").hidden = kept === null && !isWaiting;
+        element("difference").textContent = isWaiting ? "It is kept when it is done." : isSame ? (now.isDone ? difference(kept, now) : "") : kept && now ? "The kept picture has another size." : "";
         if (!isSame) return;
         [canvas.width, canvas.height] = [kept.columns, kept.rows];
         const columns = Math.round(element("split").value * kept.columns);

@@ -2,7 +2,7 @@
 // The section plane: along an axis or across the view, at a place between the ends of the scene.
 
 import { add, dot, times, unit } from "./camera.js";
-import { element, six } from "./dom.js";
+import { element, restoreFields, savedFields, six } from "./dom.js";
 
 /** @typedef {import("./camera.js").Vector} Vector */
 /** @typedef {import("./engine.js").Cut} Cut */
@@ -39,6 +39,17 @@ export class CutPlane {
             changed();
         });
         element("cut-turned").addEventListener("input", changed);
+    }
+
+    saved() {
+        const { normal, offset } = this;
+        return { normal, offset, fields: savedFields(["cut-axis", "cut-place", "cut-turned", "cut-offset"]) };
+    }
+
+    /** @param {{normal: Vector, offset: number, fields: Record<string, string | boolean>}} saved */
+    restore({ normal, offset, fields }) {
+        [this.normal, this.offset] = [normal, offset];
+        restoreFields(fields);
     }
 
     /** The box along the normal: its middle, and how far it reaches from there. @returns {[number, number]} */

@@ -47,3 +47,16 @@ export function plain(name) {
     const short = name.length > LONGEST_NAME ? `${name.slice(0, LONGEST_NAME)}...` : name;
     return short.replace(/[\p{Cc}\p{Cf}\p{Zl}\p{Zp}]/gu, (sign) => `\\u{${sign.codePointAt(0)?.toString(16)}}`);
 }
+
+/** The values of fields, and whether boxes are ticked, by their ids. @param {string[]} ids @returns {Record<string, string | boolean>} */
+export function savedFields(ids) {
+    return Object.fromEntries(ids.map((id) => [id, element(id).type === "checkbox" ? element(id).checked : element(id).value]));
+}
+
+/** Puts back what `savedFields` gave. @param {Record<string, string | boolean>} saved */
+export function restoreFields(saved) {
+    for (const [id, value] of Object.entries(saved)) {
+        if (typeof value === "boolean") element(id).checked = value;
+        else element(id).value = value;
+    }
+}

@@ -1,7 +1,7 @@
 // @ts-check
 // The engine that runs in the page: firsthit as a WebAssembly module, in workers. What it reads goes nowhere else.
 
-import { doublingSteps, EngineError, painted } from "./engine.js";
+import { EngineError, painted, singleSteps } from "./engine.js";
 
 /** @typedef {import("./engine.js").Engine} Engine */
 /** @typedef {import("./engine.js").FlatCamera} FlatCamera */
@@ -113,9 +113,9 @@ export class WasmEngine {
 
     async alive() {}
 
-    /** A call cannot be interrupted. @param {number} samples */
-    steps(samples) {
-        return doublingSteps(samples);
+    /** @param {number} samples @param {number} pixels */
+    steps(samples, pixels) {
+        return singleSteps(samples, pixels);
     }
 
     /** @param {FrameRequest} request @param {AbortSignal} signal @returns {Promise<Painted>} */

@@ -15,7 +15,7 @@
  * @property {(camera: FlatCamera, pixel: [number, number], part: Visibility) => Promise<any>} probe what a pixel shows, by its column and row
  * @property {(camera: FlatCamera) => Promise<any>} cameraText a camera as other programs read it
  * @property {() => Promise<any>} alive tells that the page is still there
- * @property {(samples: number) => (number | null)[]} steps in how many samples each a still picture of so many is asked for; null is all of them
+ * @property {(samples: number, pixels: number) => (number | null)[]} steps in how many samples each a still picture of so many is asked for; null is all of them
  * @property {() => Engine} another one whose frames do not end those of this one
  * @property {() => void} close
  */
@@ -29,7 +29,16 @@ export class EngineError extends Error {
     }
 }
 
-/** The steps where a frame cannot be interrupted: none takes longer than all before it. @param {number} samples @returns {(number | null)[]} */
+/** A picture of more pixels is not gone on with, but begun anew: frame.rs has the same number. */
+const MOST_KEPT = 1 << 22;
+
+/** The steps where a frame cannot be interrupted, and nobody waits for what is sent: a sample each, so that the next camera soon has its turn. @param {number} samples @param {number} pixels @returns {(number | null)[]} */
+export function singleSteps(samples, pixels) {
+    if (pixels > MOST_KEPT) return doublingSteps(samples);
+    return [...Array.from({ length: samples - 1 }, (_, k) => k + 1), null];
+}
+
+/** The steps where a frame cannot be interrupted, and takes a while to send: none takes longer than all before it. @param {number} samples @returns {(number | null)[]} */
 export function doublingSteps(samples) {
     const steps = [];
     for (let step = 1; step < samples; step *= 2) steps.push(step);

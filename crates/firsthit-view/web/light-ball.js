@@ -63,6 +63,17 @@ export class LightBall {
         this.draw();
     }
 
+    saved() {
+        const { x, y, direction } = this;
+        return { x, y, direction };
+    }
+
+    /** @param {{x: number, y: number, direction: Vector | null}} saved */
+    restore(saved) {
+        Object.assign(this, saved);
+        this.draw();
+    }
+
     draw() {
         const percent = (/** @type {number} */ x) => `${Math.round(100 * Math.abs(x))} percent`;
         const words = `${percent(this.x)} ${this.x < 0 ? "left" : "right"}, ${percent(this.y)} ${this.y < 0 ? "down" : "up"}`;

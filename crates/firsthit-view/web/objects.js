@@ -3,9 +3,10 @@
 
 import { element, make, plain } from "./dom.js";
 
-/** What a field shows whose object has the colours of the scene. */
-const UNCOLORED = "#bfbfbf";
-
+/** A linear colour as "#rrggbb" in sRGB. @param {number[]} color */
+const hex = (color) => `#${color.map((part) => Math.round(255 * encoded(Math.max(0, Math.min(1, part)))).toString(16).padStart(2, "0")).join("")}`;
+/** @param {number} part from 0 to 1 */
+const encoded = (part) => (part <= 0.0031308 ? 12.92 * part : 1.055 * part ** (1 / 2.4) - 0.055);
 /** The linear part of a colour in sRGB (IEC 61966-2-1). @param {number} part from 0 to 1 */
 const linear = (part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4);
 
@@ -22,6 +23,8 @@ export class Objects {
         this.colors = new Map();
         /** @type {Map<number, any>} */
         this.boxes = new Map();
+        /** The field of each colour, and what it shows where the object has the scene's. @type {Map<number, {field: any, own: string}>} */
+        this.swatches = new Map();
         /** @type {any} */
         this.marked = null;
         const lines = info.objects.map((/** @type {any} */ object) => this.#line(object));
@@ -31,8 +34,7 @@ export class Objects {
         element("show-all").addEventListener("click", () => this.show(() => true));
         element("own-colors").addEventListener("click", () => {
             this.colors.clear();
-            for (const line of lines) line.querySelector("input[type=color]").value = UNCOLORED;
-            element("own-colors").disabled = true;
+            this.#showColors();
             this.changed();
         });
         element("filter-objects").addEventListener("input", () => {
@@ -50,7 +52,9 @@ export class Objects {
         const triangles = object.triangles ? ` ${object.triangles.toLocaleString("en")}` : "";
         label.append(box, make("span", plain(object.name || object.shape)), triangles);
         const color = make("input", "", { type: "color", "aria-label": `colour of ${plain(object.name || object.shape)} ${object.object}` });
-        color.value = UNCOLORED;
+        const own = hex(object.color);
+        color.value = own;
+        this.swatches.set(object.object, { field: color, own });
         color.addEventListener("input", () => this.#color(object.object, color.value));
         const alone = make("button", "only", { "aria-label": `show only ${plain(object.name || object.shape)} ${object.object}` });
         line.append(label, color, alone);
@@ -69,6 +73,27 @@ export class Objects {
         this.colors.set(object, [1, 3, 5].map((at) => linear(parseInt(color.slice(at, at + 2), 16) / 255)));
         element("own-colors").disabled = false;
         this.changed();
+    }
+
+    /** The fields show the colours that objects have. */
+    #showColors() {
+        for (const [object, { field, own }] of this.swatches) {
+            const given = this.colors.get(object);
+            field.value = given ? hex(given) : own;
+        }
+        element("own-colors").disabled = this.colors.size === 0;
+    }
+
+    saved() {
+        return { hidden: [...this.hidden], colors: [...this.colors] };
+    }
+
+    /** @param {{hidden: number[], colors: [number, number[]][]}} saved */
+    restore({ hidden, colors }) {
+        this.hidden = new Set(hidden);
+        this.colors = new Map(colors);
+        for (const [object, box] of this.boxes) box.checked = !this.hidden.has(object);
+        this.#showColors();
     }
 
     /** Shows the objects that are wanted, and no others. @param {(object: number) => boolean} isWanted */

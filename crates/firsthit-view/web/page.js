@@ -6,9 +6,10 @@ import { parseCamera } from "./camera-text.js";
 import { Chapter } from "./chapter.js";
 import { Compare } from "./compare.js";
 import { CutPlane } from "./cut.js";
-import { download, element, make, offer, vector, words } from "./dom.js";
+import { download, element, make, offer, restoreFields, savedFields, vector, words } from "./dom.js";
 import { arrow, listKeys, press } from "./keys.js";
 import { LightBall } from "./light-ball.js";
+import { lookText } from "./look-text.js";
 import { Marks } from "./marks.js";
 import { remember, remembered } from "./storage.js";
 import { Objects } from "./objects.js";
@@ -30,6 +31,8 @@ const SUN = "a sun: the ball";
 const ENVIRONMENTS = /** @type {Record<string, "own" | "none" | "daylight">} */ ({ "the scene's": "own", none: "none", "clear sky": "daylight" });
 /** The sine of the height of a sky's sun, at least. */
 const LOWEST_SUN = 0.02;
+/** The fields that a tab keeps; what else it keeps has an owner of its own. */
+const FIELDS = ["channel", "map", "low", "high", "edges", "light", "environment", "environment-strength", "environment-turn", "ground"];
 /** Lines along edges are so many pixels wide, where the scene has none. */
 const EDGES = 1.5;
 
@@ -50,7 +53,7 @@ export class Page {
         this.engine = engine;
         this.info = info;
         const scene = [info.title, info.triangles, info.bounds].join(" ");
-        this.cameraKey = `firsthit-camera ${scene}`;
+        this.lookKey = `firsthit-look ${scene}`;
         this.camera = new OrbitCamera(info.camera, info.up, info.bounds);
         this.picture = new Picture(info);
         this.#introduce();
@@ -68,8 +71,8 @@ export class Page {
         this.saver = engine.another();
         this.chapter = new Chapter(info, this.camera, engine.another(), () => this.request(1, 1), changed);
         this.compare = new Compare(() => this.picture.shown);
-        const paint = (/** @type {import("./engine.js").Painted} */ painted, /** @type {FrameRequest} */ asked) => {
-            this.picture.paint(painted, asked.channel, painted.about.rows === this.view.shape[0]);
+        const paint = (/** @type {import("./engine.js").Painted} */ painted, /** @type {FrameRequest} */ asked, /** @type {boolean} */ isDone) => {
+            this.picture.paint(painted, asked.channel, painted.about.rows === this.view.shape[0], isDone);
             this.compare.draw();
             this.draw();
         };
@@ -89,7 +92,7 @@ export class Page {
             const [file] = element("open-file").files;
             if (file) open(file);
         });
-        this.#restoreCamera();
+        this.#restore();
         this.marks.restore();
         this.#watch();
         document.body.dataset.ready = "yes";
@@ -162,11 +165,13 @@ export class Page {
         const { chapter, view } = this;
         chapter.moved();
         view.fixed = chapter.isOpen ? [chapter.flat().rows, chapter.flat().columns] : null;
-        element("edges").disabled = this.cut.plane() !== null;
+        const isCut = this.cut.plane() !== null;
+        element("edges").disabled = element("save-rendered").disabled = isCut;
+        element("save-rendered").title = isCut ? "firsthit render knows no section plane: save the picture as shown" : "";
         this.#place();
         view.moved();
         this.tellCamera();
-        remember(this.cameraKey, JSON.stringify(this.camera.saved()));
+        remember(this.lookKey, JSON.stringify(this.#saved()));
     }
 
     /** The picture is as good as it gets. */
@@ -176,16 +181,33 @@ export class Page {
         announce(element("message").textContent);
     }
 
+    /** What the tab keeps. */
+    #saved() {
+        const { camera, objects, cut, ball } = this;
+        return { camera: camera.saved(), fields: savedFields(FIELDS), objects: objects.saved(), cut: cut.saved(), ball: ball.saved() };
+    }
+
     /** Goes on where the page was before it was loaded again. */
-    #restoreCamera() {
-        try {
-            const saved = JSON.parse(remembered(this.cameraKey) ?? "");
-            Object.assign(this.camera, saved);
-        } catch {
-            return;
-        }
-        element("orthographic").checked = this.camera.projection === "orthographic";
+    #restore() {
+        const { camera, objects, cut, ball } = this;
+        const kept = remembered(this.lookKey);
+        if (kept === null) return;
+        /** @type {any} */
+        const saved = JSON.parse(kept);
+        Object.assign(camera, saved.camera);
+        restoreFields(saved.fields);
+        objects.restore(saved.objects);
+        cut.restore(saved.cut);
+        ball.restore(saved.ball);
+        element("orthographic").checked = camera.projection === "orthographic";
+        this.#showFields();
         this.#isFitted = true;
+    }
+
+    /** Shows the fields that something chosen has. */
+    #showFields() {
+        element("map-label").hidden = element("range-label").hidden = !isMapped(element("channel").value);
+        element("environment-label").hidden = !["own", "daylight"].includes(ENVIRONMENTS[element("environment").value]);
     }
 
     /** Where the picture lies on the stage: all over it, but for the chapter's, which has a shape of its own. */
@@ -332,7 +354,7 @@ export class Page {
 
     #connectPanel() {
         const chosen = () => {
-            element("map-label").hidden = element("range-label").hidden = !isMapped(element("channel").value);
+            this.#showFields();
             this.moved();
         };
         element("channel").addEventListener("change", () => {
@@ -347,10 +369,7 @@ export class Page {
             else this.ball.clear();
             this.moved();
         });
-        element("environment").addEventListener("change", () => {
-            element("environment-label").hidden = !["own", "daylight"].includes(ENVIRONMENTS[element("environment").value]);
-            this.moved();
-        });
+        element("environment").addEventListener("change", chosen);
         element("fix-range").addEventListener("click", () => {
             const { range } = this.picture;
             if (range) [element("low").value, element("high").value] = range.map(String);
@@ -366,7 +385,11 @@ export class Page {
         if (this.#ended.signal.aborted) return;
         const wanted = texts[element("say-as").value];
         const text = typeof wanted === "string" ? wanted : JSON.stringify(wanted);
-        element("said").textContent = wanted === null ? "Parallel rays have no matrix of pixels." : text;
+        const isCommand = element("say-as").value === "command";
+        const { options, missing } = lookText(this.request(...this.view.shape), this.info);
+        element("said").textContent = wanted === null ? "Parallel rays have no matrix of pixels." : isCommand ? [text, ...options].join(" ") : text;
+        const unsaid = isCommand || options.length === 0 ? missing : [...missing, options.join(" ")];
+        element("unsaid").textContent = unsaid.length > 0 ? `Not said here: ${unsaid.join(", ")}.` : "";
     }
 
     #connectCamera() {

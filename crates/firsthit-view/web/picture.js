@@ -27,8 +27,8 @@ export class Picture {
         this.range = null;
     }
 
-    /** @param {Painted} painted @param {string} channel @param {boolean} isWhole whether it has all the pixels of the stage */
-    paint(painted, channel, isWhole) {
+    /** @param {Painted} painted @param {string} channel @param {boolean} isWhole whether it has all the pixels of the stage @param {boolean} isDone whether no better one follows */
+    paint(painted, channel, isWhole, isDone) {
         const { rows, columns } = painted.about;
         const { canvas, drawing } = this;
         if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
@@ -41,7 +41,7 @@ export class Picture {
             this.#paintNumbers(painted, channel);
         }
         const pixels = () => drawing.getImageData(0, 0, columns, rows).data;
-        this.shown = isWhole ? { rows, columns, pixels: pixels(), values: painted.values ?? null, name: channel } : null;
+        this.shown = isWhole ? { rows, columns, pixels: pixels(), values: painted.values ?? null, name: channel, isDone } : null;
         document.body.dataset.painted = `${columns}x${rows}`;
     }
 

@@ -18,7 +18,7 @@ export class View {
      * @param {import("./engine.js").Engine} engine
      * @param {number} samples of a picture in full
      * @param {(rows: number, columns: number) => FrameRequest} request what to ask for, of that size
-     * @param {(painted: Painted, request: FrameRequest) => void} paint
+     * @param {(painted: Painted, request: FrameRequest, isDone: boolean) => void} paint is told whether the picture is as good as it gets
      * @param {() => void} rested is told when the picture is as good as it gets
      */
     constructor(engine, samples, request, paint, rested) {
@@ -107,11 +107,12 @@ export class View {
         const [rows, columns] = this.shape;
         const whole = this.request(rows, columns);
         // In the chapter a pixel is one ray, without the noise of lights.
-        const counts = this.fixed ? [] : this.engine.steps(this.samples);
+        const counts = this.fixed ? [] : this.engine.steps(this.samples, rows * columns);
         const steps = whole.channel === "color" ? counts.map((samples) => ({ ...whole, samples, is_lit: true })) : [];
-        for (const request of [{ ...whole, samples: 1, is_lit: false }, ...steps]) {
+        const requests = [{ ...whole, samples: 1, is_lit: false }, ...steps];
+        for (const request of requests) {
             if (number !== this.number || this.isMoving) return;
-            if (!(await this.#show(request))) return;
+            if (!(await this.#show(request, request === requests.at(-1)))) return;
             if (number !== this.number || this.isMoving) return;
             document.body.dataset.busy = "refining";
         }
@@ -119,14 +120,14 @@ export class View {
         this.rested();
     }
 
-    /** Asks for a frame and paints it; says whether it came. @param {FrameRequest} request */
-    async #show(request) {
+    /** Asks for a frame and paints it; says whether it came. @param {FrameRequest} request @param {boolean} [isDone] whether no better one follows */
+    async #show(request, isDone = false) {
         const control = new AbortController();
         this.onItsWay = control;
         try {
             const painted = await this.engine.frame(request, control.signal);
             if (control.signal.aborted) return false;
-            this.paint(painted, request);
+            this.paint(painted, request, isDone);
             const { rows, columns, seconds } = painted.about;
             this.full = request.is_lit && request.samples === null ? painted : null;
             const count = painted.about.samples;
