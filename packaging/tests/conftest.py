@@ -6,6 +6,7 @@ package.
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -57,10 +58,25 @@ def hills(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Unpack the source distribution. All that is built of it is built there, and so compiled once."""
+    # Cargo knows sources by their place and by their time, and an archive's are always old: it
+    # would take what it made of an earlier archive.
+    ours = [f"--package=firsthit{name}" for name in ("", "-view", "-cli", "-python")]
+    build("cargo", "clean", "--quiet", "--release", *ours, "--target-dir", OUTSIDE)
+    (archive,) = DIST.glob("*.tar.gz")
+    folder = tmp_path_factory.mktemp("sources")
+    shutil.unpack_archive(archive, folder, "gztar")
+    (unpacked,) = folder.iterdir()
+    return unpacked
+
+
+@pytest.fixture(scope="session")
+def native(sources: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Make the program with `cargo install`, as README.md says."""
     root = tmp_path_factory.mktemp("cargo")
-    build("cargo", "install", "--quiet", "--path", "crates/firsthit-cli", "--root", root)
+    program = sources / "crates" / "firsthit-cli"
+    build("cargo", "install", "--quiet", "--locked", "--path", program, "--root", root, "--target-dir", OUTSIDE)
     return root / "bin" / "firsthit"
 
 

@@ -17,15 +17,10 @@ assert abs(t[0] - 9) < 0.2 and o[0] == 0 and o[1] == -1, (t, o)
 """
 
 
-def test_the_source_distribution_can_be_installed(hills, tmp_path):
-    # Cargo knows sources by their place in the workspace and by their time, and an archive's are
-    # always old: it would take what it made of an earlier archive.
-    ours = [f"--package=firsthit{name}" for name in ("", "-view", "-cli", "-python")]
-    build("cargo", "clean", "--quiet", "--release", *ours, "--target-dir", OUTSIDE)
+def test_the_source_distribution_can_be_installed(sources, hills, tmp_path):
     subprocess.run([sys.executable, "-m", "venv", tmp_path / "venv"], check=True)
     scripts = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")
-    (archive,) = DIST.glob("*.tar.gz")
-    build(scripts / "pip", "install", "--quiet", archive, CARGO_TARGET_DIR=str(OUTSIDE))
+    build(scripts / "pip", "install", "--quiet", sources, CARGO_TARGET_DIR=str(OUTSIDE))
     shutil.copy(hills, tmp_path)
     told = run(scripts / "python", "-c", SMOKE, cwd=tmp_path)
     assert told.returncode == 0, told.stderr
