@@ -20,9 +20,9 @@ use crate::error::{Error, Result};
 use crate::geometry::{Color, DVec3, Filtered, Hit, Ray, RayFilter, Rays, Side, single};
 use crate::image::{Channel, ColorBar, Data, Frame};
 use crate::memory::zeroed;
-use crate::scene::Background;
+use crate::scene::{Background, Scene};
 use crate::shade::{AmbientOcclusion, Samples, Shade, Shader, Shading};
-use crate::shoot::{First, Hits, trace_into};
+use crate::shoot::{First, Hits, Prefetcher, trace_into};
 use crate::watch::Watch;
 
 /// How many pixels are shaded at a time: enough that their shadow rays go together, few enough for slow shaders.
@@ -160,7 +160,9 @@ impl<'a> Slab<'a> {
     /// Adds the colours of the current hits to the sums, of the pixels that go on.
     fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
-        let Picture { shade, cull, .. } = *self.picture;
+        let Picture {
+            scene, shade, cull, ..
+        } = *self.picture;
         let is_transparent = shade.is_transparent();
         let Accumulation {
             sums,
@@ -183,7 +185,7 @@ impl<'a> Slab<'a> {
             if active.is_empty() {
                 return Ok(());
             }
-            batch.read(part, hits, first, sums.len());
+            batch.read((scene, part), hits, first, sums.len());
             batch.keep(&active);
             let (colors, coverage) = batch.shade((shade, cull), sample);
             for ((k, color), covered) in active.into_iter().zip(colors).zip(coverage) {
@@ -197,7 +199,7 @@ impl<'a> Slab<'a> {
     /// Adds the ambient occlusion at the current hits to its sums.
     fn add_occlusion(&mut self, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
-        let cull = self.picture.cull;
+        let Picture { scene, cull, .. } = *self.picture;
         let Some((shading, sums)) = &mut self.occlusion else {
             return Ok(());
         };
@@ -206,7 +208,7 @@ impl<'a> Slab<'a> {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
-            batch.read(part, hits, chunk * SHADED, sums.len());
+            batch.read((scene, part), hits, chunk * SHADED, sums.len());
             let (colors, _) = batch.shade((shading, cull), sample);
             for (sum, color) in sums.iter_mut().zip(colors) {
                 *sum += color.x;
@@ -338,12 +340,21 @@ impl Batch {
         }
     }
 
-    fn read(&mut self, part: &Part<'_>, hits: &Hits, first: usize, count: usize) {
-        part.read(first, &mut self.rays[..count]);
-        part.number(first, &mut self.pixels[..count]);
+    /// Takes some of a part's hits, whose triangles are on their way to the caches afterwards.
+    fn read(
+        &mut self,
+        (scene, part): (&Scene, &Part<'_>),
+        hits: &Hits,
+        first: usize,
+        count: usize,
+    ) {
+        let mut prefetcher = Prefetcher::new(scene, hits, first, count);
         for (k, hit) in self.hits[..count].iter_mut().enumerate() {
+            prefetcher.advance(k);
             *hit = hits.get(first + k);
         }
+        part.read(first, &mut self.rays[..count]);
+        part.number(first, &mut self.pixels[..count]);
         self.count = count;
     }
 
