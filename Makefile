@@ -39,10 +39,11 @@ test: test-rust test-python test-scripts
 test-rust:
 	$(CARGO) test --workspace $(if $(wildcard ../shared/refdata),-- --include-ignored --skip soak)
 
-# Random rays on random soups, every kernel against brute force; and where ../shared/refdata is beside the clone, rays that
-# cross and leave closed meshes of real files, a tenth as many.
+# Random rays on random soups, every kernel against brute force; rays that cross closed meshes in pairs, a tenth as many; and where
+# ../shared/refdata is beside the clone, rays that cross and leave closed meshes of real files, as many again.
 soak:
 	FIRSTHIT_SOAK=$(RAYS) $(CARGO) test --release --package firsthit --test kernels -- --ignored --nocapture soak
+	FIRSTHIT_SOAK=$$(($(RAYS) / 10)) $(CARGO) test --release --package firsthit --test measure -- --ignored --nocapture soak
 	$(if $(wildcard ../shared/refdata),FIRSTHIT_SOAK=$$(($(RAYS) / 10)) $(CARGO) test --release --package firsthit --test closed -- --ignored --nocapture)
 
 # The package, built and tested in an environment of its own.

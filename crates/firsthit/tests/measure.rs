@@ -20,7 +20,7 @@ use firsthit::{
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 use support::rational::{Exact, cross, dot, exact, minus};
-use support::{Numbers, bumpy_sphere, mesh, scene};
+use support::{Numbers, bumpy_sphere, mesh, scene, soak_rays};
 
 /// The direction in which a point on the surface is looked ahead.
 const AHEAD: DVec3 = DVec3::new(7.0, 10.0, 10.5);
@@ -583,12 +583,20 @@ fn both_can_be_stopped_and_need_no_objects() {
     assert!(lengths.is_empty());
 }
 
-/// Rays through edges and corners, along edges and in planes: `RAYS` of them, 10^7 if it is not set.
 #[test]
-#[ignore = "takes minutes"]
 fn rays_from_outside_cross_closed_meshes_in_pairs() {
-    let rays = std::env::var("RAYS").map_or(10_000_000, |text| text.parse().unwrap());
-    let at_once = 100_000;
+    crossed_in_pairs(400_000, 50_000);
+}
+
+/// `FIRSTHIT_SOAK` says how many rays; see the Makefile.
+#[test]
+#[ignore = "takes long: make soak"]
+fn soak_closed_meshes() {
+    crossed_in_pairs(soak_rays(), 100_000);
+}
+
+/// Shoots rays through edges and corners, along edges and in planes, so many at once at each mesh.
+fn crossed_in_pairs(rays: usize, at_once: usize) {
     let (mut total, mut crossings) = (0_usize, 0_u64);
     for seed in 0.. {
         if total >= rays {
