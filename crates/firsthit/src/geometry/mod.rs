@@ -1,6 +1,7 @@
 //! Rays, hits, boxes, transforms, colours and how they are shown. Imports nothing of this crate; glam is the vector maths.
 
 pub(crate) mod arithmetic;
+mod beam;
 mod bounds;
 mod color;
 mod color_map;
@@ -25,6 +26,7 @@ pub(crate) mod summary;
 mod tone_map;
 mod transform;
 
+pub(crate) use beam::Beam;
 pub use bounds::Bounds;
 pub(crate) use color::srgb_decode_level;
 pub use color::{Color, luminance, srgb_decode, srgb_encode};

@@ -51,12 +51,12 @@ pub(crate) use light::form_factor;
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;
 use top_tree::TopTree;
-pub(crate) use top_tree::{Around, OnTheWay};
+pub(crate) use top_tree::{Around, Candidate, OnTheWay};
 
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
 use crate::geometry::summary::{Few, summary};
-use crate::geometry::{Bounds, DVec3, Hit, Transform};
+use crate::geometry::{Beam, Bounds, DVec3, Hit, Transform};
 use crate::memory;
 use crate::shape::{Mesh, Shape};
 
@@ -464,6 +464,11 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn on_the_way(&self) -> OnTheWay<'_> {
         self.top.on_the_way()
+    }
+
+    /// Appends the objects that any of some rays may meet; `false`, and none, where it is better to ask [for each](Self::on_the_way).
+    pub(crate) fn list_candidates(&self, beam: &Beam, candidates: &mut Vec<Candidate>) -> bool {
+        self.top.list_candidates(beam, candidates)
     }
 
     /// A box around each object, from which the tree over them is made.

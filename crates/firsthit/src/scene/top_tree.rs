@@ -3,10 +3,16 @@
 use super::Object;
 use super::duplicates::Duplicates;
 use crate::accel::{Bvh, Nearby, Walk, WalkStack};
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Beam, Bounds, DVec3, Ray};
 
 /// With at most this many objects no tree is walked: the box of each is tested.
 const FEW: usize = 4;
+
+/// Of at most this many objects a beam of rays may list those that it may meet, in place of asking the tree ray by ray.
+const LISTED: usize = 64;
+
+/// A list with more objects than these serves no better than the tree.
+const MOST_CANDIDATES: usize = 8;
 
 /// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
 /// the boxes of all objects. Then this object goes without a box.
@@ -18,7 +24,9 @@ pub(super) struct TopTree {
     tree: Bvh,
     /// The objects that are in no tree: they have no finite box, or only a vague one, or there are so few that asking the tree would take
     /// longer.
-    outside: Vec<Outside>,
+    outside: Vec<Candidate>,
+    /// All objects that may be met, in a tree or not; none where there are more than [`LISTED`].
+    listed: Vec<Candidate>,
     pub(super) duplicates: Duplicates,
     /// A box around each object.
     boxes: Vec<Bounds>,
@@ -26,23 +34,23 @@ pub(super) struct TopTree {
     moves: usize,
 }
 
-/// An object that is in no tree, and the box that a ray must meet to be a candidate for it.
+/// An object, and the box that a ray must meet to be a candidate for it.
 #[derive(Debug, Clone)]
-struct Outside {
+pub(crate) struct Candidate {
     object: u32,
-    candidate_box: Bounds,
+    bounds: Bounds,
     /// How much wider the box is for a ray from far away, as a share of the coordinates of its origin.
     slack: f64,
 }
 
-impl Outside {
+impl Candidate {
     fn new(objects: &[Object], index: u32, bounds: Bounds) -> Self {
         let object = &objects[index as usize];
         let slack = object.slack().max(Bvh::OBJECTS);
         let is_vague = is_unbounded(&bounds) || object.slack() > LARGEST_SLACK;
         Self {
             object: index,
-            candidate_box: if is_vague {
+            bounds: if is_vague {
                 Bounds::EVERYTHING
             } else {
                 object.padded(bounds, slack)
@@ -55,7 +63,13 @@ impl Outside {
     #[inline(always)]
     fn may_be_met(&self, ray: &Ray, t_max: f64) -> bool {
         let margin = self.slack * ray.origin.abs().max_element();
-        self.candidate_box.may_be_met(&ray.up_to(t_max), margin)
+        self.bounds.may_be_met(&ray.up_to(t_max), margin)
+    }
+
+    /// Whether any of some rays may meet the object.
+    fn may_be_met_by(&self, beam: &Beam) -> bool {
+        let margin = self.slack * beam.farthest();
+        beam.may_meet(&self.bounds, margin)
     }
 }
 
@@ -76,8 +90,15 @@ impl TopTree {
         let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
         let is_out = |k: u32| duplicates.contains(k) || objects[k as usize].is_hidden();
         let loose = (0..count).filter(|&k| is_loose(k) && !is_out(k));
-        let outside = loose.map(|k| Outside::new(objects, k, boxes[k as usize]));
+        let outside = loose.map(|k| Candidate::new(objects, k, boxes[k as usize]));
         let outside = outside.collect();
+        let listed = if objects.len() <= LISTED {
+            let there = (0..count).filter(|&k| !is_out(k));
+            let there = there.map(|k| Candidate::new(objects, k, boxes[k as usize]));
+            there.collect()
+        } else {
+            Vec::new()
+        };
         let slack = (0..count)
             .filter(|&k| !is_loose(k))
             .map(|k| objects[k as usize].slack())
@@ -92,6 +113,7 @@ impl TopTree {
         Self {
             tree: Bvh::build(count, padded, slack),
             outside,
+            listed,
             duplicates,
             boxes,
             moves: 0,
@@ -104,6 +126,9 @@ impl TopTree {
     pub(super) fn moved(&mut self, objects: &[Object], moved: &[u32]) {
         for &index in moved {
             self.boxes[index as usize] = objects[index as usize].box_around();
+            if let Some(listed) = self.listed.iter_mut().find(|it| it.object == index) {
+                *listed = Candidate::new(objects, index, self.boxes[index as usize]);
+            }
         }
         self.moves += moved.len();
         let is_fitted =
@@ -129,13 +154,13 @@ impl TopTree {
         if self.duplicates.contains(moved) || !self.duplicates.of(moved).is_empty() {
             return false;
         }
-        let key = |outside: &Outside| outside.object;
+        let key = |outside: &Candidate| outside.object;
         let loose = self.outside.binary_search_by_key(&moved, key).ok();
         let is_loose = is_loose(objects, index, &bounds);
         let slack = self.tree.slack();
         if loose.is_some() || is_loose || object.slack() > slack {
             if let Some(place) = loose {
-                self.outside[place] = Outside::new(objects, moved, bounds);
+                self.outside[place] = Candidate::new(objects, moved, bounds);
             }
             return loose.is_some() && is_loose;
         }
@@ -178,7 +203,7 @@ impl TopTree {
 
 /// See [`TopTree::around`].
 pub(crate) struct Around<'a> {
-    outside: &'a [Outside],
+    outside: &'a [Candidate],
     nearby: Nearby<'a>,
 }
 
@@ -194,6 +219,26 @@ impl Around<'_> {
     }
 }
 
+impl TopTree {
+    /// Appends the objects that any of some rays may meet; `false`, and none, where the tree serves better.
+    pub(super) fn list_candidates(&self, beam: &Beam, candidates: &mut Vec<Candidate>) -> bool {
+        if self.listed.is_empty() || !beam.is_forward() {
+            return false;
+        }
+        let before = candidates.len();
+        for listed in &self.listed {
+            if listed.may_be_met_by(beam) {
+                if candidates.len() == before + MOST_CANDIDATES {
+                    candidates.truncate(before);
+                    return false;
+                }
+                candidates.push(listed.clone());
+            }
+        }
+        true
+    }
+}
+
 /// Whether an object is in no tree.
 fn is_loose(objects: &[Object], index: usize, bounds: &Bounds) -> bool {
     objects.len() <= FEW || is_unbounded(bounds) || objects[index].slack() > LARGEST_SLACK
@@ -205,11 +250,23 @@ pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
 
 /// See [`TopTree::on_the_way`].
 pub(crate) struct OnTheWay<'a> {
-    outside: &'a [Outside],
+    outside: &'a [Candidate],
     /// Of all other objects.
     tree: Option<&'a Bvh>,
     /// Begun when the tree's turn comes.
     walk: Option<Walk<'a>>,
+}
+
+impl<'a> OnTheWay<'a> {
+    /// Those of a [list](TopTree::list_candidates).
+    #[inline(always)]
+    pub(crate) fn among(candidates: &'a [Candidate]) -> Self {
+        Self {
+            outside: candidates,
+            tree: None,
+            walk: None,
+        }
+    }
 }
 
 impl OnTheWay<'_> {

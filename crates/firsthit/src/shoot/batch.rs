@@ -14,8 +14,8 @@ use crate::accel::{
     WalkStack,
 };
 use crate::error::{Error, Result};
-use crate::geometry::{DVec3, Hit, Ray, Rays};
-use crate::scene::{Object, Scene};
+use crate::geometry::{Beam, DVec3, Hit, Ray, Rays};
+use crate::scene::{Candidate, Object, OnTheWay, Scene};
 use crate::shape::Mesh;
 use crate::shape::triangle::{MeshFilter, clear_of};
 use crate::simd::{self, Kernel, Lanes};
@@ -292,11 +292,23 @@ impl<S: Sink> Batch<'_, S> {
     fn through_scene<L: Lanes>(mut self, l: L, memory: &mut Memory) {
         let scene = self.scene;
         let count = self.sink.len();
+        let mut candidates = Vec::new();
         let mut walks: Vec<SceneWalk<'_, S::Query>> = Vec::with_capacity(count);
         for index in 0..count {
             let ray = self.rays.ray(self.first + index);
             let query = S::Query::begin(self.rays, self.first + index);
             walks.push(SceneWalk::new(scene, &ray, query, f64::INFINITY));
+        }
+        // What neighbours may meet is asked for them together.
+        let lists: Vec<_> = (walks.chunks(RAYS))
+            .map(|walks| list_candidates(scene, walks, &mut candidates))
+            .collect();
+        for (walks, list) in walks.chunks_mut(RAYS).zip(lists) {
+            if let Some(list) = list {
+                for walk in walks {
+                    walk.meet_only(OnTheWay::among(&candidates[list.clone()]));
+                }
+            }
         }
         let mut instances = Vec::with_capacity(count);
         // The rays that may meet more.
@@ -322,6 +334,22 @@ impl<S: Sink> Batch<'_, S> {
             self.sink.put(index, &walk.query);
         }
     }
+}
+
+/// Appends the objects that any of some rays may meet, and says which these are; `None` where each ray does better alone.
+#[inline(always)]
+fn list_candidates<Q: RayQuery>(
+    scene: &Scene,
+    walks: &[SceneWalk<'_, Q>],
+    candidates: &mut Vec<Candidate>,
+) -> Option<Range<usize>> {
+    let mut beam = Beam::EMPTY;
+    for ray in walks.iter().filter_map(SceneWalk::ray) {
+        beam.add(ray);
+    }
+    let first = candidates.len();
+    let is_listed = scene.list_candidates(&beam, candidates);
+    is_listed.then_some(first..candidates.len())
 }
 
 /// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays that go on as they are, a bit each, and

@@ -53,6 +53,15 @@ pub(super) trait RayQuery: Copy + Send {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FirstHit(pub(super) Hit);
 
+impl FirstHit {
+    /// The `t_max` of the scaled ray from here on.
+    #[inline(always)]
+    pub(super) fn t_max(&self, scaled: &ScaledRay) -> f64 {
+        // Not below zero, as in `SceneWalk::new`.
+        (clear_of(self.0.t) / scaled.t_scale).max(f64::MIN_POSITIVE)
+    }
+}
+
 impl RayQuery for FirstHit {
     type InMesh = accel::First;
     const START: Self = Self(Hit::MISS);
@@ -80,8 +89,7 @@ impl RayQuery for FirstHit {
         {
             self.0 = hit;
         }
-        // Not below zero, as in `SceneWalk::new`.
-        (clear_of(self.0.t) / scaled.t_scale).max(f64::MIN_POSITIVE)
+        self.t_max(scaled)
     }
 }
 

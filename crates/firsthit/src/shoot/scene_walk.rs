@@ -6,10 +6,10 @@
 //!    the result to [`SceneWalk::take`].
 
 use super::filter;
-use super::ray_query::RayQuery;
+use super::ray_query::{FirstHit, RayQuery};
 use super::scaled_ray::ScaledRay;
 use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
-use crate::geometry::Ray;
+use crate::geometry::{Hit, Ray};
 use crate::scene::{OnTheWay, Scene};
 use crate::shape::triangle::Shear;
 use crate::shape::{Crossing, Mesh, Shape, Surface};
@@ -57,6 +57,18 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             duplicates: &[],
             query,
         }
+    }
+
+    /// The ray on its way, unless it can meet nothing.
+    #[inline(always)]
+    pub(super) fn ray(&self) -> Option<&Ray> {
+        self.scaled.as_ref().map(|scaled| &scaled.ray)
+    }
+
+    /// Leaves only some objects to be met, before the first is.
+    #[inline(always)]
+    pub(super) fn meet_only(&mut self, objects: OnTheWay<'a>) {
+        self.objects = objects;
     }
 
     /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the same each time.
@@ -174,6 +186,26 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             self.take(scene, Q::InMesh::of_crossing(Some(crossing)));
         }
     }
+}
+
+/// The first hit of a ray among some objects that are no meshes and in no other's place, and `known`, which it has met already.
+#[inline(always)]
+pub(super) fn first_of_shapes(scene: &Scene, ray: &Ray, objects: &[u32], known: Hit) -> Hit {
+    let Some(scaled) = ScaledRay::new(ray) else {
+        return known;
+    };
+    let mut first = FirstHit(known);
+    let mut t_max = first.t_max(&scaled);
+    for &index in objects {
+        let object = &scene.objects()[index as usize];
+        let crossing = scaled
+            .in_object(object, t_max)
+            .and_then(|ray| object.shape().intersect(&ray));
+        if crossing.is_some() {
+            t_max = first.take(scene, &scaled, index, crossing);
+        }
+    }
+    first.0
 }
 
 /// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, it has no nodes, or the ray is

@@ -13,6 +13,7 @@ mod fans;
 mod generators;
 mod leaks;
 mod pixels;
+mod shapes;
 #[path = "../support/mod.rs"]
 mod support;
 

@@ -6,6 +6,7 @@ use super::square::SIDE;
 use crate::accel::{TILE, TileCamera};
 use crate::geometry::{DMat3, DVec3, PixelGrid, Rays};
 use crate::scene::{Object, Scene};
+use crate::shape::Surface;
 
 /// What rounding in an object's transform may come to, as a share of coordinates, for its box to be of use.
 const MOST_ROUNDING: f64 = 1e-10;
@@ -24,14 +25,28 @@ pub(super) struct Plan<'a> {
     pub(super) source: Source,
     /// What tiles can do, the nearest first.
     pub(super) meshes: Vec<Placed>,
-    /// Whether an object is in there, and whether all are.
+    /// Whether an object is in there.
     pub(super) is_tiled: Vec<bool>,
-    pub(super) all_tiled: bool,
+    /// The others.
+    pub(super) rest: Rest,
     /// Rows of tiles in a band.
     pub(super) tiles_down: usize,
     /// Whether the results are more than the caches hold.
     pub(super) is_large: bool,
 }
+
+/// The objects that a visibility buffer cannot hold, and how a tile's rays come to them.
+pub(super) enum Rest {
+    /// There are none.
+    Nothing,
+    /// A few shapes that are no meshes: each is asked by the rays of the tiles that it may be seen in.
+    Shapes(Vec<Placed>),
+    /// Anything: the tree over the objects is asked, ray by ray.
+    Any,
+}
+
+/// The most shapes that are listed tile by tile.
+pub(super) const MOST_SHAPES: usize = 64;
 
 /// Where a tile's grid of pixels comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,18 +84,32 @@ impl<'a> Plan<'a> {
             return None;
         }
         let mut is_tiled = vec![false; scene.objects().len()];
-        let mut meshes = Vec::new();
+        let (mut meshes, mut shapes) = (Vec::new(), Vec::new());
+        let mut others = 0;
         for (index, object) in (0..).zip(scene.objects()) {
+            let place = || match source {
+                Source::Curved => Some(around(&grid, index, object)),
+                Source::Grid | Source::Fitted => placed(&grid, index, object),
+            };
             if scene.duplicates().contains(index) || object.is_hidden() {
                 is_tiled[index as usize] = true;
             } else if scene.plain_mesh(index).is_some() {
                 is_tiled[index as usize] = true;
-                meshes.extend(match source {
-                    Source::Curved => around(&grid, index, object),
-                    Source::Grid | Source::Fitted => placed(&grid, index, object),
-                });
+                meshes.extend(place());
+            } else {
+                others += 1;
+                if object.mesh().is_none() && others <= MOST_SHAPES {
+                    shapes.extend(place());
+                }
             }
         }
+        let are_shapes = (scene.objects().iter().zip(&is_tiled))
+            .all(|(object, &is_tiled)| is_tiled || object.mesh().is_none());
+        let rest = match others {
+            0 => Rest::Nothing,
+            1..=MOST_SHAPES if are_shapes => Rest::Shapes(shapes),
+            _ => Rest::Any,
+        };
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
         // Enough bands for all threads; fewer, and one of them would be waited for.
         let many = 8 * rayon::current_num_threads();
@@ -89,15 +118,15 @@ impl<'a> Plan<'a> {
         } else {
             1
         };
-        let all_tiled = !is_tiled.contains(&false);
-        is_tiled.contains(&true).then_some(Self {
+        let is_of_use = is_tiled.contains(&true) || matches!(rest, Rest::Shapes(_));
+        is_of_use.then_some(Self {
             scene,
             rays,
             grid,
             source,
             meshes,
             is_tiled,
-            all_tiled,
+            rest,
             tiles_down,
             is_large: grid.rows * grid.columns >= LARGE,
         })
@@ -170,7 +199,7 @@ fn has_digits(grid: &PixelGrid) -> bool {
 )]
 fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     let axes = Axes::of(grid);
-    let (low, high, farthest) = seen(grid, object, &axes)?;
+    let (low, high, farthest) = seen(grid, object, &axes);
     // Far more than rounding, as a share of what coordinates are computed from.
     let rounding = 1e-9 * (farthest + grid.position.abs().max_element());
     let slack = rounding * axes.growth;
@@ -224,8 +253,8 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
 }
 
 /// An object as curved rays may see it: anywhere, from a distance on.
-fn around(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
-    let bounds = object.mesh()?.bounds();
+fn around(grid: &PixelGrid, index: u32, object: &Object) -> Placed {
+    let bounds = object.shape().bounds();
     let corners = bounds.corners().map(|corner| {
         let world = object
             .transform()
@@ -241,7 +270,7 @@ fn around(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     let radius = radius + 1e-9 * largest;
     let is_known = object.slack() < MOST_ROUNDING && centre.is_finite() && radius.is_finite();
     let entry = (centre.length() - radius).max(0.0);
-    Some(Placed {
+    Placed {
         object: index,
         rows: 0..grid.rows.div_ceil(TILE),
         columns: 0..grid.columns.div_ceil(TILE),
@@ -251,7 +280,7 @@ fn around(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
         } else {
             (DVec3::ZERO, f64::INFINITY)
         },
-    })
+    }
 }
 
 /// From points relative to a grid's position to its own coordinates: to the right and upwards along the viewplane, which need not
@@ -290,8 +319,8 @@ impl Axes {
 
 /// The box around an object in the grid's coordinates, and the largest coordinate of its corners relative to the grid's position. Of
 /// perspective grids the first two coordinates are those on the viewplane.
-fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> Option<(DVec3, DVec3, f64)> {
-    let bounds = object.mesh()?.bounds();
+fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> (DVec3, DVec3, f64) {
+    let bounds = object.shape().bounds();
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut farthest: f64 = 0.0;
     for corner in bounds.corners() {
@@ -303,7 +332,7 @@ fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> Option<(DVec3, DVec3,
         let along = axes.inverse * relative;
         if !along.is_finite() {
             // Which neither `min` nor `max` would keep.
-            return Some((DVec3::NAN, DVec3::NAN, f64::INFINITY));
+            return (DVec3::NAN, DVec3::NAN, f64::INFINITY);
         }
         let seen = if axes.is_parallel {
             along
@@ -313,7 +342,7 @@ fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> Option<(DVec3, DVec3,
         (low, high) = (low.min(seen), high.max(seen));
         farthest = farthest.max(relative.abs().max_element());
     }
-    Some((low, high, farthest))
+    (low, high, farthest)
 }
 
 /// The rays of the tile from a row and a column of pixels on, in an object's space. They are `off` pixels from the grid at

@@ -2,10 +2,11 @@
 //!
 //! 1. Fill a [`VisibilityBuffer`] from the meshes that may be seen in the tile, the nearest first.
 //! 2. Compute the hits of its pixels from that, eight at a time (`resolve.rs`).
-//! 3. Shoot single rays at the objects that tiles cannot do; or at all, where float32 cannot do the tile.
+//! 3. Ask the shapes that are no meshes, of which the tile knows that they may be seen in it. Where there are other objects that a
+//!    visibility buffer cannot hold, shoot single rays at them; or at all, where float32 cannot do the tile.
 
 use super::pixels::Pixels;
-use super::plan::{Plan, Source, camera_of_tile};
+use super::plan::{MOST_SHAPES, Placed, Plan, Rest, Source, camera_of_tile};
 use super::square::Square;
 use super::tile_rays::TileRays;
 use crate::accel::{
@@ -19,6 +20,7 @@ use crate::shoot::batch::{Memory, SingleRay};
 use crate::shoot::hits::HitSlices;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
 use crate::shoot::scaled_ray::ScaledRay;
+use crate::shoot::scene_walk::first_of_shapes;
 use crate::simd::{Kernel, Lanes};
 
 /// See [the module](self).
@@ -113,9 +115,37 @@ impl<'a> TileTask<'a> {
         if is_filled {
             self.resolve(l, &buffer, self.size, out);
         }
-        for row in 0..rows {
-            self.complete(l, memory, row, columns, is_filled, out);
+        match &self.plan.rest {
+            Rest::Nothing if is_filled => {}
+            Rest::Shapes(shapes) if is_filled => self.ask_shapes(l, shapes, out),
+            _ => {
+                for row in 0..rows {
+                    self.complete(l, memory, row, columns, is_filled, out);
+                }
+            }
         }
+    }
+
+    /// Asks the shapes that may be seen in the tile.
+    #[inline(always)]
+    fn ask_shapes<L: Lanes>(&self, l: L, shapes: &[Placed], out: &mut HitSlices<'_>) {
+        let mut objects = [0; MOST_SHAPES];
+        let mut count = 0;
+        let [row, column] = self.tile;
+        for placed in shapes {
+            if placed.rows.contains(&row) && placed.columns.contains(&column) {
+                objects[count] = placed.object;
+                count += 1;
+            }
+        }
+        if count == 0 {
+            return;
+        }
+        l.call(AskShapes {
+            tile: self,
+            objects: &objects[..count],
+            out,
+        });
     }
 
     /// Fills the visibility buffer; `false` where float32 cannot.
@@ -176,9 +206,6 @@ impl<'a> TileTask<'a> {
         out: &mut HitSlices<'_>,
     ) {
         let plan = self.plan;
-        if is_filled && plan.all_tiled {
-            return;
-        }
         for column in 0..columns {
             let at = self.at(row) + column;
             let ray = self.ray(row, column);
@@ -199,6 +226,17 @@ impl<'a> TileTask<'a> {
         let columns = self.plan.grid.columns;
         let pixel = (self.first_row + row) * columns + self.first_column + column;
         self.plan.rays.ray(pixel)
+    }
+
+    /// Fills `rays` with those of a row of the tile.
+    fn read_row(&self, row: usize, rays: &mut [Ray]) {
+        if self.rays.is_none() {
+            let first = (self.first_row + row) * self.plan.grid.columns + self.first_column;
+            return self.grid.read(first, rays);
+        }
+        for (column, ray) in rays.iter_mut().enumerate() {
+            *ray = self.ray(row, column);
+        }
     }
 
     /// The hit of the ray of a pixel in a triangle, by the exact test.
@@ -254,6 +292,31 @@ fn longest(grid: &PixelGrid) -> f64 {
     let corners = [right + up, right - up, up - right, -right - up];
     let lengths = corners.map(|corner: DVec3| (grid.toward + corner).length());
     lengths.into_iter().fold(0.0, f64::max)
+}
+
+/// The rays of a tile at shapes, as a function of its own: pictures of meshes alone have none.
+struct AskShapes<'r, 'a, 'out> {
+    tile: &'r TileTask<'a>,
+    objects: &'r [u32],
+    out: &'r mut HitSlices<'out>,
+}
+
+impl Kernel for AskShapes<'_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { tile, objects, out } = self;
+        let [rows, columns] = tile.size;
+        let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); TILE];
+        for row in 0..rows {
+            tile.read_row(row, &mut rays[..columns]);
+            for (at, ray) in (tile.at(row)..).zip(&rays[..columns]) {
+                let hit = first_of_shapes(tile.plan.scene, ray, objects, out.get(at));
+                out.put(at, &hit);
+            }
+        }
+    }
 }
 
 /// The exact test of a ray and a triangle, as a function of its own: it is rarely called.
