@@ -59,7 +59,7 @@ def hills(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Unpack the source distribution. All that is built of it is built there, and so compiled once."""
+    """Unpack the source distribution: what is built of it is built there, and compiled once."""
     # Cargo knows sources by their place and by their time, and an archive's are always old: it
     # would take what it made of an earlier archive.
     ours = [f"--package=firsthit{name}" for name in ("", "-view", "-cli", "-python")]
@@ -76,7 +76,8 @@ def native(sources: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Make the program with `cargo install`, as README.md says."""
     root = tmp_path_factory.mktemp("cargo")
     program = sources / "crates" / "firsthit-cli"
-    build("cargo", "install", "--quiet", "--locked", "--path", program, "--root", root, "--target-dir", OUTSIDE)
+    where = ["--root", root, "--target-dir", OUTSIDE]
+    build("cargo", "install", "--quiet", "--locked", "--path", program, *where)
     return root / "bin" / "firsthit"
 
 
