@@ -385,6 +385,27 @@ def test_what_is_shown_stays_when_the_page_is_loaded_again(page: Page) -> None:
     assert page["cut-axis"].get_property("value") == "x"
 
 
+@pytest.mark.parametrize(
+    "change",
+    ["text = '{'", "text = 'null'", "saved.camera.aim = [0, 0, 0]", "saved.objects.hidden = [2]",
+     "saved.fields.channel = 'nope'; saved.fields.nosuch = 'x'", "delete saved.ball"],
+)  # fmt: skip
+def test_what_is_damaged_is_not_taken(page: Page, change: str) -> None:
+    page["picture"].send_keys("2")
+    page.finish()
+    page.run(
+        "const key = Object.keys(sessionStorage).find((key) => key.startsWith('firsthit-look'));"
+        "let text = sessionStorage.getItem(key);"
+        f"const saved = JSON.parse(text); {change};"
+        "if (text === sessionStorage.getItem(key)) text = JSON.stringify(saved);"
+        "sessionStorage.setItem(key, text)"
+    )
+    page.driver.refresh()
+    page.wait(lambda: page.data("ready") == "yes" and page.data("busy") == "no")
+    assert "error" not in str(page["message"].get_attribute("class"))
+    assert pixels(page).std() > 0
+
+
 def test_options_say_what_else_is_shown(page: Page, viewer: Viewer) -> None:
     page["objects"].find_elements(By.CSS_SELECTOR, "input[type=checkbox]")[1].click()
     page.choose("light", "studio")
@@ -419,7 +440,7 @@ def test_a_framed_scene_fills_the_picture(page: Page) -> None:
         columns = np.flatnonzero(seen.any(0))
         share = 2.5 * (columns[-1] - columns[0] + 1) / painted.shape[1]
         assert 0.8 < share < 1.05
-        assert 0 < columns[0]
+        assert columns[0] > 0
         assert 0 < rows[0] <= rows[-1] < painted.shape[0] - 1
         page.choose("channel", "color")
 
@@ -459,9 +480,14 @@ def test_a_section_plane_looks_into_the_cube(page: Page) -> None:
     page.choose("cut-axis", "z")
     page.settle()
     hover(page, row, column + 1)
-    told = hover(page, row, column)
-    assert float(line(told, "position").split(",")[2]) == -1.0
-    assert line(told, "normal").endswith("back")
+    face, inside = hover(page, row, column).split("inside, behind the cut face:\n")
+    assert line(face, "cut face") == "0 cube"
+    assert float(line(face, "position").split(",")[2]) == 0.0
+    assert float(line(inside, "position").split(",")[2]) == -1.0
+    assert line(inside, "normal").endswith("back")
+    hover(page, row, column, click=True)
+    page.wait(lambda: page["marks"].find_elements(By.TAG_NAME, "small"))
+    assert page["marks"].find_element(By.TAG_NAME, "small").text.endswith(", 0")
     page["cut-turned"].click()
     page.settle()
     hover(page, row, column + 1)

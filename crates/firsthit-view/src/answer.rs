@@ -63,7 +63,7 @@ impl Viewer {
     /// | question | JSON | answer | pixels |
     /// |---|---|---|---|
     /// | `info` | not read | [`Viewer::info`] | |
-    /// | `frame` | [`FrameRequest`] | `rows`, `columns`, `samples`, and of values `components` and `dtype` | a PNG, or values as a zlib stream |
+    /// | `frame` | [`FrameRequest`] | `rows`, `columns`, `samples`, `full_samples`, and of values `components` and `dtype` | a PNG, or values as a zlib stream |
     /// | `probe` | [`Probe`] | [`Viewer::probe`] | |
     /// | `camera` | `camera` | [`Viewer::camera_text`] | |
     ///
@@ -93,7 +93,12 @@ impl Viewer {
     fn frame_answer(&self, request: &FrameRequest, watch: &dyn Watch) -> Result<Answer> {
         let painted = self.frame(request, watch)?;
         let [rows, columns] = painted.shape;
-        let mut json = json!({"rows": rows, "columns": columns, "samples": painted.samples});
+        let mut json = json!({
+            "rows": rows,
+            "columns": columns,
+            "samples": painted.samples,
+            "full_samples": painted.full_samples,
+        });
         let pixels = match painted.pixels {
             Pixels::Png(bytes) => bytes,
             Pixels::Values {

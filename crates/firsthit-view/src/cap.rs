@@ -1,7 +1,7 @@
 //! The faces that a section plane cuts through solids.
 //!
 //! A ray that begins on the plane begins inside an object if it crosses that object's closed surface an odd number of times (see
-//! [`firsthit::measure`]). It then sees the cut face, which has the object's colour and stripes.
+//! [`firsthit::measure`]). Of the objects that it begins inside of it sees the cut face of the innermost: the one that it leaves first.
 
 use firsthit::geometry::{DVec3, Hit, Ray};
 use firsthit::measure::{Rule, rules};
@@ -18,12 +18,63 @@ const STRIPE: f64 = 0.8;
 /// How many stripes a scene's diagonal is long, dark ones and light ones.
 const STRIPES: f64 = 80.0;
 
-/// A shader, and the cut faces before it.
+/// A scene that is cut by a plane, and which of its objects are solid.
+pub(crate) struct CutSolids<'a> {
+    scene: &'a Scene,
+    rules: Vec<Rule>,
+}
+
+impl<'a> CutSolids<'a> {
+    /// # Errors
+    ///
+    /// Those of [`rules`].
+    pub(crate) fn new(scene: &'a Scene) -> Result<Self> {
+        let rules = rules(scene)?;
+        Ok(Self { scene, rules })
+    }
+
+    /// The objects whose cut faces rays see that begin on the plane, where they see one.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`trace`].
+    pub(crate) fn faces(&self, rays: &[Ray]) -> Result<Vec<Option<usize>>> {
+        let all = trace(self.scene, rays, All::default(), &())?;
+        let ends = all.offsets.windows(2);
+        Ok(ends
+            .map(|ends| self.innermost(&all.hits.object[ends[0]..ends[1]]))
+            .collect())
+    }
+
+    /// Of the solids that a ray crosses an odd number of times the one that it crosses first.
+    fn innermost(&self, crossed: &[i32]) -> Option<usize> {
+        let object = first_odd(crossed, |object| {
+            let number = usize::try_from(object).ok();
+            number.and_then(|number| self.rules.get(number)) == Some(&Rule::Parity)
+        })?;
+        usize::try_from(object).ok()
+    }
+}
+
+/// The first of a list's numbers that are wanted and in it an odd number of times.
+fn first_odd(list: &[i32], is_wanted: impl Fn(i32) -> bool) -> Option<i32> {
+    let mut sorted: Vec<i32> = list.iter().copied().filter(|&one| is_wanted(one)).collect();
+    sorted.sort_unstable();
+    let runs = sorted.chunk_by(|a, b| a == b);
+    let odd: Vec<i32> = runs
+        .filter(|run| run.len() % 2 == 1)
+        .map(|run| run[0])
+        .collect();
+    list.iter()
+        .copied()
+        .find(|one| odd.binary_search(one).is_ok())
+}
+
+/// A shader, and the cut faces before it: each has its object's colour, and stripes.
 pub(crate) struct CappedShade<'a> {
     shade: &'a dyn Shade,
-    scene: &'a Scene,
+    solids: CutSolids<'a>,
     plane: CutPlane,
-    rules: Vec<Rule>,
     /// Across the stripes, so long that each is one wide.
     across: DVec3,
 }
@@ -31,43 +82,29 @@ pub(crate) struct CappedShade<'a> {
 impl<'a> CappedShade<'a> {
     /// # Errors
     ///
-    /// Those of [`rules`].
+    /// Those of [`CutSolids::new`].
     pub(crate) fn new(shade: &'a dyn Shade, scene: &'a Scene, plane: CutPlane) -> Result<Self> {
         let [right, upwards] = plane.axes();
         let bounds = scene.bounds();
         let diagonal = (bounds.high - bounds.low).length();
         Ok(Self {
             shade,
-            scene,
+            solids: CutSolids::new(scene)?,
             plane,
-            rules: rules(scene)?,
             across: (right + upwards) * (STRIPES / diagonal),
         })
     }
 
-    /// The colour of the face that is cut where the ray begins, if one is.
-    fn face(&self, ray: &Ray, crossed: impl Iterator<Item = i32>) -> Option<Color> {
-        let object = odd(crossed.filter(|&object| {
-            usize::try_from(object).is_ok_and(|k| self.rules.get(k) == Some(&Rule::Parity))
-        }))?;
-        let object = self.scene.objects().get(usize::try_from(object).ok()?)?;
+    /// The colour of an object's cut face where a ray begins.
+    fn color(&self, object: usize, ray: &Ray) -> Color {
         let direction = ray.direction;
         let cosine = self.plane.normal().dot(direction).abs() / direction.length();
         let place = self.across.dot(ray.at(ray.t_min));
         let is_dark = place.floor().rem_euclid(2.0) == 1.0;
         let stripe = if is_dark { STRIPE } else { 1.0 };
-        Some(stripe * (AMBIENT + (1.0 - AMBIENT) * cosine) * object.color())
+        let light = stripe * (AMBIENT + (1.0 - AMBIENT) * cosine);
+        light * self.solids.scene.objects()[object].color()
     }
-}
-
-/// The first object that is there an odd number of times.
-fn odd(objects: impl Iterator<Item = i32>) -> Option<i32> {
-    let mut objects: Vec<i32> = objects.collect();
-    objects.sort_unstable();
-    let runs = objects.chunk_by(|a, b| a == b);
-    runs.filter(|run| run.len() % 2 == 1)
-        .map(|run| run[0])
-        .next()
 }
 
 impl Shade for CappedShade<'_> {
@@ -78,17 +115,16 @@ impl Shade for CappedShade<'_> {
     fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], coverage: &mut [f64]) {
         self.shade.shade_all(samples, colors, coverage);
         let seen = samples.rays.iter().zip(samples.hits).enumerate();
-        let begun = seen.filter(|(_, (ray, hit))| ray.t_min > 0.0 && !hit.is_miss());
+        let begun = seen.filter(|(_, (ray, hit))| CutPlane::is_begin(ray) && !hit.is_miss());
         let (numbers, rays): (Vec<usize>, Vec<Ray>) =
             begun.map(|(number, (ray, _))| (number, *ray)).unzip();
         // Without memory for what a few hundred rays meet, the inside is seen.
-        let Ok(all) = trace(self.scene, &rays[..], All::default(), &()) else {
+        let Ok(faces) = self.solids.faces(&rays) else {
             return;
         };
-        for (k, (&number, ray)) in numbers.iter().zip(&rays).enumerate() {
-            let crossed = &all.hits.object[all.offsets[k]..all.offsets[k + 1]];
-            if let Some(color) = self.face(ray, crossed.iter().copied()) {
-                (colors[number], coverage[number]) = (color, 1.0);
+        for ((number, ray), face) in numbers.into_iter().zip(&rays).zip(faces) {
+            if let Some(object) = face {
+                (colors[number], coverage[number]) = (self.color(object, ray), 1.0);
             }
         }
     }
@@ -112,13 +148,15 @@ impl Shade for CappedShade<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::first_odd;
 
     #[test]
     fn an_object_that_is_crossed_an_odd_number_of_times_is_one_to_be_inside_of() {
-        assert_eq!(odd([].into_iter()), None);
-        assert_eq!(odd([4, 2, 4].into_iter()), Some(2));
-        assert_eq!(odd([4, 4].into_iter()), None);
-        assert_eq!(odd([7, 4, 4, 4].into_iter()), Some(4));
+        let of = |list: &[i32]| first_odd(list, |object| object != 9);
+        assert_eq!(of(&[]), None);
+        assert_eq!(of(&[4, 2, 4]), Some(2));
+        assert_eq!(of(&[4, 4]), None);
+        assert_eq!(of(&[9, 7, 4, 4, 4]), Some(7), "the innermost");
+        assert_eq!(of(&[4, 7, 9, 7, 7]), Some(4));
     }
 }

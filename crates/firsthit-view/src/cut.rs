@@ -6,6 +6,9 @@ use firsthit::{Camera, Error, Result};
 
 use crate::look::Cut;
 
+/// More than a crossing's rounding, and that of a hit in the plane, come to: a share of the numbers that they are made from.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// A plane whose front is not seen.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CutPlane {
@@ -45,21 +48,39 @@ impl CutPlane {
         [x, y]
     }
 
-    /// The part of a ray that is behind the plane.
-    pub(crate) fn behind(&self, ray: Ray) -> Ray {
+    /// How far before the plane a ray begins, and how fast it leaves it, along the normal.
+    fn before_and_slope(&self, ray: &Ray) -> [f64; 2] {
         let before = self.normal.dot(ray.origin) - self.offset;
-        let slope = self.normal.dot(ray.direction);
+        [before, self.normal.dot(ray.direction)]
+    }
+
+    /// Where a ray comes through the plane.
+    pub(crate) fn crossing(&self, ray: &Ray) -> f64 {
+        let [before, slope] = self.before_and_slope(ray);
+        -before / slope
+    }
+
+    /// The part of a ray that is behind the plane, by more than rounding: what lies in the plane is not seen, rather than here and there.
+    pub(crate) fn behind(&self, ray: Ray) -> Ray {
+        let [before, slope] = self.before_and_slope(&ray);
         let crossing = -before / slope;
+        let largest = self.normal.abs().dot(ray.origin.abs()) + self.offset.abs();
+        let rounding = ROUNDING * (largest / slope.abs() + crossing.abs());
         if before > 0.0 && slope >= 0.0 {
             // It never comes behind the plane.
             ray.up_to(ray.t_min)
         } else if before > 0.0 {
-            ray.beyond(crossing.max(ray.t_min))
+            ray.beyond((crossing + rounding).max(ray.t_min))
         } else if slope > 0.0 {
-            ray.up_to(crossing.min(ray.t_max))
+            ray.up_to((crossing - rounding).min(ray.t_max))
         } else {
             ray
         }
+    }
+
+    /// Whether a camera's ray, or the part of it that is [behind](Self::behind) a plane, begins on the plane.
+    pub(crate) fn is_begin(ray: &Ray) -> bool {
+        ray.t_min > 0.0
     }
 }
 
@@ -126,11 +147,20 @@ mod tests {
             let ray = plane.behind(ray);
             [ray.t_min, ray.t_max]
         };
-        assert_eq!(ends(plane([0.0, 0.0, 2.0], 4.0)), [3.0, f64::INFINITY]);
+        let near = |t: f64, expected: f64| {
+            let behind = t - expected;
+            assert!((0.0..1e-12).contains(&behind), "{t} {expected}");
+        };
+        let [begin, end] = ends(plane([0.0, 0.0, 2.0], 4.0));
+        near(begin, 3.0);
+        assert_eq!(end, f64::INFINITY);
+        assert_eq!(plane([0.0, 0.0, 2.0], 4.0).crossing(&ray), 3.0);
         for huge in [1e308, 5e-324] {
-            assert_eq!(ends(plane([0.0, 0.0, huge], huge)), [4.0, f64::INFINITY]);
+            near(ends(plane([0.0, 0.0, huge], huge))[0], 4.0);
         }
-        assert_eq!(ends(plane([0.0, 0.0, -1.0], -2.0)), [0.0, 3.0]);
+        let [begin, end] = ends(plane([0.0, 0.0, -1.0], -2.0));
+        assert_eq!(begin, 0.0);
+        near(3.0, end);
         assert_eq!(ends(plane([0.0, 0.0, 1.0], 6.0)), [0.0, f64::INFINITY]);
         let [first, last] = ends(plane([0.0, 0.0, -1.0], -7.0));
         assert!(first >= last, "in front of it all the way");

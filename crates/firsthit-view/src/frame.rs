@@ -42,6 +42,8 @@ pub struct Painted {
     pub shape: [usize; 2],
     /// Of how many points of a pixel its colour is the mean.
     pub samples: u32,
+    /// Of how many it is where lit colours are asked for, and no number of samples.
+    pub full_samples: u32,
     /// The pixels.
     pub pixels: Pixels,
 }
@@ -77,6 +79,12 @@ impl Viewer {
         let kind = channel::kind(&look.channel)?;
         let scene = self.lit(look)?;
         let resolved = self.appearance_of(look)?.resolve(&scene, Some(&camera))?;
+        let full = FrameRequest {
+            is_lit: true,
+            samples: None,
+            ..look.clone()
+        };
+        let full = self.appearance_of(&full)?.resolve(&scene, Some(&camera))?;
         let shading = resolved.shading(Cpu::shared());
         let plane = look.part.cut.as_ref().map(CutPlane::new).transpose()?;
         let cut = plane.map(|plane| CutCamera {
@@ -119,6 +127,7 @@ impl Viewer {
         Ok(Painted {
             shape: [look.camera.rows, look.camera.columns],
             samples: if kind.is_color() { resolved.samples } else { 1 },
+            full_samples: full.samples,
             pixels,
         })
     }

@@ -32,6 +32,7 @@ pub(crate) const SCRIPTS: &[Script] = scripts! {
     "probe-text.js"
     "camera-text.js"
     "look-text.js"
+    "saved-look.js"
     "status.js"
     "engine.js"
     "engine-native.js"

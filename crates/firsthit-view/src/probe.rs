@@ -4,8 +4,9 @@ use firsthit::Result;
 use firsthit::explain::{ExplainSettings, explain_pixel};
 use firsthit::watch::Watch;
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
+use crate::cap::CutSolids;
 use crate::cut::CutPlane;
 use crate::explanation;
 use crate::look::{FlatCamera, Visibility};
@@ -26,7 +27,8 @@ pub struct Probe {
 
 impl Viewer {
     /// Everything about the ray through a pixel's centre: what `firsthit probe --json` prints but for the list of objects that were not met,
-    /// which is as long as the scene; and as `text` what it prints for people.
+    /// which is as long as the scene; and as `text` what it prints for people. Where the section plane cuts through a solid, `cut_face` is
+    /// the point of the plane, and the hit is what would be met inside.
     ///
     /// # Errors
     ///
@@ -37,15 +39,31 @@ impl Viewer {
         let mut settings = ExplainSettings::default();
         let [column, row] = asked.pixel;
         let is_inside = column < camera.columns() && row < camera.rows();
+        let mut face = Value::Null;
         if let Some(cut) = asked.part.cut.as_ref().filter(|_| is_inside) {
-            let ray = CutPlane::new(cut)?.behind(camera.ray(row, column));
+            let (plane, whole) = (CutPlane::new(cut)?, camera.ray(row, column));
+            let ray = plane.behind(whole);
             (settings.t_min, settings.t_max) = (Some(ray.t_min), Some(ray.t_max));
+            if CutPlane::is_begin(&ray)
+                && let [Some(object)] = CutSolids::new(&scene)?.faces(&[ray])?[..]
+            {
+                let t = plane.crossing(&whole);
+                face = json!({
+                    "t": t,
+                    "object": object,
+                    "name": scene.objects()[object].name(),
+                    "shape": scene.objects()[object].shape().name(),
+                    "position": whole.at(t).to_array(),
+                    "normal": plane.normal().to_array(),
+                });
+            }
         }
         let explained = explain_pixel(&scene, &camera, asked.pixel, &settings, watch)?;
         let mut told = explanation::json(&explained);
         if let Some(fields) = told.as_object_mut() {
             fields.remove("candidates");
         }
+        told["cut_face"] = face;
         told["text"] = explanation::text(&explained, false).into();
         Ok(told)
     }

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use firsthit::camera::StandardView;
 use firsthit::render::{Appearance, framing_camera};
 use firsthit::scene::{Environment, EnvironmentKind, EnvironmentMap};
-use firsthit::{DMat3, DVec3, Mesh, Object, Positions, Scene, Sphere};
+use firsthit::{Cuboid, DMat3, DVec3, Mesh, Object, Positions, Scene, Sphere};
 use firsthit_view::{
-    Answer, AnswerError, Cut, EnvironmentChoice, EnvironmentRequest, FrameRequest, Pixels, Viewer,
-    Visibility,
+    Answer, AnswerError, Cut, EnvironmentChoice, EnvironmentRequest, FrameRequest, Pixels, Probe,
+    Viewer, Visibility,
 };
 use serde_json::{Value, json};
 
@@ -151,8 +151,7 @@ fn questions_are_answered_by_their_names() {
     assert_eq!(ask("info", &Value::Null).unwrap().json, viewer.info());
     let camera = viewer.info()["camera"].take();
     let Answer { json, pixels } = ask("frame", &json!({"camera": camera, "channel": "t"})).unwrap();
-    let expected =
-        json!({"rows": 30, "columns": 60, "samples": 1, "components": 1, "dtype": "float32"});
+    let expected = json!({"rows": 30, "columns": 60, "samples": 1, "full_samples": 16, "components": 1, "dtype": "float32"});
     assert_eq!(json, expected);
     assert!(!pixels.is_empty());
     let probed = ask("probe", &json!({"camera": camera, "pixel": [15, 15]})).unwrap();
@@ -237,4 +236,74 @@ fn a_plane_through_a_solid_shows_a_face_in_its_colour() {
         open[rows / 2 * columns + columns / 2],
         cut[rows / 2 * columns + columns / 2]
     );
+}
+
+/// Boxes from a height to another, each as wide, cut at a height: red the first, blue the second.
+fn cut_boxes(boxes: [[f64; 3]; 2], height: f64, view: StandardView) -> (Viewer, FrameRequest) {
+    let object = |[low, high, wide]: [f64; 3]| {
+        let (low, high) = (DVec3::new(-wide, -wide, low), DVec3::new(wide, wide, high));
+        Object::new(Cuboid::new(low, high).unwrap())
+    };
+    let scene = Scene::new(boxes.map(object).into()).unwrap();
+    let camera = framing_camera(&scene, DVec3::Z, view, SHAPE).unwrap();
+    let viewer = Viewer::new("boxes", scene, Appearance::default(), &camera).unwrap();
+    let cut = Cut {
+        normal: [0.0, 0.0, 1.0],
+        offset: height,
+    };
+    let request = FrameRequest {
+        colors: vec![(0, [1.0, 0.0, 0.0]), (1, [0.0, 0.0, 1.0])],
+        part: Visibility {
+            cut: Some(cut),
+            ..Visibility::default()
+        },
+        ..request(&viewer)
+    };
+    (viewer, request)
+}
+
+#[test]
+fn a_plane_in_a_common_face_shows_one_of_the_solids() {
+    for height in [0.1, 0.3, 1e6 + 0.1] {
+        let base = height - 1.1;
+        let (viewer, request) = cut_boxes(
+            [[base, height, 1.0], [height, height + 0.9, 1.0]],
+            height,
+            StandardView::Iso,
+        );
+        let colors = colors(&viewer, &request);
+        let red = colors
+            .iter()
+            .filter(|[red, _, blue]| *red > 150 && *blue == 0);
+        assert!(red.count() > 200);
+        // The other one is cut away.
+        let blue = colors
+            .iter()
+            .filter(|[red, _, blue]| blue > red && *blue > 160);
+        assert_eq!(blue.count(), 0);
+    }
+}
+
+#[test]
+fn of_nested_solids_the_innermost_is_seen_and_told() {
+    let (outer, inner) = ([-1.0, 1.0, 1.0], [-0.5, 0.5, 0.5]);
+    for (boxes, object) in [([outer, inner], 1), ([inner, outer], 0)] {
+        let (viewer, request) = cut_boxes(boxes, 0.0, StandardView::Top);
+        let [rows, columns] = SHAPE;
+        // It looks down at the middle.
+        let probe = Probe {
+            camera: request.camera,
+            pixel: [columns / 2, rows / 2],
+            part: request.part.clone(),
+        };
+        let told = viewer.probe(&probe, &()).unwrap();
+        let face = &told["cut_face"];
+        assert_eq!(face["object"], object);
+        assert!(face["position"][2].as_f64().unwrap().abs() < 1e-12);
+        assert_eq!(face["normal"], json!([0.0, 0.0, 1.0]));
+        assert!(told["hit"]["t"].as_f64() > face["t"].as_f64());
+        let seen = colors(&viewer, &request)[rows / 2 * columns + columns / 2];
+        let [full, none] = [seen[2 * object], seen[2 - 2 * object]];
+        assert!(full > 200 && none == 0, "{seen:?}");
+    }
 }

@@ -175,6 +175,9 @@ export class OrbitCamera {
             this.height = (2 / MARGIN) * Math.max(...corners.map(fit));
             this.distance = Math.max(this.distance, this.size());
         }
+        // What is between the eye and the viewplane would not be seen.
+        const nearest = Math.max(...corners.map(([, , z]) => -z));
+        if (this.rayStart === "viewplane") this.distance = Math.max(this.distance, this.focal + nearest + least);
         this.position = minus(middle, times(this.distance, unit(this.aim)));
     }
 

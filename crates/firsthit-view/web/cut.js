@@ -2,7 +2,7 @@
 // The section plane: along an axis or across the view, at a place between the ends of the scene.
 
 import { add, dot, times, unit } from "./camera.js";
-import { element, restoreFields, savedFields, six } from "./dom.js";
+import { element, restoreFields, savedFields } from "./dom.js";
 
 /** @typedef {import("./camera.js").Vector} Vector */
 /** @typedef {import("./engine.js").Cut} Cut */
@@ -63,7 +63,8 @@ export class CutPlane {
     #slide() {
         const [middle, reach] = this.#extent();
         this.offset = middle + (2 * Number(element("cut-place").value) - 1) * reach;
-        element("cut-offset").value = six(this.offset);
+        // As many digits as tell places of the slider apart.
+        element("cut-offset").value = String(Number(this.offset.toPrecision(12)));
     }
 
     /** @returns {Cut | null} */

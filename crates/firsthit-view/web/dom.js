@@ -56,7 +56,10 @@ export function savedFields(ids) {
 /** Puts back what `savedFields` gave. @param {Record<string, string | boolean>} saved */
 export function restoreFields(saved) {
     for (const [id, value] of Object.entries(saved)) {
-        if (typeof value === "boolean") element(id).checked = value;
-        else element(id).value = value;
+        const field = element(id);
+        if (!field) continue;
+        if (typeof value === "boolean") field.checked = value;
+        // Another page may have had other choices.
+        else if (!field.options || [...field.options].some((/** @type {any} */ option) => option.value === value)) field.value = value;
     }
 }

@@ -6,7 +6,7 @@
 /** @typedef {{hidden: number[] | null, only: number[] | null, cut: Cut | null}} Visibility */
 /** @typedef {{choice: "own" | "none" | "daylight", strength: number, turn: number}} EnvironmentRequest */
 /** @typedef {{camera: FlatCamera, channel: string, samples: number | null, is_lit: boolean, light: string | null, sun: number[] | null, environment: EnvironmentRequest | null, colors: [number, number[]][], ground: boolean | null, edges: number | null, part: Visibility}} FrameRequest */
-/** @typedef {{rows: number, columns: number, samples: number, seconds: number, components?: number, dtype?: "float32" | "int32"}} About */
+/** @typedef {{rows: number, columns: number, samples: number, full_samples: number, seconds: number, components?: number, dtype?: "float32" | "int32"}} About */
 /** @typedef {{about: About, blob?: Blob, image?: ImageBitmap, values?: Float32Array | Int32Array}} Painted */
 /**
  * @typedef {object} Engine

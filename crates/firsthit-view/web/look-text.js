@@ -22,6 +22,7 @@ export function lookText({ light, sun, environment, colors, ground, edges, part 
         ["the light from all around", environment !== null],
         ["colours of objects", colors.length > 0],
         ["the section plane", part.cut !== null],
+        ["that all objects are hidden", part.only?.length === 0],
         // The program would take the number for that name.
         ["which objects are hidden", picked.some((object) => names.includes(String(object)))],
     ]);

@@ -11,6 +11,7 @@ import { arrow, listKeys, press } from "./keys.js";
 import { LightBall } from "./light-ball.js";
 import { lookText } from "./look-text.js";
 import { Marks } from "./marks.js";
+import { savedLook } from "./saved-look.js";
 import { remember, remembered } from "./storage.js";
 import { Objects } from "./objects.js";
 import { isMapped, Picture } from "./picture.js";
@@ -76,7 +77,7 @@ export class Page {
             this.compare.draw();
             this.draw();
         };
-        this.view = new View(engine, info.samples ?? 1, (rows, columns) => this.request(rows, columns), paint, () => this.#rest());
+        this.view = new View(engine, (rows, columns) => this.request(rows, columns), paint, () => this.#rest());
         const { signal } = this.#ended;
         this.tellCamera = newest(() => this.#tellCamera(), signal);
         this.point = newest((/** @type {[number, number]} */ pixel) => this.#point(pixel), signal);
@@ -184,17 +185,15 @@ export class Page {
     /** What the tab keeps. */
     #saved() {
         const { camera, objects, cut, ball } = this;
-        return { camera: camera.saved(), fields: savedFields(FIELDS), objects: objects.saved(), cut: cut.saved(), ball: ball.saved() };
+        return { camera: camera.saved(), home: camera.home, fields: savedFields(FIELDS), objects: objects.saved(), cut: cut.saved(), ball: ball.saved() };
     }
 
     /** Goes on where the page was before it was loaded again. */
     #restore() {
         const { camera, objects, cut, ball } = this;
-        const kept = remembered(this.lookKey);
-        if (kept === null) return;
-        /** @type {any} */
-        const saved = JSON.parse(kept);
-        Object.assign(camera, saved.camera);
+        const saved = savedLook(remembered(this.lookKey), this.info.object_count);
+        if (!saved) return;
+        Object.assign(camera, saved.camera, { home: saved.home });
         restoreFields(saved.fields);
         objects.restore(saved.objects);
         cut.restore(saved.cut);
@@ -285,9 +284,9 @@ export class Page {
     /** Keeps the point that a pixel shows. @param {[number, number]} pixel */
     async #keep(pixel) {
         try {
-            const { hit } = await this.engine.probe(this.flatCamera(...this.view.shape), pixel, this.part());
+            const { hit, cut_face: face } = await this.engine.probe(this.flatCamera(...this.view.shape), pixel, this.part());
             if (this.#ended.signal.aborted) return;
-            if (hit) this.marks.add(hit);
+            if (hit) this.marks.add(face ?? hit);
             else say("The ray of this pixel meets nothing: there is no point to keep.", true);
         } catch (error) {
             say(words(error), true);

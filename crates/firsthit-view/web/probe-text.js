@@ -7,9 +7,18 @@ import { plain, six, vector } from "./dom.js";
 
 /** @param {any} probed @returns {string} */
 export function probeText(probed) {
-    const { pixel, hit } = probed;
+    const { pixel, hit, cut_face: face } = probed;
     const lines = [`pixel      ${pixel.column}, ${pixel.row}`];
     if (!hit) return [...lines, "hit        none"].join("\n");
+    if (face) {
+        lines.push(
+            `cut face   ${face.object} ${plain(face.name || face.shape)}`,
+            `t          ${face.t}`,
+            `position   ${face.position.join(", ")}`,
+            `normal     ${vector(face.normal)}`,
+            "inside, behind the cut face:",
+        );
+    }
     lines.push(
         `t          ${hit.t}`,
         `range, z   ${six(pixel.range)}, ${six(pixel.z)}`,

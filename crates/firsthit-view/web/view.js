@@ -16,14 +16,12 @@ const MOVING = 45;
 export class View {
     /**
      * @param {import("./engine.js").Engine} engine
-     * @param {number} samples of a picture in full
      * @param {(rows: number, columns: number) => FrameRequest} request what to ask for, of that size
      * @param {(painted: Painted, request: FrameRequest, isDone: boolean) => void} paint is told whether the picture is as good as it gets
      * @param {() => void} rested is told when the picture is as good as it gets
      */
-    constructor(engine, samples, request, paint, rested) {
+    constructor(engine, request, paint, rested) {
         this.engine = engine;
-        this.samples = samples;
         this.request = request;
         this.paint = paint;
         this.rested = rested;
@@ -104,29 +102,33 @@ export class View {
     async settled() {
         const number = ++this.number;
         while (this.isMoving) await new Promise((resolve) => setTimeout(resolve, 5));
+        if (number !== this.number) return;
         const [rows, columns] = this.shape;
         const whole = this.request(rows, columns);
         // In the chapter a pixel is one ray, without the noise of lights.
-        const counts = this.fixed ? [] : this.engine.steps(this.samples, rows * columns);
-        const steps = whole.channel === "color" ? counts.map((samples) => ({ ...whole, samples, is_lit: true })) : [];
-        const requests = [{ ...whole, samples: 1, is_lit: false }, ...steps];
-        for (const request of requests) {
-            if (number !== this.number || this.isMoving) return;
-            if (!(await this.#show(request, request === requests.at(-1)))) return;
-            if (number !== this.number || this.isMoving) return;
+        const isLit = !this.fixed && whole.channel === "color";
+        /** @type {(number | null)[]} */
+        let steps = [];
+        for (let request = { ...whole, samples: /** @type {number | null} */ (1), is_lit: false }; ; ) {
+            const isDone = !isLit || (request.is_lit && steps.length === 0);
+            const painted = await this.#show(request, isDone);
+            if (!painted || number !== this.number || this.isMoving) return;
+            if (isDone) break;
             document.body.dataset.busy = "refining";
+            if (!request.is_lit) steps = this.engine.steps(painted.about.full_samples, rows * columns);
+            request = { ...whole, samples: steps.shift() ?? null, is_lit: true };
         }
         document.body.dataset.busy = "no";
         this.rested();
     }
 
-    /** Asks for a frame and paints it; says whether it came. @param {FrameRequest} request @param {boolean} [isDone] whether no better one follows */
+    /** Asks for a frame and paints it; null where it did not come. @param {FrameRequest} request @param {boolean} [isDone] whether no better one follows */
     async #show(request, isDone = false) {
         const control = new AbortController();
         this.onItsWay = control;
         try {
             const painted = await this.engine.frame(request, control.signal);
-            if (control.signal.aborted) return false;
+            if (control.signal.aborted) return null;
             this.paint(painted, request, isDone);
             const { rows, columns, seconds } = painted.about;
             this.full = request.is_lit && request.samples === null ? painted : null;
@@ -134,11 +136,11 @@ export class View {
             const more = request.samples === null ? "" : " so far";
             const samples = request.is_lit ? `, ${count} sample${count === 1 ? "" : "s"}${more}` : "";
             say(`${columns} x ${rows}${samples}, ${(1000 * seconds).toFixed(0)} ms`, false);
-            return true;
+            return painted;
         } catch (error) {
             const isExpected = control.signal.aborted || (error instanceof EngineError && error.isSuperseded);
             if (!isExpected) say(words(error), true);
-            return false;
+            return null;
         } finally {
             if (this.onItsWay === control) this.onItsWay = null;
         }

@@ -219,7 +219,7 @@ mod tests {
         .unwrap();
         assert_eq!(
             door.answer(),
-            r#"{"columns":5,"components":1,"dtype":"int32","rows":3,"samples":1}"#
+            r#"{"columns":5,"components":1,"dtype":"int32","full_samples":16,"rows":3,"samples":1}"#
         );
         ask(
             &mut door,
