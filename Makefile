@@ -24,8 +24,8 @@ OPEN3D ?=
 .PHONY: program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
-render:
-	$(CARGO) run --release --package firsthit-cli --bin firsthit -- demo --output render.png
+render: program
+	$(PROGRAM) demo --output render.png
 
 # The pictures of docs/gallery.md, by the page's own commands. ONLY="chess cornell" makes two of them.
 gallery: .venv/ready
@@ -58,7 +58,7 @@ test-installed: dist
 	$(PYTHON) -m venv --clear $(OUTSIDE)/venv
 	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl anywidget pytest mypy
 	$(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
-	cd $(OUTSIDE) && venv/bin/pytest -q $(CURDIR)/python/tests/test_notebook.py
+	cd $(OUTSIDE) && venv/bin/pytest -q -c /dev/null --rootdir . -p no:cacheprovider --confcutdir $(CURDIR)/python/tests $(CURDIR)/python/tests/test_notebook.py
 
 # What stands in for trimesh and Open3D (docs/compat.md), by the peers' own tests and beside the peers.
 COMPAT = $(OUTSIDE)/compat
@@ -140,7 +140,7 @@ pages:
 RUST ?= yes
 docs: .venv-docs/ready
 	$(if $(RUST),$(CARGO) doc --package firsthit --no-deps --quiet)
-	$(if $(RUST),$(CARGO) build --release --package firsthit-cli --quiet)
+	$(if $(RUST),$(MAKE) --silent program)
 	NO_MKDOCS_2_WARNING=1 $(if $(RUST),,WITHOUT_VIEWER=1) .venv-docs/bin/python -B -m mkdocs build --strict
 	@echo "made target/docs; to read it: $(PYTHON) -m http.server --directory target/docs"
 
@@ -226,8 +226,9 @@ attack: program
 	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM)
 	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM)
 
+# With the Python package selected, the library's dependencies have the features that they have there, and all is compiled once.
 program:
-	$(CARGO) build --release --package firsthit-cli
+	$(CARGO) build --release --package firsthit-cli --package firsthit-python --bin firsthit
 
 # Fuzzes every loader, one after the other; see docs/robustness.md.
 fuzz:
