@@ -59,7 +59,7 @@ def hills(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Unpack the source distribution: what is built of it is built there, and compiled once."""
+    """Unpack the source distribution, for pip and for Cargo."""
     # Cargo knows sources by their place and by their time, and an archive's are always old: it
     # would take what it made of an earlier archive.
     ours = [f"--package=firsthit{name}" for name in ("", "-view", "-cli", "-python")]

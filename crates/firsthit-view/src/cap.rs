@@ -3,13 +3,16 @@
 //! A ray that begins on the plane begins inside an object if it crosses that object's closed surface an odd number of times (see
 //! [`firsthit::measure`]). Of the objects that it begins inside of it sees the cut face of the innermost: the one that it leaves first.
 
+use std::sync::Mutex;
+
 use firsthit::geometry::{DVec3, Hit, Ray};
 use firsthit::measure::{Rule, rules};
-use firsthit::shade::{Recipe, Samples};
+use firsthit::shade::Samples;
 use firsthit::shoot::{All, trace};
-use firsthit::{Color, Result, Scene, Shade};
+use firsthit::{Color, Error, Result, Scene, Shade};
 
 use crate::cut::CutPlane;
+use crate::viewer::lock;
 
 /// The light that a cut face has from all sides; the rest of its light comes from the camera.
 const AMBIENT: f64 = 0.25;
@@ -33,7 +36,7 @@ impl<'a> CutSolids<'a> {
         Ok(Self { scene, rules })
     }
 
-    /// The objects whose cut faces rays see that begin on the plane, where they see one.
+    /// For each of some rays that begin on the plane, the object whose cut face it sees, if it sees one.
     ///
     /// # Errors
     ///
@@ -46,7 +49,7 @@ impl<'a> CutSolids<'a> {
             .collect())
     }
 
-    /// Of the solids that a ray crosses an odd number of times the one that it crosses first.
+    /// The innermost solid around a ray's start, from the objects that the ray crosses, in their order.
     fn innermost(&self, crossed: &[i32]) -> Option<usize> {
         let object = first_odd(crossed, |object| {
             let number = usize::try_from(object).ok();
@@ -56,7 +59,7 @@ impl<'a> CutSolids<'a> {
     }
 }
 
-/// The first of a list's numbers that are wanted and in it an odd number of times.
+/// The first number of a list that is wanted and occurs an odd number of times.
 fn first_odd(list: &[i32], is_wanted: impl Fn(i32) -> bool) -> Option<i32> {
     let mut sorted: Vec<i32> = list.iter().copied().filter(|&one| is_wanted(one)).collect();
     sorted.sort_unstable();
@@ -77,6 +80,8 @@ pub(crate) struct CappedShade<'a> {
     plane: CutPlane,
     /// Across the stripes, so long that each is one wide.
     across: DVec3,
+    /// Why some cut faces are missing, if any are.
+    failure: Mutex<Option<Error>>,
 }
 
 impl<'a> CappedShade<'a> {
@@ -92,7 +97,15 @@ impl<'a> CappedShade<'a> {
             solids: CutSolids::new(scene)?,
             plane,
             across: (right + upwards) * (STRIPES / diagonal),
+            failure: Mutex::new(None),
         })
+    }
+
+    /// # Errors
+    ///
+    /// Those of [`trace`], where cut faces are missing since it failed: a shader cannot say so by itself.
+    pub(crate) fn check(&self) -> Result<()> {
+        lock(&self.failure).take().map_or(Ok(()), Err)
     }
 
     /// The colour of an object's cut face where a ray begins.
@@ -118,9 +131,12 @@ impl Shade for CappedShade<'_> {
         let begun = seen.filter(|(_, (ray, hit))| CutPlane::is_begin(ray) && !hit.is_miss());
         let (numbers, rays): (Vec<usize>, Vec<Ray>) =
             begun.map(|(number, (ray, _))| (number, *ray)).unzip();
-        // Without memory for what a few hundred rays meet, the inside is seen.
-        let Ok(faces) = self.solids.faces(&rays) else {
-            return;
+        let faces = match self.solids.faces(&rays) {
+            Ok(faces) => faces,
+            Err(error) => {
+                *lock(&self.failure) = Some(error);
+                return;
+            }
         };
         for ((number, ray), face) in numbers.into_iter().zip(&rays).zip(faces) {
             if let Some(object) = face {
@@ -139,10 +155,6 @@ impl Shade for CappedShade<'_> {
 
     fn has_negative_noise(&self) -> bool {
         self.shade.has_negative_noise()
-    }
-
-    fn recipe(&self) -> Option<Recipe> {
-        None
     }
 }
 

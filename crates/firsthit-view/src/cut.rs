@@ -42,7 +42,7 @@ impl CutPlane {
         self.normal
     }
 
-    /// Two directions in the plane.
+    /// Two directions in the plane, of length one and at right angles.
     pub(crate) fn axes(&self) -> [DVec3; 2] {
         let (x, y) = self.normal.any_orthonormal_pair();
         [x, y]
@@ -54,13 +54,13 @@ impl CutPlane {
         [before, self.normal.dot(ray.direction)]
     }
 
-    /// Where a ray comes through the plane.
+    /// The parameter at which a ray crosses the plane.
     pub(crate) fn crossing(&self, ray: &Ray) -> f64 {
         let [before, slope] = self.before_and_slope(ray);
         -before / slope
     }
 
-    /// The part of a ray that is behind the plane, by more than rounding: what lies in the plane is not seen, rather than here and there.
+    /// The part of a ray that is behind the plane, by more than rounding. So surfaces in the plane are not seen, rather than in some pixels.
     pub(crate) fn behind(&self, ray: Ray) -> Ray {
         let [before, slope] = self.before_and_slope(&ray);
         let crossing = -before / slope;

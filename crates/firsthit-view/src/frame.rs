@@ -13,7 +13,7 @@ use firsthit::sensor::Sensor;
 use firsthit::shade::{LightRig, Shade, Shader};
 use firsthit::shoot::Cpu;
 use firsthit::watch::Watch;
-use firsthit::{Color, DVec3, Error, Result, Scene};
+use firsthit::{Camera, Color, DVec3, Error, Result, Scene};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
@@ -42,7 +42,7 @@ pub struct Painted {
     pub shape: [usize; 2],
     /// Of how many points of a pixel its colour is the mean.
     pub samples: u32,
-    /// Of how many it is where lit colours are asked for, and no number of samples.
+    /// The samples of the same picture when it is lit and the request leaves their number open.
     pub full_samples: u32,
     /// The pixels.
     pub pixels: Pixels,
@@ -79,12 +79,6 @@ impl Viewer {
         let kind = channel::kind(&look.channel)?;
         let scene = self.lit(look)?;
         let resolved = self.appearance_of(look)?.resolve(&scene, Some(&camera))?;
-        let full = FrameRequest {
-            is_lit: true,
-            samples: None,
-            ..look.clone()
-        };
-        let full = self.appearance_of(&full)?.resolve(&scene, Some(&camera))?;
         let shading = resolved.shading(Cpu::shared());
         let plane = look.part.cut.as_ref().map(CutPlane::new).transpose()?;
         let cut = plane.map(|plane| CutCamera {
@@ -112,6 +106,9 @@ impl Viewer {
         } else {
             picture.render(watch)?
         };
+        if let Some(capped) = &capped {
+            capped.check()?;
+        }
         let pixels = if kind.is_color() {
             let mut bytes = Vec::new();
             let png = image::format_named("png")?;
@@ -127,9 +124,20 @@ impl Viewer {
         Ok(Painted {
             shape: [look.camera.rows, look.camera.columns],
             samples: if kind.is_color() { resolved.samples } else { 1 },
-            full_samples: full.samples,
+            full_samples: self.full_samples(look, &scene, &camera)?,
             pixels,
         })
+    }
+
+    /// See [`Painted::full_samples`].
+    fn full_samples(&self, look: &FrameRequest, scene: &Scene, camera: &Camera) -> Result<u32> {
+        let full = FrameRequest {
+            is_lit: true,
+            samples: None,
+            ..look.clone()
+        };
+        let resolved = self.appearance_of(&full)?.resolve(scene, Some(camera))?;
+        Ok(resolved.samples)
     }
 
     /// Makes a picture's samples one after the other, from where the last one ended if that is the same.

@@ -72,15 +72,7 @@ impl Viewer {
             "lights": LightRig::NAMES,
             "views": views.collect::<Vec<_>>(),
             "environment": self.scene().environment().is_some(),
-            "samples": self.samples(),
             "edges": self.edges.map(|edges| edges.width),
         })
-    }
-
-    /// As many samples as `firsthit render` takes; null where it would refuse the camera.
-    fn samples(&self) -> Option<u32> {
-        let camera = self.first_camera.camera().ok()?;
-        let resolved = self.appearance.resolve(self.scene(), Some(&camera));
-        Some(resolved.ok()?.samples)
     }
 }

@@ -169,16 +169,25 @@ fn questions_are_answered_by_their_names() {
     assert!(matches!(outside, Err(AnswerError::Failed(_))));
 }
 
-/// A world whose samples are its own: the page asks for as many in steps.
+/// The page asks for as many in steps: soft light needs more than hard light.
 #[test]
-fn info_tells_how_many_samples_there_will_be() {
+fn a_first_frame_tells_how_many_samples_there_will_be() {
     let viewer = viewer(None);
-    let all = FrameRequest {
-        samples: None,
-        ..request(&viewer)
-    };
-    let painted = viewer.frame(&all, &()).unwrap();
-    assert_eq!(viewer.info()["samples"], painted.samples);
+    for (light, expected) in [("studio", 16), ("shoulder", 4)] {
+        let whole = FrameRequest {
+            samples: None,
+            light: Some(light.to_owned()),
+            ..request(&viewer)
+        };
+        let first = FrameRequest {
+            samples: Some(1),
+            is_lit: false,
+            ..whole.clone()
+        };
+        let told = viewer.frame(&first, &()).unwrap();
+        assert_eq!((told.samples, told.full_samples), (1, expected), "{light}");
+        assert_eq!(viewer.frame(&whole, &()).unwrap().samples, expected);
+    }
     assert_eq!(viewer.info()["environment"], false);
 }
 

@@ -29,7 +29,7 @@ export class EngineError extends Error {
     }
 }
 
-/** A picture of more pixels is not gone on with, but begun anew: frame.rs has the same number. */
+/** A larger picture is begun anew at each step: frame.rs has the same number of pixels. */
 const MOST_KEPT = 1 << 22;
 
 /** The steps where a frame cannot be interrupted, and nobody waits for what is sent: a sample each, so that the next camera soon has its turn. @param {number} samples @param {number} pixels @returns {(number | null)[]} */

@@ -34,7 +34,7 @@ impl Beam {
         self.t_max = self.t_max.max(ray.t_max);
     }
 
-    /// Whether its boxes hold the rays: what is behind an origin is in no box.
+    /// Whether no ray begins behind its origin: [`may_meet`](Self::may_meet) is for parameters of at least 0.
     pub(crate) fn is_forward(&self) -> bool {
         self.t_min >= 0.0
     }
@@ -52,17 +52,17 @@ impl Beam {
         for axis in 0..3 {
             let below = bounds.high[axis] + margin - self.origins.low[axis];
             let above = self.origins.high[axis] - (bounds.low[axis] - margin);
-            keep(&mut range, self.directions.low[axis], below);
-            keep(&mut range, -self.directions.high[axis], above);
+            clip(&mut range, self.directions.low[axis], below);
+            clip(&mut range, -self.directions.high[axis], above);
         }
         let [from, to] = range;
         from <= to + 1e-12 * to.abs()
     }
 }
 
-/// Leaves of a range the parameters with `slope * t <= most`.
+/// Clips a range to the parameters with `slope * t <= most`.
 #[inline]
-fn keep(range: &mut [f64; 2], slope: f64, most: f64) {
+fn clip(range: &mut [f64; 2], slope: f64, most: f64) {
     let [from, to] = range;
     if slope > 0.0 {
         *to = to.min(most / slope);

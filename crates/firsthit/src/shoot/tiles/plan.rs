@@ -35,13 +35,13 @@ pub(super) struct Plan<'a> {
     pub(super) is_large: bool,
 }
 
-/// The objects that a visibility buffer cannot hold, and how a tile's rays come to them.
+/// The objects that a visibility buffer cannot hold, by the way in which a tile's rays meet them.
 pub(super) enum Rest {
     /// There are none.
     Nothing,
-    /// A few shapes that are no meshes: each is asked by the rays of the tiles that it may be seen in.
+    /// A few shapes other than meshes: the rays of a tile intersect those that may be seen in it.
     Shapes(Vec<Placed>),
-    /// Anything: the tree over the objects is asked, ray by ray.
+    /// Any objects: each ray traverses the tree over the objects.
     Any,
 }
 
@@ -85,7 +85,7 @@ impl<'a> Plan<'a> {
         }
         let mut is_tiled = vec![false; scene.objects().len()];
         let (mut meshes, mut shapes) = (Vec::new(), Vec::new());
-        let mut others = 0;
+        let (mut others, mut are_shapes) = (0, true);
         for (index, object) in (0..).zip(scene.objects()) {
             let place = || match source {
                 Source::Curved => Some(around(&grid, index, object)),
@@ -98,13 +98,12 @@ impl<'a> Plan<'a> {
                 meshes.extend(place());
             } else {
                 others += 1;
-                if object.mesh().is_none() && others <= MOST_SHAPES {
+                are_shapes &= object.mesh().is_none();
+                if are_shapes && others <= MOST_SHAPES {
                     shapes.extend(place());
                 }
             }
         }
-        let are_shapes = (scene.objects().iter().zip(&is_tiled))
-            .all(|(object, &is_tiled)| is_tiled || object.mesh().is_none());
         let rest = match others {
             0 => Rest::Nothing,
             1..=MOST_SHAPES if are_shapes => Rest::Shapes(shapes),

@@ -2,8 +2,8 @@
 //!
 //! 1. Fill a [`VisibilityBuffer`] from the meshes that may be seen in the tile, the nearest first.
 //! 2. Compute the hits of its pixels from that, eight at a time (`resolve.rs`).
-//! 3. Ask the shapes that are no meshes, of which the tile knows that they may be seen in it. Where there are other objects that a
-//!    visibility buffer cannot hold, shoot single rays at them; or at all, where float32 cannot do the tile.
+//! 3. Intersect the other shapes that may be seen in the tile, ray by ray. Some objects fit neither step: shoot single rays at them; or at
+//!    everything, where float32 cannot do the tile.
 
 use super::pixels::Pixels;
 use super::plan::{MOST_SHAPES, Placed, Plan, Rest, Source, camera_of_tile};
@@ -117,7 +117,7 @@ impl<'a> TileTask<'a> {
         }
         match &self.plan.rest {
             Rest::Nothing if is_filled => {}
-            Rest::Shapes(shapes) if is_filled => self.ask_shapes(l, shapes, out),
+            Rest::Shapes(shapes) if is_filled => self.intersect_shapes(l, shapes, out),
             _ => {
                 for row in 0..rows {
                     self.complete(l, memory, row, columns, is_filled, out);
@@ -126,9 +126,9 @@ impl<'a> TileTask<'a> {
         }
     }
 
-    /// Asks the shapes that may be seen in the tile.
+    /// Intersects the shapes that may be seen in the tile.
     #[inline(always)]
-    fn ask_shapes<L: Lanes>(&self, l: L, shapes: &[Placed], out: &mut HitSlices<'_>) {
+    fn intersect_shapes<L: Lanes>(&self, l: L, shapes: &[Placed], out: &mut HitSlices<'_>) {
         let mut objects = [0; MOST_SHAPES];
         let mut count = 0;
         let [row, column] = self.tile;
@@ -141,7 +141,7 @@ impl<'a> TileTask<'a> {
         if count == 0 {
             return;
         }
-        l.call(AskShapes {
+        l.call(IntersectShapes {
             tile: self,
             objects: &objects[..count],
             out,
@@ -294,14 +294,14 @@ fn longest(grid: &PixelGrid) -> f64 {
     lengths.into_iter().fold(0.0, f64::max)
 }
 
-/// The rays of a tile at shapes, as a function of its own: pictures of meshes alone have none.
-struct AskShapes<'r, 'a, 'out> {
+/// The rays of a tile against shapes other than meshes, as a function of its own: most pictures have none.
+struct IntersectShapes<'r, 'a, 'out> {
     tile: &'r TileTask<'a>,
     objects: &'r [u32],
     out: &'r mut HitSlices<'out>,
 }
 
-impl Kernel for AskShapes<'_, '_, '_> {
+impl Kernel for IntersectShapes<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
