@@ -130,14 +130,12 @@ fn moved_shapes_are_met_where_they_are() {
     let mut scene = Scene::new(objects(20, (1.0, 0.0), None, &mut numbers)).unwrap();
     let places: Vec<DVec3> = (0..40).map(|_| 1.5 * numbers.point()).collect();
     for round in 0..12 {
+        // This builds the tree anew, and a move after it does not.
+        let hidden = (numbers.below(20), round % 2 == 0);
+        scene.hide_objects(&[hidden]).unwrap();
         let moved = DAffine3::from_translation(numbers.point());
-        let object = numbers.below(20);
-        scene
-            .move_objects(&[(object, Transform::new(moved).unwrap())])
-            .unwrap();
-        scene
-            .hide_objects(&[(numbers.below(20), round % 2 == 0)])
-            .unwrap();
+        let moved = (numbers.below(20), Transform::new(moved).unwrap());
+        scene.move_objects(&[moved]).unwrap();
         checked(&scene, &beams(&places, 1.0, 40, &mut numbers));
         checked(&scene, &cameras(DVec3::ZERO, 1.0, &mut numbers)[round % 8]);
     }
