@@ -28,12 +28,6 @@ impl Packet {
     #[inline(always)]
     fn enter_half<L: Lanes>(&mut self, l: L, transform: &Transform, half: usize) -> u8 {
         let number = |x: f64| l.splat64(x);
-        let up_to = |v: &[L::Doubles; 3], most: f64| {
-            // Written so that a NaN fails.
-            l.le64(l.abs64(v[0]), number(most))
-                & l.le64(l.abs64(v[1]), number(most))
-                & l.le64(l.abs64(v[2]), number(most))
-        };
         let (origin, direction) = (
             vector(l, &self.origin, half),
             vector(l, &self.direction, half),
@@ -45,8 +39,8 @@ impl Packet {
             & l.le64(number(0.0), l.load64(of(&self.t_min, half)))
             & l.lt64(number(1e-99), length)
             & l.lt64(length, number(1e99))
-            & up_to(&direction, f64::MAX)
-            & up_to(&origin, Ray::FARTHEST);
+            & up_to(l, &direction, f64::MAX)
+            & up_to(l, &origin, Ray::FARTHEST);
         if transform.is_identity() {
             return plain;
         }
@@ -67,10 +61,17 @@ impl Packet {
         }
         let length = largest_of(l, &inside[1]);
         plain
-            & up_to(&inside[0], Ray::FARTHEST)
-            & up_to(&inside[1], f64::MAX)
+            & up_to(l, &inside[0], Ray::FARTHEST)
+            & up_to(l, &inside[1], f64::MAX)
             & l.lt64(number(0.0), length)
     }
+}
+
+/// Where no component of a vector is larger. Written so that a NaN fails.
+#[inline(always)]
+fn up_to<L: Lanes>(l: L, v: &[L::Doubles; 3], most: f64) -> u8 {
+    let most = l.splat64(most);
+    l.le64(l.abs64(v[0]), most) & l.le64(l.abs64(v[1]), most) & l.le64(l.abs64(v[2]), most)
 }
 
 /// A component of `matrix * v`, in the order of operations that glam has.

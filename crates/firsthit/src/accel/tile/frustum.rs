@@ -305,15 +305,12 @@ impl TileFrustum {
         }
         let (x, y) = (sheared!(0, first_x), sheared!(1, first_y));
         let z = l.add(along, l.splat((f64::from(first_z) - self.eye[2]) as f32));
-        let row = |k: usize| {
-            let [rx, ry, rz] = self.rows[k];
-            l.mul_add(
-                l.splat(rx),
-                x,
-                l.mul_add(l.splat(ry), y, l.mul(l.splat(rz), z)),
-            )
-        };
-        [row(0), row(1), l.add(row(2), l.splat(self.slid))]
+        macro_rules! row {
+            ($k:literal) => {
+                product(l, self.rows[$k], [x, y, z])
+            };
+        }
+        [row!(0), row!(1), l.add(row!(2), l.splat(self.slid))]
     }
 
     /// The error of X and Y of a leaf's vertices.
@@ -335,35 +332,48 @@ impl TileFrustum {
     /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.
     #[inline(always)]
     pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
-        let end = |plane: usize| l.sub(l.load(&node.planes[plane]), l.splat(self.start[plane / 2]));
-        let ends = [end(0), end(1), end(2), end(3), end(4), end(5)];
-        // The corner that is farthest along a direction.
-        let farthest = |[x, y, z]: [f32; 3]| {
-            let corner = |axis: usize, along: f32| ends[2 * axis + usize::from(along > 0.0)];
-            l.mul_add(
-                l.splat(x),
-                corner(0, x),
-                l.mul_add(l.splat(y), corner(1, y), l.mul(l.splat(z), corner(2, z))),
-            )
-        };
-        let inside = |k: usize| {
-            let (normal, least) = self.planes[k];
-            l.le(l.splat(least), farthest(normal))
-        };
+        macro_rules! end {
+            ($plane:literal) => {
+                l.sub(
+                    l.load(&node.planes[$plane]),
+                    l.splat(self.start[$plane / 2]),
+                )
+            };
+        }
+        let ends = [end!(0), end!(1), end!(2), end!(3), end!(4), end!(5)];
+        let mut met = u16::MAX;
+        for (normal, least) in self.planes {
+            met &= l.le(l.splat(least), farthest(l, &ends, normal));
+        }
         let [x, y, z] = self.depth;
-        let last = l.add(farthest(self.depth), l.splat(self.slid + self.depth_error));
-        let first = l.sub(
-            l.splat(self.slid - self.depth_error),
-            farthest([-x, -y, -z]),
-        );
-        let met = inside(0)
-            & inside(1)
-            & inside(2)
-            & inside(3)
-            & l.le(l.splat(self.start_depth), last)
-            & l.le(first, l.splat(limit));
+        let last = farthest(l, &ends, self.depth);
+        let last = l.add(last, l.splat(self.slid + self.depth_error));
+        let first = farthest(l, &ends, [-x, -y, -z]);
+        let first = l.sub(l.splat(self.slid - self.depth_error), first);
+        met &= l.le(l.splat(self.start_depth), last) & l.le(first, l.splat(limit));
         (met, l.max(first, l.splat(0.0)))
     }
+}
+
+/// The product of a vector with others.
+#[inline(always)]
+fn product<L: Lanes>(l: L, [x, y, z]: [f32; 3], of: [L::Floats; 3]) -> L::Floats {
+    l.mul_add(
+        l.splat(x),
+        of[0],
+        l.mul_add(l.splat(y), of[1], l.mul(l.splat(z), of[2])),
+    )
+}
+
+/// How far boxes reach along a direction: that product of the corner that is farthest.
+#[inline(always)]
+fn farthest<L: Lanes>(l: L, ends: &[L::Floats; 6], direction: [f32; 3]) -> L::Floats {
+    macro_rules! corner {
+        ($axis:literal) => {
+            ends[2 * $axis + usize::from(direction[$axis] > 0.0)]
+        };
+    }
+    product(l, direction, [corner!(0), corner!(1), corner!(2)])
 }
 
 /// The axis along which a vector is longest, of equal ones the first.
