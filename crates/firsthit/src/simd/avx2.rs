@@ -4,7 +4,6 @@ use std::arch::x86_64::*;
 
 use bytemuck::Pod;
 
-use super::portable::compress;
 use super::{Kernel, LANES, Lanes, WIDE, x86};
 
 /// Proof that this machine has AVX2 and fused multiply-add.
@@ -112,6 +111,33 @@ fn permute_half(table: F, places: __m256) -> __m256 {
         let high = _mm256_permutevar8x32_ps(table[1], places);
         let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(places));
         _mm256_blendv_ps(low, high, is_high)
+    })
+}
+
+/// For each mask of eight lanes, the lanes that are set, in front of anything.
+static FRONTS: [[u8; 8]; 256] = {
+    let mut fronts = [[0; 8]; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                fronts[mask][count] = lane;
+                count += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    fronts
+};
+
+#[inline(always)]
+fn compress_half(mask: u8, a: __m256) -> __m256 {
+    let lanes = &FRONTS[usize::from(mask)];
+    x86!({
+        let lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(lanes.as_ptr().cast()));
+        _mm256_permutevar8x32_ps(a, lanes)
     })
 }
 
@@ -258,9 +284,15 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn compress(self, mask: u16, a: F, to: &mut [f32; LANES]) {
-        let mut from = [0.0; LANES];
-        self.store(a, &mut from);
-        compress(mask, &from, to);
+        let [low, high] = mask.to_le_bytes();
+        let front = to.as_mut_ptr();
+        let behind = front.wrapping_add(low.count_ones() as usize);
+        // SAFETY: eight numbers from `behind` on end with the sixteenth at the latest; an `Avx2` is made only where the
+        // machine has the features.
+        unsafe {
+            _mm256_storeu_ps(front, compress_half(low, a[0]));
+            _mm256_storeu_ps(behind, compress_half(high, a[1]));
+        }
     }
     #[inline(always)]
     fn load_widened(self, from: &[f32; WIDE]) -> D {
