@@ -27,7 +27,7 @@ use super::stack::Stack;
 use crate::accel::filter::filter;
 use crate::accel::node::LEAF;
 use crate::accel::rays::packet::RAYS;
-use crate::simd::{Aligned, LANES, Lanes, set_bits};
+use crate::simd::{Aligned, Kernel, LANES, Lanes, set_bits};
 
 /// Memory for the rays in flight, to be used again.
 #[derive(Debug)]
@@ -270,7 +270,11 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     #[inline(never)]
     fn start_again<L: Lanes>(&mut self, l: L, stack: &mut Stack) {
         self.query = Q::new(self.ray.packet.limits(self.ray.lane));
-        traverse(l, stack, &self.ray, &mut self.query);
+        l.call(FromRoot {
+            stack,
+            ray: self.ray,
+            query: &mut self.query,
+        });
         self.height = 0;
     }
 
@@ -331,6 +335,22 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     fn last_key(&self) -> f32 {
         let limit = self.query.limit().min(f32::MAX);
         f32::from_bits((limit + 0.0).to_bits() | 15)
+    }
+}
+
+/// A traversal that is compiled once for all that may have to start again.
+struct FromRoot<'a, 'b, Q> {
+    stack: &'b mut Stack,
+    ray: MeshRay<'a>,
+    query: &'b mut Q,
+}
+
+impl<Q: MeshQuery> Kernel for FromRoot<'_, '_, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        traverse(l, self.stack, &self.ray, self.query);
     }
 }
 
