@@ -217,6 +217,7 @@ target/scenes/ready: benches/scenes.py | .venv-bench/ready
 
 # Files that attack, little memory, kills: a sample of them, or (make attack) all.
 test-scripts: program
+	.ci/inlined $(PROGRAM)
 	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM) --quick
 	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM) --quick
 	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM) --quick
