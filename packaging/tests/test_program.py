@@ -111,7 +111,7 @@ def test_a_wrong_instruction_set_is_one_line_that_names_those_of_this_machine(st
     def tried(name):
         return run(*start, *SMALL, cwd=tmp_path, env=with_instruction_set(name))
 
-    known = ["portable", "avx2", "avx512"]
+    known = ["portable", "neon", "avx2", "avx512"]
     here = [name for name in known if tried(name).returncode == 0]
     assert "portable" in here
     assert tried("").returncode == 0
@@ -126,10 +126,11 @@ def test_a_wrong_instruction_set_is_one_line_that_names_those_of_this_machine(st
 
 @needs_linux
 def test_only_instruction_sets_of_this_machine_are_offered(tmp_path):
-    flags = re.search(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    machine = Path("/proc/cpuinfo").read_text()
+    flags = re.search(r"^(?:flags|Features)\s*:(.*)$", machine, re.MULTILINE)
     flags = set(flags[1].split()) if flags else set()
     told = run(PROGRAM, *SMALL, cwd=tmp_path, env=with_instruction_set("none"))
-    for name, flag in {"avx2": "avx2", "avx512": "avx512f"}.items():
+    for name, flag in {"neon": "asimd", "avx2": "avx2", "avx512": "avx512f"}.items():
         assert flag in flags or name not in told.stderr
 
 

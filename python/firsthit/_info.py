@@ -10,9 +10,10 @@ def info() -> dict[str, str | int]:
     -------
     dict
         ``version``; ``instruction_set``, the fastest that the machine has, or the one that the
-        environment variable ``FIRSTHIT_ISA`` names (``portable``, ``avx2`` or ``avx512``; it never
-        changes a result); ``threads``, how many are used where ``threads`` is not given, which the
-        affinity of the process and the limits of a control group (cgroup) decide.
+        environment variable ``FIRSTHIT_ISA`` names (``portable``, ``neon``, ``avx2`` or
+        ``avx512``; it never changes a result); ``threads``, how many are used where ``threads`` is
+        not given, which the affinity of the process and the limits of a control group (cgroup)
+        decide.
 
     Raises
     ------
@@ -22,7 +23,7 @@ def info() -> dict[str, str | int]:
     Examples
     --------
     >>> import firsthit as fh
-    >>> fh.info()["instruction_set"] in {"portable", "avx2", "avx512"}
+    >>> fh.info()["instruction_set"] in {"portable", "neon", "avx2", "avx512"}
     True
     """
     return {

@@ -30,7 +30,7 @@ pub(crate) struct Settings {
     /// Pixels across and down, a multiple of 16
     #[arg(long, default_value_t = 1024, value_parser = side)]
     pub(crate) side: usize,
-    /// Both sides with the instructions of this set: portable, avx2 or avx512 [default: the fastest of this machine]
+    /// Both sides with the instructions of this set: portable, neon, avx2 or avx512 [default: the fastest of this machine]
     #[arg(long, value_name = "NAME", value_parser = set)]
     pub(crate) isa: Option<InstructionSet>,
     /// How many triangles the judge may test for a row's sample of hits

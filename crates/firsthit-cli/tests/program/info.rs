@@ -84,7 +84,7 @@ fn text_says_the_same() {
         .lines()
         .find_map(|line| line.strip_prefix("kernels    "));
     assert!(
-        ["avx512", "avx2", "portable"].contains(&kernels.unwrap()),
+        ["avx512", "avx2", "neon", "portable"].contains(&kernels.unwrap()),
         "{text}"
     );
     assert_eq!(outcome.stderr, "");

@@ -15,6 +15,8 @@
 )]
 #![allow(clippy::wildcard_imports, reason = "a room full of intrinsics")]
 
+#[cfg(test)]
+mod any_bits;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -23,12 +25,19 @@ mod block;
 mod in_lanes;
 mod lanes;
 mod mask;
+#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+mod neon;
 mod pages;
 #[cfg_attr(
     all(target_arch = "wasm32", target_feature = "simd128"),
     allow(dead_code, reason = "what the lanes of such a module must do")
 )]
 mod portable;
+#[cfg(any(
+    target_arch = "x86_64",
+    all(target_arch = "aarch64", target_feature = "neon")
+))]
+mod prefetch;
 mod set;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod simd128;
@@ -66,6 +75,8 @@ where
         InstructionSet::Avx512 => avx512::run(kernel),
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx2 => avx2::run(kernel),
+        #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+        InstructionSet::Neon => neon::run(kernel),
         // A module with these runs nowhere without them. A copy of all kernels in plain Rust would double it, for the same bits.
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
         _ => simd128::run(kernel),

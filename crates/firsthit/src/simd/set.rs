@@ -23,6 +23,8 @@ pub enum InstructionSet {
     Portable,
     /// WebAssembly's `simd128`. A module that is compiled for it has no other, and runs it whichever is asked for.
     Simd128,
+    /// NEON, of 64-bit ARM.
+    Neon,
     /// AVX2 and fused multiply-add.
     Avx2,
     /// AVX-512 F, BW, DQ and VL.
@@ -34,13 +36,20 @@ const VARIABLE: &str = "FIRSTHIT_ISA";
 
 impl InstructionSet {
     /// From the plainest to the fastest.
-    pub const ALL: [Self; 4] = [Self::Portable, Self::Simd128, Self::Avx2, Self::Avx512];
+    pub const ALL: [Self; 5] = [
+        Self::Portable,
+        Self::Simd128,
+        Self::Neon,
+        Self::Avx2,
+        Self::Avx512,
+    ];
 
     /// Its name, as in `FIRSTHIT_ISA`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
             Self::Simd128 => "simd128",
+            Self::Neon => "neon",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
         }
@@ -51,17 +60,19 @@ impl InstructionSet {
         match self {
             Self::Portable => true,
             Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            Self::Neon => super::neon::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => super::avx2::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => super::avx512::is_available(),
-            #[cfg(not(target_arch = "x86_64"))]
+            // Those of other architectures.
             _ => false,
         }
     }
 
-    /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `avx2` or
-    /// `avx512`), or the fastest of this machine where that is not set or empty. The variable is read once.
+    /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `neon`,
+    /// `avx2` or `avx512`), or the fastest of this machine where that is not set or empty. The variable is read once.
     ///
     /// # Errors
     ///
@@ -87,6 +98,7 @@ impl InstructionSet {
         match Self::fastest() {
             Self::Portable => "portable, the only instruction set of this machine",
             Self::Simd128 => "an instruction set of this module (portable or simd128)",
+            Self::Neon => "an instruction set of this machine (portable or neon)",
             Self::Avx2 => "an instruction set of this machine (portable or avx2)",
             Self::Avx512 => "an instruction set of this machine (portable, avx2 or avx512)",
         }
