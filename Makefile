@@ -20,7 +20,7 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-browser test-wasm test-cluster
+.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-browser test-wasm test-neon test-cluster
 .PHONY: program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-targets check-oldest miri clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
@@ -264,6 +264,10 @@ wasm:
 # Whether the module in Node answers as the same code does on this machine, to the byte.
 test-wasm:
 	CARGO=$(CARGO) .ci/wasm test
+
+# The lanes of NEON on this machine, or on an emulator.
+test-neon:
+	CARGO=$(CARGO) .ci/neon
 
 # The oldest compiler that Cargo.toml names. Where it cannot be had, a line says so, and clippy's incompatible_msrv refuses
 # newer functions all the same (`make check`).

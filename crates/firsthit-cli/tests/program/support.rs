@@ -1,10 +1,10 @@
 //! A folder to run the program in, and eyes for what it writes.
 
 use std::collections::HashMap;
-use std::fs;
 use std::io::{Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::{env, fs};
 
 use tempfile::TempDir;
 
@@ -17,6 +17,18 @@ pub(crate) const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\n\
 /// A camera five above the [`SQUARE`]'s middle, its viewplane at z = 3, a pixel's centre in the middle.
 pub(crate) const ABOVE: &str = "--position 0,0,5 --aim 0,0,-3 --up 0,2,0 --focal-length 2 \
     --viewplane 4x3 --size 33x25";
+
+/// The program, started by the words of `runner`, such as an emulator and its options.
+fn started_by(runner: Option<&str>) -> Command {
+    let program = env!("CARGO_BIN_EXE_firsthit");
+    let mut words = runner.unwrap_or_default().split_whitespace();
+    let Some(first) = words.next() else {
+        return Command::new(program);
+    };
+    let mut command = Command::new(first);
+    command.args(words).arg(program);
+    command
+}
 
 /// A folder of its own for every test.
 pub(crate) struct Lab {
@@ -75,7 +87,7 @@ impl Lab {
 
     /// The program in this folder, its arguments separated by spaces.
     pub(crate) fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_firsthit"));
+        let mut command = started_by(env::var("FIRSTHIT_RUNNER").ok().as_deref());
         command
             .args(arguments.split_whitespace())
             .current_dir(self.folder.path())
