@@ -17,7 +17,7 @@ use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use firsthit::load::{LoadSettings, load, load_bytes};
 use firsthit::measure::{By, inside, thickness};
 use firsthit::nearest::{Wanted, closest_points, signed_distances};
-use firsthit::scene::{DirectionalLight, PointLight, SpotLight};
+use firsthit::scene::{Build, BuildSettings, DirectionalLight, PointLight, SpotLight};
 use firsthit::scene::{Filter, MapRole, Maps, Wrap};
 use firsthit::shade::{Lambert, LightRig};
 use firsthit::shape::{Attribute, Between, Property, PropertyOf, PropertyValues};
@@ -401,6 +401,24 @@ fn a_mapped_scene_is_met_as_the_one_that_was_saved() {
 }
 
 /// A tree of a mapped mesh is fitted to other vertices as a built one is.
+/// Whoever opens the file may shoot any number of rays.
+#[test]
+fn what_is_saved_has_the_best_trees() {
+    let (points, triangles) = bumpy_sphere(40, 3);
+    let objects = vec![Object::new(mesh(&points, triangles))];
+    let built = |build| {
+        let settings = BuildSettings { build, rays: None };
+        Scene::build(objects.clone(), settings).unwrap()
+    };
+    let [fast, best] = [Build::Fast, Build::Best].map(built);
+    assert_ne!(fast.tree_bytes(), best.tree_bytes());
+    let encoded = |scene| fhs::encode(scene, &World::default(), &()).unwrap();
+    assert!(encoded(&fast) == encoded(&best));
+    // What comes of a scene goes on as it was.
+    let same = fast.with_objects(objects.clone()).unwrap();
+    assert_eq!(same.tree_bytes(), fast.tree_bytes());
+}
+
 #[test]
 fn a_mapped_tree_is_refitted() {
     let folder = Folder::new("refitted");

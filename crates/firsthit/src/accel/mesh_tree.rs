@@ -31,6 +31,8 @@ pub struct MeshTree {
     pub(super) copies: Storage<[u32; 2]>,
     /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
     pub(super) cost: f64,
+    /// Whether it was [built in little time](Self::build_quick).
+    pub(super) is_quick: bool,
 }
 
 impl MeshTree {
@@ -40,6 +42,11 @@ impl MeshTree {
             + size_of_val::<[_]>(&self.leaves)
             + size_of_val::<[_]>(&self.order)
             + size_of_val::<[_]>(&self.copies)
+    }
+
+    /// Whether it was [built in little time](Self::build_quick).
+    pub(crate) fn is_quick(&self) -> bool {
+        self.is_quick
     }
 
     /// The copies of a triangle of a leaf: the second of each pair.

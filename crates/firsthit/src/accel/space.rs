@@ -81,7 +81,7 @@ impl Space {
         clippy::cast_possible_truncation,
         reason = "rounding is what this is for"
     )]
-    fn point(&self, point: DVec3) -> [f32; 3] {
+    pub(super) fn point(&self, point: DVec3) -> [f32; 3] {
         // No difference with zero: it would change the sign of minus zero.
         let moved = if self.origin == DVec3::ZERO {
             point

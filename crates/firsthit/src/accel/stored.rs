@@ -117,6 +117,7 @@ impl MeshTree {
             order,
             copies,
             cost: facts.cost,
+            is_quick: false,
         })
     }
 }

@@ -103,6 +103,14 @@ fn with_content<T>(
         return Err(refused(path, source));
     }
     check(world)?;
+    // Who opens the file may shoot any number of rays.
+    let better;
+    let scene = if scene.has_quick_trees() {
+        better = scene.with_best_trees()?;
+        &better
+    } else {
+        scene
+    };
     let records = scene.objects().len().saturating_mul(RECORD_BYTES);
     memory::check("the description of the scene's objects", records)?;
     let boxes = scene.boxes().iter();

@@ -3,8 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Object, Scene};
-use crate::geometry::{DVec2, DVec3};
-use crate::shape::Mesh;
+use crate::geometry::{Bounds, DVec2, DVec3};
 
 /// The base and the lid are the lowest and the highest part of the scene, this share of its height.
 const LAYER: f64 = 0.02;
@@ -20,7 +19,7 @@ const CLEARLY: f64 = 10.0;
 
 /// Areas projected along y and along z: of all triangles, of the level ones in the base, and of those in the lid.
 #[derive(Clone, Copy, Default)]
-struct Seen {
+pub(super) struct Seen {
     all: DVec2,
     bottom: DVec2,
     top: DVec2,
@@ -49,8 +48,12 @@ impl Scene {
             DVec3::Z => (1, 0),
             _ => return convention,
         };
-        let seen = self.objects().iter().map(|object| self.seen(object));
-        let seen = seen.fold(Seen::default(), Seen::and);
+        let seen = match self.seen.get() {
+            Some(&known) => known,
+            None => self.all_seen(),
+        };
+        // Made outside of the cell: see `fingerprint`.
+        let seen = *self.seen.get_or_init(|| seen);
         // Half of the projected area faces down.
         let share = |part: DVec2, axis: usize| part[axis] / (0.5 * seen.all[axis]);
         let base = share(seen.bottom, other);
@@ -64,45 +67,61 @@ impl Scene {
         }
     }
 
-    fn seen(&self, object: &Object) -> Seen {
-        let Some(mesh) = object.mesh() else {
-            return Seen::default();
-        };
-        let triangles = mesh.triangles().len();
-        // Parts of one size, added in their order: the sums are the same for any number of threads.
-        let parts = (0..triangles.div_ceil(PART)).into_par_iter().map(|part| {
-            let triangles = part * PART..triangles.min((part + 1) * PART);
-            let seen = triangles.map(|triangle| self.seen_of(object, mesh, triangle));
-            seen.fold(Seen::default(), Seen::and)
-        });
-        let parts: Vec<Seen> = parts.collect();
-        parts.into_iter().fold(Seen::default(), Seen::and)
+    fn all_seen(&self) -> Seen {
+        let bounds = self.bounds();
+        let seen = self.objects().iter().map(|object| seen(object, bounds));
+        seen.fold(Seen::default(), Seen::and)
     }
+}
 
-    fn seen_of(&self, object: &Object, mesh: &Mesh, triangle: usize) -> Seen {
-        let world_from_object = object.transform().world_from_object();
-        let corners = mesh.corners(triangle);
-        let [a, b, c] = corners.map(|corner| world_from_object.transform_point3(corner));
-        let area = (b - a).cross(c - a);
-        let (low, size) = (self.bounds().low, self.bounds().size());
-        let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
-        let mut seen = Seen::default();
-        for (k, axis) in [1, 2].into_iter().enumerate() {
-            let along = 0.5 * area[axis].abs();
-            seen.all[k] = along;
-            if along < LEVEL * 0.5 * area.length() {
-                continue;
-            }
-            let layer = LAYER * size[axis];
-            if highest[axis] <= low[axis] + layer {
-                seen.bottom[k] = along;
-            }
-            if lowest[axis] >= self.bounds().high[axis] - layer {
-                seen.top[k] = along;
-            }
+fn seen(object: &Object, bounds: Bounds) -> Seen {
+    let Some(mesh) = object.mesh() else {
+        return Seen::default();
+    };
+    let place = object.transform();
+    let world_from_object = place.world_from_object();
+    let is_identity = place.is_identity();
+    let triangles = mesh.triangles().len();
+    // Parts of one size, added in their order: the sums are the same for any number of threads.
+    let parts = (0..triangles.div_ceil(PART)).into_par_iter().map(|part| {
+        let triangles = part * PART..triangles.min((part + 1) * PART);
+        let seen = triangles.map(|triangle| {
+            let corners = mesh.corners(triangle);
+            let corners = if is_identity {
+                corners
+            } else {
+                corners.map(|corner| world_from_object.transform_point3(corner))
+            };
+            seen_of(corners, bounds)
+        });
+        seen.fold(Seen::default(), Seen::and)
+    });
+    let parts: Vec<Seen> = parts.collect();
+    parts.into_iter().fold(Seen::default(), Seen::and)
+}
+
+/// Of one triangle.
+#[inline]
+fn seen_of([a, b, c]: [DVec3; 3], bounds: Bounds) -> Seen {
+    let area = (b - a).cross(c - a);
+    let level = LEVEL * 0.5 * area.length();
+    let layer = LAYER * bounds.size();
+    let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
+    let mut seen = Seen::default();
+    for (k, axis) in [1, 2].into_iter().enumerate() {
+        let along = 0.5 * area[axis].abs();
+        seen.all[k] = along;
+        if along < level {
+            continue;
         }
-        seen
+        if highest[axis] <= bounds.low[axis] + layer[axis] {
+            seen.bottom[k] = along;
+        }
+        if lowest[axis] >= bounds.high[axis] - layer[axis] {
+            seen.top[k] = along;
+        }
     }
+    seen
 }
 
 /// How many triangles are added up at a time.
@@ -114,7 +133,7 @@ mod tests {
 
     use super::*;
     use crate::geometry::{DAffine3, DQuat, Transform};
-    use crate::shape::Positions;
+    use crate::shape::{Mesh, Positions};
 
     /// A pyramid on its base, its tip along +y.
     fn pyramid() -> Object {

@@ -6,6 +6,7 @@
 )]
 
 mod background;
+mod build;
 mod catalog;
 mod coloring;
 mod duplicates;
@@ -30,6 +31,7 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 pub use background::Background;
+pub use build::{Build, BuildSettings};
 pub use catalog::{Catalog, Label};
 pub use coloring::{ColorBy, Colored, Coloring};
 pub use environment::{Daylight, Environment, EnvironmentKind, EnvironmentMap};
@@ -80,6 +82,8 @@ pub struct Scene {
     objects: Vec<Object>,
     /// A mesh's tree, shared by all objects that share the mesh; `None` for other shapes.
     trees: Vec<Option<Arc<MeshTree>>>,
+    /// How these were asked for, and others will be.
+    build: BuildSettings,
     top: TopTree,
     /// See [`Scene::bounds`]; made when first asked for.
     bounds: OnceLock<Bounds>,
@@ -91,6 +95,8 @@ pub struct Scene {
     colored: Option<Arc<Colored>>,
     /// See [`Scene::up`].
     up: Option<DVec3>,
+    /// See [`Scene::likely_up`]; made when first asked for.
+    seen: OnceLock<likely_up::Seen>,
     /// Made when first asked for.
     fingerprint: OnceLock<String>,
     /// See [`Scene::first_open_object`]; made when first asked for.
@@ -122,7 +128,17 @@ impl Scene {
     /// [`Error::Limit`] for more objects than an identifier can name, and those of
     /// [`InstructionSet::current`].
     pub fn new(objects: Vec<Object>) -> Result<Self> {
-        Self::build(objects, None)
+        Self::build(objects, BuildSettings::default())
+    }
+
+    /// The same with trees that are as good as `settings` ask for. What is shot at the scene has the same answers with all.
+    /// Scenes that come of this one ([`with_objects`](Self::with_objects)) go on with the same settings.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::new`].
+    pub fn build(objects: Vec<Object>, settings: BuildSettings) -> Result<Self> {
+        Self::assemble(objects, settings, None)
     }
 
     /// A clone, or an error where there is no memory for the objects and the tree over them, where `clone` ends the process.
@@ -148,7 +164,7 @@ impl Scene {
     ///
     /// Those of [`Scene::new`] and [`Scene::with_coloring`].
     pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
-        let scene = Self::build(objects, Some(self))?;
+        let scene = Self::assemble(objects, self.build, Some(self))?;
         let has_own_lights = self.has_own_lights;
         let scene = Self {
             has_own_lights,
@@ -160,7 +176,29 @@ impl Scene {
         scene.with_coloring(self.colored().map(|colored| colored.coloring().clone()))
     }
 
-    fn build(objects: Vec<Object>, before: Option<&Self>) -> Result<Self> {
+    /// Whether some of its trees were built for few rays.
+    #[cfg(feature = "fhs")]
+    pub(crate) fn has_quick_trees(&self) -> bool {
+        self.trees.iter().flatten().any(|tree| tree.is_quick())
+    }
+
+    /// This scene where each of its trees is as the full build makes it, or a fitted one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] where there is no memory for them.
+    #[cfg(feature = "fhs")]
+    pub(crate) fn with_best_trees(&self) -> Result<Self> {
+        let best = BuildSettings {
+            build: Build::Best,
+            ..self.build
+        };
+        let mut scene = self.try_clone()?;
+        scene.trees = mesh_trees(&self.objects, best, Some(self))?;
+        Ok(scene)
+    }
+
+    fn assemble(objects: Vec<Object>, build: BuildSettings, before: Option<&Self>) -> Result<Self> {
         if i32::try_from(objects.len()).is_err() {
             let (got, limit) = (objects.len().to_string(), i32::MAX.to_string());
             let what = "objects in a scene";
@@ -168,7 +206,7 @@ impl Scene {
         }
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;
-        let trees = mesh_trees(&objects, before)?;
+        let trees = mesh_trees(&objects, build, before)?;
         let unmoved = before.filter(|before| before.is_in_place(&objects));
         let (top, bounds) = if let Some(before) = unmoved {
             (before.top.clone(), before.bounds.clone())
@@ -182,6 +220,7 @@ impl Scene {
         Ok(Self {
             objects,
             trees,
+            build,
             top,
             bounds,
             lights: Vec::new(),
@@ -190,6 +229,7 @@ impl Scene {
             has_own_environment: true,
             colored: None,
             up: None,
+            seen: OnceLock::new(),
             fingerprint: OnceLock::new(),
             first_open: OnceLock::new(),
             translucent: OnceLock::new(),
@@ -240,6 +280,7 @@ impl Scene {
         }
         self.top.moved(&self.objects, &moved);
         self.bounds = OnceLock::new();
+        self.seen = OnceLock::new();
         self.endless = OnceLock::new();
         self.emitters = OnceLock::new();
         self.fingerprint = OnceLock::new();
@@ -262,6 +303,7 @@ impl Scene {
         self.top.rebuild(&self.objects);
         self.first_open = OnceLock::new();
         self.bounds = OnceLock::new();
+        self.seen = OnceLock::new();
         self.endless = OnceLock::new();
         self.emitters = OnceLock::new();
         self.fingerprint = OnceLock::new();
@@ -510,13 +552,20 @@ impl Scene {
 /// a leaf, its share of a wide node, two binary nodes with their plans, and each has three points and a place in the order.
 const TREE_BYTES: usize = 160;
 
-/// A tree for each mesh, however many objects share it; what the scene before knows is used again.
-fn mesh_trees(objects: &[Object], before: Option<&Scene>) -> Result<Vec<Option<Arc<MeshTree>>>> {
+/// A tree for each mesh, however many objects share it; what the scene before knows is used again, unless it is asked for
+/// better.
+fn mesh_trees(
+    objects: &[Object],
+    build: BuildSettings,
+    before: Option<&Scene>,
+) -> Result<Vec<Option<Arc<MeshTree>>>> {
+    let is_good_enough = |tree: &MeshTree| build.build != Build::Best || !tree.is_quick();
     let known = before
         .into_iter()
         .flat_map(|scene| scene.objects.iter().zip(&scene.trees));
     let known = known.filter_map(|(object, tree)| Some((object.mesh()?, tree.as_ref()?)));
     let mut built: HashMap<*const Mesh, Arc<MeshTree>> = known
+        .filter(|(_, tree)| is_good_enough(tree))
         .map(|(mesh, tree)| (Arc::as_ptr(mesh), Arc::clone(tree)))
         .collect();
     let mut tree = |k: usize, mesh: &Arc<Mesh>| {
@@ -526,7 +575,15 @@ fn mesh_trees(objects: &[Object], before: Option<&Scene>) -> Result<Vec<Option<A
         let triangles = mesh.triangles().len();
         memory::check("the tree over a mesh", triangles.saturating_mul(TREE_BYTES))?;
         let fitted = before.and_then(|scene| scene.fitted(k, mesh));
-        let tree = Arc::new(fitted.unwrap_or_else(|| MeshTree::build(mesh)));
+        let fitted = fitted.filter(is_good_enough);
+        let anew = || {
+            if build.is_fast(triangles) {
+                MeshTree::build_quick(mesh)
+            } else {
+                MeshTree::build(mesh)
+            }
+        };
+        let tree = Arc::new(fitted.unwrap_or_else(anew));
         built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
         Ok(tree)
     };

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::duplicates::Duplicates;
 use super::top_tree::TopTree;
-use super::{Object, Scene};
+use super::{BuildSettings, Object, Scene};
 use crate::accel::{InstructionSet, MeshTree};
 use crate::error::{Error, Result};
 use crate::geometry::Bounds;
@@ -67,6 +67,7 @@ impl Scene {
         Ok(Self {
             objects,
             trees,
+            build: BuildSettings::default(),
             top,
             bounds: OnceLock::from(bounds),
             first_open: OnceLock::new(),
@@ -80,6 +81,7 @@ impl Scene {
             has_own_environment: true,
             colored: None,
             up: None,
+            seen: OnceLock::new(),
             fingerprint: OnceLock::new(),
             #[cfg(feature = "frame")]
             digests: Arc::default(),

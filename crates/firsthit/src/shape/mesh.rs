@@ -7,6 +7,7 @@ mod crossing;
 #[cfg(feature = "frame")]
 mod digest;
 mod named;
+mod reach;
 #[cfg(feature = "fhs")]
 mod stored;
 mod surface;
@@ -57,6 +58,7 @@ pub struct Mesh {
     slots: Option<Storage<u32>>,
     properties: Vec<Property>,
     closed: closed::Closed,
+    blocks: reach::Blocks,
 }
 
 /// A summary: meshes are large.
@@ -151,6 +153,7 @@ impl Mesh {
             slots: None,
             properties: Vec::new(),
             closed: closed::Closed::default(),
+            blocks: reach::Blocks::default(),
         })
     }
 
@@ -172,6 +175,7 @@ impl Mesh {
             positions,
             bounds,
             closed: closed::Closed::default(),
+            blocks: reach::Blocks::default(),
             ..self
         })
     }

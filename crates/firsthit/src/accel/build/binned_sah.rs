@@ -34,12 +34,12 @@ impl PartialEq for Box32 {
 
 /// The smaller ones of two times four numbers, none of which is NaN: a comparison is one instruction for all.
 #[inline(always)]
-fn smaller(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+pub(super) fn smaller(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
     std::array::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
 }
 
 #[inline(always)]
-fn larger(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+pub(super) fn larger(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
     std::array::from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
 }
 

@@ -6,6 +6,9 @@
 //!    triangles over at most sixteen vertices.
 //! 4. Collapse it to nodes of sixteen children (`collapse.rs`).
 //! 5. Fill the leaves (`fill.rs`).
+//!
+//! For few rays another build (`quick.rs`) takes the place of steps 3 to 5. Both end with:
+//!
 //! 6. List the copies: triangles that are in no leaf, since a lower one has the same corners and wins every tie.
 
 use std::collections::HashMap;
@@ -15,10 +18,11 @@ use rayon::prelude::*;
 use super::binary::{self, Binary, Primitives};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse::{self, Wide};
+use super::quick;
 use super::weld::Sharing;
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
-use crate::accel::node::WIDTH;
+use crate::accel::node::{Node, WIDTH};
 use crate::accel::space::{CHUNK, Space};
 use crate::geometry::DVec3;
 use crate::memory::{self, Storage};
@@ -40,70 +44,109 @@ impl MeshTree {
             order: (0..count(mesh.triangles().len())).collect(),
             copies: Storage::default(),
             cost: 0.0,
+            is_quick: false,
         }
     }
 
     /// The tree over the triangles of `mesh`, by all threads of the current rayon pool, and the same for any
     /// number of them.
     pub fn build(mesh: &Mesh) -> Self {
+        Self::build_by(mesh, full)
+    }
+
+    /// The same in a third of the time or less: not the best tree, but one that has the same answers. See `quick.rs`.
+    pub fn build_quick(mesh: &Mesh) -> Self {
+        let tree = Self::build_by(mesh, quick::quick);
+        Self {
+            is_quick: true,
+            ..tree
+        }
+    }
+
+    fn build_by(mesh: &Mesh, build: impl FnOnce(&Triangles<'_>) -> Parts) -> Self {
         let Some(space) = Space::new(mesh).filter(|_| !mesh.triangles().is_empty()) else {
             return Self::without_nodes(mesh);
         };
         let points = space.points(mesh);
         let (sharing, vertices) = Sharing::new(mesh, &points);
-        let triangles = count(mesh.triangles().len());
-        let item = |index: u32| Item::new(Box32::of(sharing.triangle(index)), index);
-        let mut items = memory::room(mesh.triangles().len());
-        (0..triangles)
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .map(item)
-            .collect_into_vec(&mut items);
-        let Binary {
-            nodes: binary,
+        let bounds = mesh.bounds();
+        let Parts {
+            nodes,
+            leaves,
             order,
-        } = binary::binary(
-            &mut items,
-            &Triangles {
-                mesh,
-                sharing,
-                vertices,
-            },
-        );
-        drop(items);
-        let Wide { nodes, ranges } = collapse::collapse(&binary);
-        drop(binary);
-        let leaf = |&(first, length): &(u32, u32)| {
-            let of_leaf = &order[first as usize..(first + length) as usize];
-            Meshlet::new(&sharing, of_leaf, first)
-        };
-        let mut leaves = memory::room(ranges.len());
-        ranges
-            .par_iter()
-            .with_min_len(1024)
-            .map(leaf)
-            .collect_into_vec(&mut leaves);
+        } = build(&Triangles {
+            mesh,
+            sharing,
+            vertices,
+            around: Box32::new(space.point(bounds.low), space.point(bounds.high)),
+        });
         let mut tree = Self {
             is_exact: space.is_exact(mesh, &points),
             is_welded: sharing.is_welded,
             space,
             nodes: nodes.into(),
-            copies: copies(mesh, &order, &ranges).into(),
+            copies: copies(mesh, &order, &leaves).into(),
             leaves: leaves.into(),
             order: order.into(),
             cost: 0.0,
+            is_quick: false,
         };
         tree.cost = tree.expected_cost();
         tree
     }
 }
 
+/// What a build makes of triangles.
+pub(super) struct Parts {
+    /// The root first, children after their parents.
+    pub(super) nodes: Vec<Node>,
+    pub(super) leaves: Vec<Meshlet>,
+    /// The triangles, those of a leaf side by side.
+    pub(super) order: Vec<u32>,
+}
+
+/// Steps 3 to 5.
+fn full(triangles: &Triangles<'_>) -> Parts {
+    let sharing = &triangles.sharing;
+    let item = |index: u32| Item::new(Box32::of(sharing.triangle(index)), index);
+    let mut items = memory::room(sharing.triangles.len());
+    (0..count(sharing.triangles.len()))
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .map(item)
+        .collect_into_vec(&mut items);
+    let Binary {
+        nodes: binary,
+        order,
+    } = binary::binary(&mut items, triangles);
+    drop(items);
+    let Wide { nodes, ranges } = collapse::collapse(&binary);
+    drop(binary);
+    let leaf = |&(first, length): &(u32, u32)| {
+        let of_leaf = &order[first as usize..(first + length) as usize];
+        Meshlet::new(sharing, of_leaf, first)
+    };
+    let mut leaves = memory::room(ranges.len());
+    ranges
+        .par_iter()
+        .with_min_len(1024)
+        .map(leaf)
+        .collect_into_vec(&mut leaves);
+    Parts {
+        nodes,
+        leaves,
+        order,
+    }
+}
+
 /// A mesh's triangles as the builder sees them.
-struct Triangles<'a> {
+pub(super) struct Triangles<'a> {
     mesh: &'a Mesh,
-    sharing: Sharing<'a>,
+    pub(super) sharing: Sharing<'a>,
     /// How many vertices they are over, about.
     vertices: usize,
+    /// The box around them.
+    pub(super) around: Box32,
 }
 
 impl Primitives for Triangles<'_> {
@@ -144,15 +187,15 @@ fn corner_bits(mesh: &Mesh, triangle: u32) -> [[u64; 3]; 3] {
     corners.map(|corner| corner.to_array().map(f64::to_bits))
 }
 
-/// See [`MeshTree::copies`]: the triangles of `order` that are in none of the leaves' `ranges`.
-fn copies(mesh: &Mesh, order: &[u32], ranges: &[(u32, u32)]) -> Vec<[u32; 2]> {
-    let in_leaves: usize = ranges.iter().map(|&(_, length)| length as usize).sum();
-    if in_leaves == order.len() {
+/// See [`MeshTree::copies`]: the triangles of `order` that are in none of the leaves.
+fn copies(mesh: &Mesh, order: &[u32], leaves: &[Meshlet]) -> Vec<[u32; 2]> {
+    let length = |leaf: &Meshlet| leaf.filled.count_ones() as usize;
+    if leaves.iter().map(length).sum::<usize>() == order.len() {
         return Vec::new();
     }
     let mut is_in_leaf = vec![false; order.len()];
-    for &(first, length) in ranges {
-        for &triangle in &order[first as usize..(first + length) as usize] {
+    for leaf in leaves {
+        for &triangle in &order[leaf.first as usize..][..length(leaf)] {
             is_in_leaf[triangle as usize] = true;
         }
     }
@@ -225,13 +268,14 @@ pub(super) mod tests {
                     .num_threads(threads)
                     .build()
                     .unwrap();
-                pool.install(|| MeshTree::build(&mesh))
+                pool.install(|| [MeshTree::build(&mesh), MeshTree::build_quick(&mesh)])
             });
-            assert!(trees[0].leaves.len() > 20_000, "{}", trees[0].leaves.len());
-            for tree in &trees[1..] {
-                assert!(tree.nodes == trees[0].nodes);
-                assert!(tree.leaves == trees[0].leaves);
-                assert_eq!(tree.order, trees[0].order);
+            for tree in trees.as_flattened() {
+                assert!(tree.leaves.len() > 20_000, "{}", tree.leaves.len());
+                let same = &trees[0][usize::from(tree.is_quick())];
+                assert!(tree.nodes == same.nodes);
+                assert!(tree.leaves == same.leaves);
+                assert_eq!(tree.order, same.order);
             }
         }
     }

@@ -5,6 +5,8 @@ mod binned_sah;
 mod collapse;
 mod fill;
 mod mesh;
+mod morton;
 mod objects;
+mod quick;
 mod refit;
 mod weld;

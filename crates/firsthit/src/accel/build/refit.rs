@@ -76,6 +76,7 @@ impl MeshTree {
             order: memory::copy(&self.order).into(),
             copies: Storage::default(),
             cost: self.cost,
+            is_quick: self.is_quick,
         };
         (tree.expected_cost() <= WORST * self.cost).then_some(tree)
     }

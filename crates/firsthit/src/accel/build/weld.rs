@@ -70,33 +70,49 @@ impl<'a> Sharing<'a> {
             let key = |vertex| self.points[vertex as usize].map(f32::to_bits);
             lanes(triangles, key, visit)
         } else {
-            lanes(triangles, |vertex| vertex, visit)
+            lanes(triangles, |vertex| [vertex], visit)
         }
     }
 }
 
 /// As [`Sharing::lanes`]: vertices with the same key are one.
 #[inline]
-fn lanes<K: Copy + Default + PartialEq>(
+fn lanes<const N: usize>(
     triangles: impl Iterator<Item = [u32; 3]>,
-    key: impl Fn(u32) -> K,
+    key: impl Fn(u32) -> [u32; N],
     mut visit: impl FnMut([usize; 2], u32, u8),
 ) -> Option<usize> {
-    let mut keys = [K::default(); LANES];
+    // Arrays for each part of a key: then it is compared with all at once.
+    let mut keys = [[0; LANES]; N];
     let mut count = 0;
     for (k, triangle) in triangles.enumerate() {
         for (corner, vertex) in triangle.into_iter().enumerate() {
             let key = key(vertex);
-            let known = keys[..count].iter().position(|&known| known == key);
-            let lane = known.unwrap_or(count);
+            let mut same = (1_u32 << count) - 1;
+            for (keys, part) in keys.iter().zip(key) {
+                same &= mask(keys, part);
+            }
+            let lane = (same.trailing_zeros() as usize).min(count);
             if lane == count {
-                *keys.get_mut(lane)? = key;
+                if count == LANES {
+                    return None;
+                }
+                for (keys, part) in keys.iter_mut().zip(key) {
+                    keys[count] = part;
+                }
                 count += 1;
             }
             visit([k, corner], vertex, u8::try_from(lane).ok()?);
         }
     }
     Some(count)
+}
+
+/// Which of the keys are `key`, a bit each.
+#[inline]
+fn mask(keys: &[u32; LANES], key: u32) -> u32 {
+    let bits = keys.iter().enumerate();
+    bits.fold(0, |all, (k, &other)| all | u32::from(other == key) << k)
 }
 
 /// Estimates in how many places `points` are, from those whose hash is below a power of two. The same for any number of

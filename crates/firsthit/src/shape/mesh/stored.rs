@@ -105,6 +105,7 @@ impl Mesh {
             alphas: parts.alphas,
             slots: parts.slots,
             closed: super::closed::Closed::default(),
+            blocks: super::reach::Blocks::default(),
             properties: Vec::new(),
         };
         mesh.with_checked_properties(parts.properties)

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::Mesh;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
@@ -20,13 +18,7 @@ impl Surface for Arc<Mesh> {
 
     /// Over the triangles' corners: vertices without a triangle do not count.
     fn support(&self, direction: DVec3) -> f64 {
-        let reach = |triangles: &[[u32; 3]]| {
-            let corners = triangles.iter().flatten();
-            let along = corners.map(|&vertex| self.positions.get(vertex).dot(direction));
-            along.fold(f64::NEG_INFINITY, f64::max)
-        };
-        let parts = self.triangles.par_chunks(1 << 15);
-        parts.map(reach).reduce(|| f64::NEG_INFINITY, f64::max)
+        self.reach(direction)
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
