@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use firsthit::load::{self, LoadSettings, load};
+use firsthit::scene::{Build, BuildSettings};
 use firsthit::world::World;
 use firsthit::{Color, Object, Scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -21,13 +22,20 @@ pub(crate) struct Loaded {
     pub(crate) vertices: Option<u64>,
 }
 
+/// What a command that shoots no rays builds, if it builds any trees.
+pub(crate) const NO_RAYS: BuildSettings = BuildSettings {
+    build: Build::Fast,
+    rays: Some(0),
+};
+
 /// Reads a 3D file; `neutral` is the colour of objects that have none.
 pub(crate) fn read(
     path: &Path,
     args: &LoadArgs,
+    build: BuildSettings,
     neutral: Option<Color>,
 ) -> Result<Loaded, Failure> {
-    read_with(path, &settings(args), neutral)
+    read_with(path, &settings(args), |_| build, neutral)
 }
 
 /// What the arguments say.
@@ -40,10 +48,11 @@ pub(crate) fn settings(args: &LoadArgs) -> LoadSettings {
     }
 }
 
-/// The same with settings that are no arguments.
+/// The same with settings that are no arguments. What `build` says may depend on the file's world.
 pub(crate) fn read_with(
     path: &Path,
     settings: &LoadSettings,
+    build: impl FnOnce(&World) -> BuildSettings,
     neutral: Option<Color>,
 ) -> Result<Loaded, Failure> {
     let load::Loaded {
@@ -65,10 +74,11 @@ pub(crate) fn read_with(
             _ => object,
         });
     let objects = objects.collect();
+    let build = build(&model);
     Ok(Loaded {
         scene: match built {
             Some(built) => built.with_objects(objects)?,
-            None => Scene::new(objects)?,
+            None => Scene::build(objects, build)?,
         },
         warnings,
         model,

@@ -5,6 +5,7 @@ use firsthit::camera::{Focus, PixelMatrix, StandardView};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use firsthit::geometry::{COLOR_NAMES, ColorMap, Domain, Setting, Value, color_of};
 use firsthit::lint::KINDS;
+use firsthit::scene::Build;
 use firsthit::scene::ColorBy;
 use firsthit::scene_file::nearest_word;
 use firsthit::shade::LightRig;
@@ -49,6 +50,11 @@ pub(crate) fn view() -> impl TypedValueParser<Value = StandardView> {
 /// The name of a tone map.
 pub(crate) fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
     PossibleValuesParser::new(ToneMap::NAMES).try_map(|name| name.parse())
+}
+
+/// How trees are built.
+pub(crate) fn build() -> impl TypedValueParser<Value = Build> {
+    PossibleValuesParser::new(Build::NAMES).try_map(|name| name.parse())
 }
 
 /// The name of a kind of finding.

@@ -18,7 +18,7 @@ pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
     SectionArgs, ShootArgs, StreamFormat, ViewArgs,
 };
-pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs};
+pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
 
 use clap::{Parser, Subcommand};
 

@@ -7,6 +7,7 @@ use firsthit::ToneMap;
 
 use super::{
     CameraArgs, ColorsArgs, CulledSide, EdgeArgs, LightingArgs, LoadArgs, PickArgs, RunArgs,
+    TreeArgs,
 };
 use crate::completion::ChannelNames;
 use crate::help;
@@ -34,6 +35,8 @@ pub(crate) struct RenderArgs {
     pub(crate) cull: Option<CulledSide>,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
+    #[command(flatten)]
+    pub(crate) trees: TreeArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]

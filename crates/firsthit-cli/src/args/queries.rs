@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use firsthit::DVec3;
 
 use super::look::{ColorsArgs, LightingArgs};
-use super::{CameraArgs, CulledSide, LoadArgs, PickArgs, RunArgs};
+use super::{CameraArgs, CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
 use crate::completion::ChannelNames;
 use crate::help;
 use crate::output::Source;
@@ -59,6 +59,8 @@ pub(crate) struct ShootArgs {
     #[command(flatten)]
     pub(crate) pick: PickArgs,
     #[command(flatten)]
+    pub(crate) trees: TreeArgs,
+    #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
@@ -105,6 +107,8 @@ pub(crate) struct NearestArgs {
     #[command(flatten)]
     pub(crate) pick: PickArgs,
     #[command(flatten)]
+    pub(crate) trees: TreeArgs,
+    #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
@@ -125,6 +129,8 @@ pub(crate) struct ListArgs {
     pub(crate) format: Option<StreamFormat>,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
+    #[command(flatten)]
+    pub(crate) trees: TreeArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
     #[command(flatten)]
@@ -226,6 +232,8 @@ pub(crate) struct LintArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
     pub(crate) threads: Option<u16>,
     #[command(flatten)]
+    pub(crate) trees: TreeArgs,
+    #[command(flatten)]
     pub(crate) load: LoadArgs,
 }
 
@@ -267,6 +275,8 @@ pub(crate) struct ProbeArgs {
     #[command(flatten)]
     pub(crate) pick: PickArgs,
     #[command(flatten)]
+    pub(crate) trees: TreeArgs,
+    #[command(flatten)]
     pub(crate) load: LoadArgs,
 }
 
@@ -298,6 +308,8 @@ pub(crate) struct ViewArgs {
     pub(crate) colors: ColorsArgs,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
+    #[command(flatten)]
+    pub(crate) trees: TreeArgs,
     #[command(flatten)]
     pub(crate) load: LoadArgs,
 }

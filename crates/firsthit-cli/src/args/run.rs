@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use firsthit::Side;
+use firsthit::scene::{Build, BuildSettings};
 
 use crate::values;
 
@@ -20,6 +21,27 @@ pub(crate) struct LoadArgs {
     /// bytes a texel
     #[arg(long, value_name = "SIDE", value_parser = clap::value_parser!(u32).range(1..=1 << 20), default_value = "16384", allow_hyphen_values = true)]
     pub(crate) max_texture: u32,
+}
+
+/// How trees are built.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "General")]
+pub(crate) struct TreeArgs {
+    /// How the trees over meshes are built: fast in a third of the time or less, best so that each ray takes least. auto is fast
+    /// where few rays are shot for each triangle, and best where many are, or nobody knows how many. The result is the same for
+    /// all. A .fhs file has its trees
+    #[arg(long, value_name = "HOW", value_parser = values::build(), default_value = "auto")]
+    pub(crate) build: Build,
+}
+
+impl TreeArgs {
+    /// With what is known of the number of rays.
+    pub(crate) fn settings(&self, rays: Option<u64>) -> BuildSettings {
+        BuildSettings {
+            build: self.build,
+            rays,
+        }
+    }
 }
 
 /// Which objects are there.

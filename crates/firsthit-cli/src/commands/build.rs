@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use firsthit::error::escaped;
 use firsthit::fhs;
+use firsthit::scene::BuildSettings;
 use serde_json::json;
 
 use crate::args::BuildArgs;
@@ -26,7 +27,7 @@ pub(crate) fn run(args: &BuildArgs, interrupted: &AtomicBool) -> Result<(), Fail
     }
     output::check_other(path, &[], std::slice::from_ref(&args.file))?;
     with_threads(&args.run, || {
-        let loaded = loading::read(&args.file, &args.load, None)?;
+        let loaded = loading::read(&args.file, &args.load, BuildSettings::default(), None)?;
         output::check_other(path, &[], &loaded.files)?;
         warn(&loaded.warnings);
         let scene = &loaded.scene;

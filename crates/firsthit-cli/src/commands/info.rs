@@ -17,7 +17,7 @@ use crate::args::InfoArgs;
 use crate::console::{counted, json_text, warn};
 use crate::failure::Failure;
 use crate::hints::{number, span, triple};
-use crate::loading::{self, Loaded, has_model_extension, with_all_cores};
+use crate::loading::{self, Loaded, NO_RAYS, has_model_extension, with_all_cores};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let text = match format_of(&args.file) {
@@ -37,7 +37,7 @@ fn of_model(args: &InfoArgs) -> Result<String, Failure> {
         verify: true,
         ..loading::settings(&args.load)
     };
-    let loaded = with_all_cores(|| loading::read_with(&args.file, &settings, None))?;
+    let loaded = with_all_cores(|| loading::read_with(&args.file, &settings, |_| NO_RAYS, None))?;
     let most = most_listed(args);
     Ok(if args.json {
         json_text(&as_json(&loaded, most)) + "\n"

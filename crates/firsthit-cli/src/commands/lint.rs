@@ -32,7 +32,7 @@ pub(crate) fn run(args: &LintArgs, interrupted: &AtomicBool) -> Result<(), Failu
     output::check_files(outputs, std::slice::from_ref(&args.file))?;
     let settings = settings(args)?;
     with_count(args.threads, || {
-        let loaded = loading::read(&args.file, &args.load, None)?;
+        let loaded = loading::read(&args.file, &args.load, args.trees.settings(None), None)?;
         warn(&loaded.warnings);
         output::check_files(outputs, &loaded.files)?;
         let (scene, watch) = (&loaded.scene, Interrupt(interrupted));

@@ -17,6 +17,9 @@ use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
 use crate::rays;
 
+/// A question is answered by so many rays, about.
+const RAYS: u64 = 2;
+
 /// The answers to a list.
 pub(super) struct Answers {
     /// One for each question.
@@ -42,9 +45,10 @@ pub(super) fn run<const COLUMNS: usize>(
     let started = Instant::now();
     with_threads(&args.run, || {
         let list = rays::read_points::<COLUMNS>(&args.points)?;
+        let trees = args.trees.settings(Some(list.len() as u64 * RAYS));
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
         warn(&warnings);
         let progress = Progress::new(list.len() as u64, sinks.is_quiet, interrupted);
         let answers = ask(&scene, &list, &progress)?;

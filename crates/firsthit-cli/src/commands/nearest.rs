@@ -16,6 +16,9 @@ use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
 use crate::rays;
 
+/// So many rays go through a tree in the time that the search for a nearest point takes.
+const RAYS: u64 = 10;
+
 pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     sinks::announce(&args.output);
     let kinds = kinds(args)?;
@@ -25,9 +28,10 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
     let started = Instant::now();
     with_threads(&args.run, || {
         let points = rays::read_points(&args.points)?;
+        let trees = args.trees.settings(Some(points.len() as u64 * RAYS));
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
         warn(&warnings);
         let progress = Progress::new(work(args, points.len()), sinks.is_quiet, interrupted);
         let found = search(args, &scene, &points, &progress)?;

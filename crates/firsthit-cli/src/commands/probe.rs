@@ -14,11 +14,15 @@ use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_count};
 use crate::progress::Interrupt;
 
+/// An explanation shoots no more rays than this.
+const FEW: u64 = 100;
+
 pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     check(&args.camera)?;
     let ends = ends(args.t_min, args.t_max)?;
     with_count(args.threads, || {
-        let loaded = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        let loaded = loading::read(&args.file, &args.load, args.trees.settings(Some(FEW)), None)?
+            .picked(&args.pick)?;
         warn(&loaded.warnings);
         let (explained, guessed) = probe(args, ends, &loaded, &Interrupt(interrupted))?;
         if args.json {

@@ -9,7 +9,7 @@ use crate::args::SectionArgs;
 use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
 use crate::hints::{number, triple};
-use crate::loading::{self, Loaded, with_threads};
+use crate::loading::{self, Loaded, NO_RAYS, with_threads};
 use crate::output;
 use crate::progress::Interrupt;
 
@@ -20,7 +20,7 @@ pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Fa
     output::check_files(&args.output, std::slice::from_ref(&args.file))?;
     with_threads(&args.run, || {
         let started = Instant::now();
-        let loaded = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        let loaded = loading::read(&args.file, &args.load, NO_RAYS, None)?.picked(&args.pick)?;
         warn(&loaded.warnings);
         output::check_files(&args.output, &loaded.files)?;
         let watch = Interrupt(interrupted);

@@ -83,9 +83,15 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
     with_threads(&args.run, || {
         let limits = limits(args)?;
         let source = source(args, &sinks, limits)?;
+        let rays = match &source {
+            Source::Arrays(rays) => Some(rays.len() as u64),
+            // Nobody knows how many will come.
+            Source::Stdin(_) => None,
+        };
+        let trees = args.trees.settings(rays);
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, None)?.picked(&args.pick)?;
+        } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
         kinds.iter().try_for_each(|kind| kind.check(&scene))?;
         warn(&warnings);
         let counts = match source {

@@ -33,7 +33,13 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
     let report = report.transpose()?;
     // Pictures are made in the threads of connections, which all share these.
     loading::share_threads(args.threads)?;
-    let loaded = loading::read(&args.file, &args.load, args.light.color)?.picked(&args.pick)?;
+    let loaded = loading::read(
+        &args.file,
+        &args.load,
+        args.trees.settings(None),
+        args.light.color,
+    )?
+    .picked(&args.pick)?;
     let Loaded {
         scene,
         warnings,

@@ -42,6 +42,62 @@ fn a_built_scene_is_taken_wherever_a_model_is() {
     assert_ne!(scene("scene.toml.npz"), Value::Null);
 }
 
+/// A field of hills, as a PLY file in text.
+fn hills(side: u32) -> String {
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n\
+         property list uchar int vertex_indices\nend_header\n",
+        side * side,
+        2 * (side - 1) * (side - 1)
+    );
+    for k in 0..side * side {
+        let height = k.wrapping_mul(2_654_435_761) >> 30;
+        text += &format!("{} {} {height}\n", k % side, k / side);
+    }
+    for k in (0..side * (side - 1)).filter(|k| k % side + 1 < side) {
+        let (a, b) = (k, k + side);
+        text += &format!("3 {a} {} {}\n3 {a} {} {b}\n", a + 1, b + 1, b + 1);
+    }
+    text
+}
+
+#[test]
+fn results_are_the_same_however_trees_are_built() {
+    let lab = Lab::new();
+    lab.write("hills.ply", hills(60));
+    lab.write(
+        "rays.csv",
+        "3.2,4.1,9,0,0,-1\n30,30,9,0.1,0.2,-1\n-9,9,9,0,0,-1\n",
+    );
+    lab.write("points.csv", "3,4,9\n30,30,-5\n");
+    for how in ["auto", "fast", "best"] {
+        let build = format!("--build {how}");
+        let asked = "--size 60x40 --channels color,t,primitive,ao --samples 2 -q";
+        lab.ok(&format!("render hills.ply {build} {asked} -o {how}.npz"));
+        lab.ok(&format!(
+            "render hills.ply {build} --size 60x40 -q -o {how}.png"
+        ));
+        let mut said = lab
+            .ok(&format!("shoot hills.ply rays.csv {build} -q"))
+            .text()
+            .to_owned();
+        said += lab
+            .ok(&format!("nearest hills.ply points.csv {build} -q"))
+            .text();
+        said += lab
+            .ok(&format!("probe hills.ply --ray 3,4,9,0,0,-1 {build}"))
+            .text();
+        lab.write(&format!("{how}.txt"), said);
+    }
+    for other in ["fast", "auto"] {
+        for format in ["npz", "png", "txt"] {
+            let (one, best) = (format!("{other}.{format}"), format!("best.{format}"));
+            assert!(lab.read(&one) == lab.read(&best), "{one} differs");
+        }
+    }
+    lab.fails("render hills.ply --build worst", 2, "worst");
+}
+
 #[test]
 fn what_info_says_of_a_built_scene_is_what_it_says_of_its_source() {
     let lab = Lab::with("cube_quads_le.ply", "cube.ply");

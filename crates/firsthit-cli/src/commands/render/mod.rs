@@ -15,7 +15,7 @@ use firsthit::edge::{EdgeKind, Edges};
 use firsthit::render::{Appearance, check_state_file, world_up};
 use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
-use firsthit::{Camera, Scene};
+use firsthit::{Camera, Scene, Shader};
 
 use crate::args::{CameraArgs, ColorsArgs, EdgeArgs, LightingArgs, LoadArgs, RenderArgs};
 use crate::asked;
@@ -49,9 +49,34 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
         check_others(args, orders, &[])?;
     }
     with_threads(&args.run, || {
-        let loaded = loading::read(&args.file, &args.load, args.light.color)?;
+        let settings = loading::settings(&args.load);
+        let build = |model: &World| args.trees.settings(rays(args, model));
+        let loaded = loading::read_with(&args.file, &settings, build, args.light.color)?;
         rendered(args, loaded.picked(&args.pick)?, asked, interrupted)
     })
+}
+
+/// About how many rays a picture takes; `None` where nobody knows before its camera, its shader or its noise.
+fn rays(args: &RenderArgs, model: &World) -> Option<u64> {
+    /// Shaders that send no more than a ray or two to lights from what a camera's ray meets.
+    const FEW: [&str; 5] = ["direct", "lambert", "phong", "blinn-phong", "matcap"];
+    /// As many as there are by default at most.
+    const SAMPLES: u32 = 16;
+    let shader = args.light.shader.as_deref();
+    let shader = shader.or(model.shader.as_ref().map(Shader::name));
+    let goes_on = shader.is_some_and(|name| !FEW.contains(&name));
+    let has_occlusion = |name: &String| name.starts_with("ao");
+    if goes_on || args.picture.noise.is_some() || args.picture.channels.iter().any(has_occlusion) {
+        return None;
+    }
+    let (columns, rows) = match args.camera.size {
+        Some(size) => size,
+        None if args.camera.colmap.is_some() => return None,
+        None => of_file(&args.camera, model).ok()?.size(),
+    };
+    let samples = args.picture.samples.or(model.samples).unwrap_or(SAMPLES);
+    let pixels = (columns as u64).saturating_mul(rows as u64);
+    Some(pixels.saturating_mul(u64::from(samples)).saturating_mul(2))
 }
 
 /// Makes the picture. `asked` is what the command line says already of what goes where.
