@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from ._lint import LintReport
+    from ._types import Build
 
 
 def load(
@@ -31,6 +32,7 @@ def load(
     strict: bool = False,
     max_memory: int = 8 << 30,
     max_texture: int = 16384,
+    build: Build = "auto",
 ) -> Scene:
     """Read a 3D file: a mesh, a scene file (TOML), or a built scene (.fhs, see `open`).
 
@@ -49,6 +51,8 @@ def load(
     max_texture : int
         The largest width and height of a texture in texels. Its texels, four bytes each, may take
         the square of this.
+    build : {"auto", "fast", "best"}
+        How the trees over meshes are built, see `Scene`. A ``.fhs`` file has its own.
 
     Returns
     -------
@@ -64,7 +68,7 @@ def load(
         For an unknown extension and wrong content; also a `ValueError`. Both are `FileError`, with
         path and place.
     ValueError
-        For limits that are no whole numbers.
+        For limits that are no whole numbers, and an unknown ``build``.
     MemoryError
         If the file needs more than ``max_memory``, or more than there is.
 
@@ -74,10 +78,11 @@ def load(
         For what is doubtful in the file.
     """
     limits = count("max_memory", max_memory), min(count("max_texture", max_texture), 2**32 - 1)
+    scene = Scene(build=build)
     model = _firsthit.load(Path(path), flag("strict", strict), *limits)
     for doubt in model["warnings"]:
         warn(doubt)
-    return _scene_of(model)
+    return _filled(scene, model)
 
 
 def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noqa: A001 - fh.open
@@ -127,11 +132,11 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
     >>> float(opened.shoot((0, 0, 9), (0, 0, -1)).t)
     8.0
     """
-    return _scene_of(_firsthit.open(Path(path), flag("verify", verify)))
+    return _filled(Scene(), _firsthit.open(Path(path), flag("verify", verify)))
 
 
-def _scene_of(model: _firsthit._Model) -> Scene:
-    scene = Scene()
+def _filled(scene: Scene, model: _firsthit._Model) -> Scene:
+    """Fill an empty scene with what a file holds, and return it."""
     scene.up = model["up"]
     scene._up_is_guessed = model["up_is_guessed"]
     meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]

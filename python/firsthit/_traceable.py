@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._environment import Environment
     from ._lights import Light
     from ._object import Object
-    from ._types import Selection, Vector
+    from ._types import Build, Selection, Vector
 
 #: What is around a scene, which way is up, and whether that is guessed.
 Around: TypeAlias = "tuple[Environment | None, Vector, bool]"
@@ -38,8 +38,12 @@ class Built:
         around: Around,
         native: _firsthit.Scene | None = None,
         previous: _firsthit.Scene | None = None,
+        build: Build = "auto",
     ) -> None:
-        """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
+        """Build it, unless ``native`` is that already; ``previous`` lends what did not change.
+
+        With a ``previous`` one, trees are built as they were for that.
+        """
         self.objects, self.lights, self.around = objects, lights, around
         #: What rays of one mask, or of some objects, were last shot at.
         self._seen: _Seen | None = None
@@ -52,6 +56,7 @@ class Built:
             None if environment is None else environment._native(),
             (up, is_guessed),
             previous,
+            build,
         )
 
     def changed(self, changed: Mapping[int, Object]) -> Built:

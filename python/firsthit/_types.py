@@ -11,6 +11,9 @@ import numpy.typing as npt
 #: Three numbers, as attributes have them; arguments take anything array_like of three.
 Vector = tuple[float, float, float]
 
+#: How the trees over meshes are built, see `Scene`.
+Build = Literal["auto", "fast", "best"]
+
 #: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
 DistanceName = Literal["t", "range", "z"]
 #: The channel of angles, float64.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firsthit::scene::Label;
+use firsthit::scene::{Build, BuildSettings, Label};
 use firsthit::{DAffine3, DMat3, DVec3, Material, Object, Transform};
 use pyo3::prelude::*;
 
@@ -49,7 +49,7 @@ type Place = (usize, [[f64; 4]; 4]);
 
 #[pymethods]
 impl Scene {
-    /// Builds a scene, sharing with `previous` what did not change. Which way is up, and whether that is guessed, is asked for the
+    /// Builds a scene, sharing with `previous` what did not change, and building as that did. Which way is up, and whether that is guessed, is asked for the
     /// environment.
     #[new]
     fn new(
@@ -59,16 +59,22 @@ impl Scene {
         environment: Option<EnvironmentIn<'_>>,
         up: ([f64; 3], bool),
         previous: Option<&Self>,
+        build: &str,
     ) -> PyResult<Self> {
+        let trees: firsthit::Result<Build> = build.parse();
+        let trees = BuildSettings {
+            build: trees.map_err(|error| raise(py, &error))?,
+            rays: None,
+        };
         let objects: Vec<Object> = objects
             .iter()
-            .map(|object| build(py, object))
+            .map(|object| object_in(py, object))
             .collect::<PyResult<_>>()?;
         let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
         let lights = lights.map_err(|error| raise(py, &error))?;
         let scene = run(py, 0, |_| match previous {
             Some(Self(previous)) => previous.with_objects(objects),
-            None => firsthit::Scene::new(objects),
+            None => firsthit::Scene::build(objects, trees),
         })?;
         let (up, up_is_guessed) = up;
         let up = if up_is_guessed && environment.is_some() {
@@ -93,7 +99,7 @@ impl Scene {
     ) -> PyResult<Self> {
         let replaced: Vec<(usize, Object)> = replaced
             .iter()
-            .map(|(identifier, object)| Ok((*identifier, build(py, object)?)))
+            .map(|(identifier, object)| Ok((*identifier, object_in(py, object)?)))
             .collect::<PyResult<_>>()?;
         let places: Vec<(usize, Transform)> = places
             .iter()
@@ -218,7 +224,7 @@ fn transform(py: Python<'_>, rows: &[[f64; 4]; 4]) -> PyResult<Transform> {
     transform.map_err(|error| raise(py, &error))
 }
 
-fn build(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
+fn object_in(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
     let ObjectIn(shape, name, rows, materials, mask, seen, [node, mesh]) = object;
     let (is_hidden, is_removed) = *seen;
     let mut object = Object::new(shape.0.clone()).named(name.clone());

@@ -123,6 +123,23 @@ def test_an_empty_scene_is_missed():
     assert not scene.occluded([0, 0, 0], [0, 0, 1])
 
 
+def test_answers_are_the_same_however_trees_are_built(tmp_path):
+    points, triangles = bumpy_sphere(60, 3)
+    origins = np.random.default_rng(5).uniform(-3, 3, (500, 3))
+    answers = []
+    for build in ("auto", "fast", "best"):
+        scene = fh.Scene(build=build)
+        scene.add(fh.Mesh(points, triangles))
+        assert copy.copy(scene).build == build
+        hits = scene.shoot(origins, -origins)
+        scene.save(tmp_path / f"{build}.fhs")
+        answers.append((hits.t.tobytes(), hits.primitive.tobytes()))
+    assert answers[0] == answers[1] == answers[2]
+    assert (tmp_path / "fast.fhs").read_bytes() == (tmp_path / "best.fhs").read_bytes()
+    with pytest.raises(ValueError, match="build must be one of"):
+        fh.Scene(build="worst")
+
+
 def test_closed_meshes_do_not_leak():
     points, triangles = bumpy_sphere(60, 3)
     scene = fh.Scene()
