@@ -7,7 +7,7 @@
     reason = "inlined into a kernel, it has the kernel's fused multiply-add"
 )]
 
-use std::ops::{BitAnd, BitOr};
+use std::ops::{BitAnd, BitOr, Not};
 
 use super::fused::mul_add;
 
@@ -16,7 +16,10 @@ pub(crate) trait Arithmetic: Copy {
     /// One float64, or lanes of them.
     type Number: Copy;
     /// Where something is so.
-    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
+    type Mask: Copy
+        + BitAnd<Output = Self::Mask>
+        + BitOr<Output = Self::Mask>
+        + Not<Output = Self::Mask>;
 
     /// `x`, in all lanes.
     fn number(self, x: f64) -> Self::Number;
@@ -40,6 +43,8 @@ pub(crate) trait Arithmetic: Copy {
     fn fused_neg_mul_add(self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
     /// Where `a < b`; not where either is NaN.
     fn lt(self, a: Self::Number, b: Self::Number) -> Self::Mask;
+    /// Where `a <= b`; not where either is NaN.
+    fn le(self, a: Self::Number, b: Self::Number) -> Self::Mask;
     /// `a` in the mask, elsewhere `b`.
     fn select(self, mask: Self::Mask, a: Self::Number, b: Self::Number) -> Self::Number;
     /// Whether all is in the mask.
@@ -91,6 +96,15 @@ impl<M: Copy + BitOr<Output = M>> BitOr for PairOfMasks<M> {
     }
 }
 
+impl<M: Copy + Not<Output = M>> Not for PairOfMasks<M> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self([!self.0[0], !self.0[1]])
+    }
+}
+
 /// Operations that are those of the two.
 macro_rules! of_two {
     ($($name:ident($($from:ident),+);)*) => {
@@ -126,6 +140,10 @@ impl<A: Arithmetic> Arithmetic for Pairs<A> {
     #[inline(always)]
     fn lt(self, a: Self::Number, b: Self::Number) -> Self::Mask {
         PairOfMasks([self.0.lt(a[0], b[0]), self.0.lt(a[1], b[1])])
+    }
+    #[inline(always)]
+    fn le(self, a: Self::Number, b: Self::Number) -> Self::Mask {
+        PairOfMasks([self.0.le(a[0], b[0]), self.0.le(a[1], b[1])])
     }
     #[inline(always)]
     fn select(self, mask: Self::Mask, a: Self::Number, b: Self::Number) -> Self::Number {
@@ -195,6 +213,10 @@ impl Arithmetic for Scalar {
     #[inline(always)]
     fn lt(self, a: f64, b: f64) -> bool {
         a < b
+    }
+    #[inline(always)]
+    fn le(self, a: f64, b: f64) -> bool {
+        a <= b
     }
     #[inline(always)]
     fn select(self, mask: bool, a: f64, b: f64) -> f64 {

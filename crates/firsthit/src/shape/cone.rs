@@ -1,10 +1,15 @@
 //! The cone: a round body whose radius changes evenly along its axis.
 
-use super::interval::{Interval, held};
+use super::bundle::{
+    CrossingOf, RayOf, Vector, dot, equal, has_minus, larger, minus, negative, plus, smaller,
+    splat, squared, times,
+};
+use super::interval::Interval;
 use super::{Crossing, Nearest, Surface, similarity, sines};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{Bounds, DVec2, DVec3, Ray, Transform, require, require_finite, unit};
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
@@ -82,76 +87,103 @@ impl Cone {
         (self.top_radius - self.bottom_radius) / self.height
     }
 
-    /// The stretch of the line `at + t * along` (relative to the bottom) that is inside.
-    fn inside(&self, at: DVec3, along: DVec3) -> Option<Interval> {
-        let (z, dz) = (at.dot(self.axis), along.dot(self.axis));
+    /// The stretch of the lines `at + t * along` (relative to the bottom) that is inside.
+    #[inline(always)]
+    fn inside<A: Arithmetic>(
+        &self,
+        of: A,
+        at: Vector<A::Number>,
+        along: Vector<A::Number>,
+    ) -> Interval<A> {
+        let axis = splat(of, self.axis);
+        let (z, dz) = (dot(of, at, axis), dot(of, along, axis));
         // A tip is part of the side: there is no lid.
-        let lid = |radius: f64, primitive| if radius > 0.0 { primitive } else { 0 };
-        let lids = [
-            (0.0, lid(self.bottom_radius, 1)),
-            (self.height, lid(self.top_radius, 2)),
-        ];
-        let slab = Interval::line().between(lids, z, dz)?;
-        let (across, d_across) = (at - z * self.axis, along - dz * self.axis);
-        let (radius, d_radius) = (self.bottom_radius + self.slope() * z, self.slope() * dz);
+        let bottom = i32::from(self.bottom_radius > 0.0);
+        let top = 2 * i32::from(self.top_radius > 0.0);
+        let slab = Interval::line(of).between([(0.0, bottom), (self.height, top)], z, dz);
+        if !slab.is_anywhere() {
+            return slab;
+        }
+        let across = minus(of, at, times(of, z, axis));
+        let d_across = minus(of, along, times(of, dz, axis));
+        let slope = of.number(self.slope());
+        let radius = of.add(of.number(self.bottom_radius), of.mul(slope, z));
+        let d_radius = of.mul(slope, dz);
         // Inside is where a t^2 + 2 b t + c <= 0. Between the lids the radius is not negative, so the
         // cone's mirror image beyond its tip does not count.
-        let a = d_across.length_squared() - d_radius * d_radius;
-        let b = across.dot(d_across) - radius * d_radius;
-        let c = across.length_squared() - radius * radius;
-        let discriminant = if a > 0.5 * d_across.length_squared() {
-            // From where the line is deepest inside: b * b - a * c is all rounding for a thin shape. (Haines,
-            // Günther and Akenine-Möller, see the sphere.)
-            let deepest = -b / a;
-            let radius = radius + deepest * d_radius;
-            a * (radius * radius - (across + deepest * d_across).length_squared())
-        } else {
-            b * b - a * c
-        };
-        if a == 0.0 && b == 0.0 || discriminant < 0.0 {
-            // No roots: all of the line is inside, or nothing.
-            let all = if a == 0.0 { c <= 0.0 } else { a < 0.0 };
-            return all.then_some(slab);
-        }
-        let q = -(b + discriminant.sqrt().copysign(b));
-        let (t0, t1) = (q / a, c / q);
-        if a > 0.0 {
-            return Some(slab.from(t0.min(t1), 0).until(t0.max(t1), 0));
-        }
-        if a == 0.0 {
-            return Some(if b > 0.0 {
-                slab.until(t1, 0)
-            } else {
-                slab.from(t1, 0)
-            });
-        }
+        let steepness = squared(of, d_across);
+        let a = of.sub(steepness, of.mul(d_radius, d_radius));
+        let b = of.sub(dot(of, across, d_across), of.mul(radius, d_radius));
+        let c = of.sub(squared(of, across), of.mul(radius, radius));
+        // From where the line is deepest inside: b * b - a * c is all rounding for a thin shape. (Haines,
+        // Günther and Akenine-Möller, see the sphere.)
+        let is_steep = of.lt(of.mul(of.number(0.5), steepness), a);
+        let deepest = of.div(negative(of, b), a);
+        let radius_there = of.add(radius, of.mul(deepest, d_radius));
+        let across_there = plus(of, across, times(of, deepest, d_across));
+        let depth = of.sub(
+            of.mul(radius_there, radius_there),
+            squared(of, across_there),
+        );
+        let flat = of.sub(of.mul(b, b), of.mul(a, c));
+        let discriminant = of.select(is_steep, of.mul(a, depth), flat);
+        let zero = of.number(0.0);
+        let is_even = equal(of, a, zero);
+        let has_no_roots = (is_even & equal(of, b, zero)) | of.lt(discriminant, zero);
+        // Then all of the line is inside, or nothing.
+        let is_all_inside = (is_even & of.le(c, zero)) | of.lt(a, zero);
+        let slab = slab.only(!has_no_roots | is_all_inside);
+        let has_roots = !has_no_roots;
+        let root = of.sqrt(discriminant);
+        let away = of.select(has_minus(of, b), of.sub(b, root), of.add(b, root));
+        let q = negative(of, away);
+        let (t0, t1) = (of.div(q, a), of.div(c, q));
+        let (lower, upper) = (smaller(of, t0, t1), larger(of, t0, t1));
+        let between = has_roots & of.lt(zero, a);
+        // Along the side there is one root.
+        let before_one = has_roots & is_even & of.lt(zero, b);
+        let after_one = has_roots & is_even & !of.lt(zero, b);
         // Steeper than the side: outside between the roots. One side of them is the mirror image's, where the
         // slab leaves nothing, or at the tip what rounding makes of nothing.
-        let (before, after) = (slab.until(t0.min(t1), 0), slab.from(t0.max(t1), 0));
-        Some(if before.length() < after.length() {
-            after
-        } else {
-            before
-        })
+        let is_outside_between = has_roots & !between & !is_even;
+        let before = slab.until(is_outside_between, lower, zero);
+        let after = slab.from(is_outside_between, upper, zero);
+        let is_after = is_outside_between & of.lt(before.length(), after.length());
+        Interval::select(is_after, after, before)
+            .from(between | after_one, of.select(is_even, t1, lower), zero)
+            .until(between | before_one, of.select(is_even, t1, upper), zero)
     }
 
-    /// The stretch of the ray's line that is inside, and the ray's parameter where the stretch has its zero.
-    fn along(&self, ray: &Ray) -> Option<(Interval, f64)> {
-        let at = ray.origin - self.bottom;
+    /// The stretch of rays inside.
+    #[inline(always)]
+    fn along<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> Interval<A> {
+        let at = minus(of, ray.origin, splat(of, self.bottom));
         // From far away the quadratic's terms would be all rounding: start it where the line is nearest.
         let size = self.height + self.bottom_radius + self.top_radius;
-        let far = at.length_squared() > 64.0 * size * size;
-        let start = if far {
-            -at.dot(ray.direction) / ray.direction.length_squared()
-        } else {
-            0.0
-        };
-        let nearest = at + start * ray.direction;
-        // A line far outside, by more than rounding, meets nothing. Here, because the fourth powers below may overflow.
-        if far && nearest.length() > 2.0 * size + 1e-14 * at.length() {
-            return None;
+        let squared_distance = squared(of, at);
+        let is_far = of.lt(of.number(64.0 * size * size), squared_distance);
+        if !of.is_anywhere(is_far) {
+            let start = of.number(0.0);
+            let nearest = plus(of, at, times(of, start, ray.direction));
+            return self.inside(of, nearest, ray.direction).moved(start);
         }
-        Some((self.inside(nearest, ray.direction)?, start))
+        let back = negative(of, dot(of, at, ray.direction));
+        let start = of.div(back, squared(of, ray.direction));
+        let start = of.select(is_far, start, of.number(0.0));
+        let nearest = plus(of, at, times(of, start, ray.direction));
+        // A line far outside, by more than rounding, meets nothing. Here, because the fourth powers below may overflow.
+        let rounding = of.mul(of.number(1e-14), of.sqrt(squared_distance));
+        let most = of.add(of.number(2.0 * size), rounding);
+        let is_outside = is_far & of.lt(most, of.sqrt(squared(of, nearest)));
+        self.inside(of, nearest, ray.direction)
+            .only(!is_outside)
+            .moved(start)
+    }
+
+    /// Where rays meet it first.
+    #[inline(always)]
+    pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
+        self.along(of, ray).first(ray)
     }
 }
 
@@ -173,15 +205,12 @@ impl Surface for Cone {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (inside, start) = self.along(ray)?;
-        inside.first(start, ray)
+        let ray = RayOf::from(ray);
+        self.first(Scalar, &ray).single()
     }
 
     fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
-        let ends = self
-            .along(ray)
-            .and_then(|(inside, start)| inside.ends(start));
-        held(ends, ray)
+        self.along(Scalar, &ray.into()).crossings(ray)
     }
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {

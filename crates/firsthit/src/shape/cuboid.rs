@@ -1,10 +1,12 @@
 //! The box along the axes.
 
-use super::interval::{Interval, held};
+use super::bundle::{CrossingOf, RayOf};
+use super::interval::Interval;
 use super::{Crossing, Nearest, Surface, nearest_on_triangle};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{Bounds, DVec3, Ray, Transform, require, require_finite};
 
 /// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
@@ -54,17 +56,27 @@ impl Cuboid {
         self.bounds.high
     }
 
-    /// The stretch of the ray's line that is inside.
-    fn inside(&self, ray: &Ray) -> Option<Interval> {
-        let mut inside = Interval::line();
-        for (axis, faces) in [[0, 1], [2, 3], [4, 5]].into_iter().enumerate() {
-            let planes = [
-                (self.bounds.low[axis], faces[0]),
-                (self.bounds.high[axis], faces[1]),
-            ];
-            inside = inside.between(planes, ray.origin[axis], ray.direction[axis])?;
-        }
-        Some(inside)
+    /// The stretch of rays inside.
+    #[inline(always)]
+    fn inside<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> Interval<A> {
+        let Bounds { low, high } = self.bounds;
+        let RayOf {
+            origin, direction, ..
+        } = ray;
+        let x = [(low.x, 0), (high.x, 1)];
+        let y = [(low.y, 2), (high.y, 3)];
+        let z = [(low.z, 4), (high.z, 5)];
+        Interval::line(of)
+            .between(x, origin[0], direction[0])
+            .between(y, origin[1], direction[1])
+            .between(z, origin[2], direction[2])
+            .moved(of.number(0.0))
+    }
+
+    /// Where rays meet it first.
+    #[inline(always)]
+    pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
+        self.inside(of, ray).first(ray)
     }
 }
 
@@ -79,11 +91,12 @@ impl Surface for Cuboid {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        self.inside(ray)?.first(0.0, ray)
+        let ray = RayOf::from(ray);
+        self.first(Scalar, &ray).single()
     }
 
     fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
-        held(self.inside(ray).and_then(|inside| inside.ends(0.0)), ray)
+        self.inside(Scalar, &ray.into()).crossings(ray)
     }
 
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {

@@ -1,11 +1,13 @@
 //! The disc: a plane within a circle.
 
+use super::bundle::{CrossingOf, RayOf, minus, splat, squared};
 use super::nearest::{Nearest, Principal, onto_ellipse, similarity};
 use super::plane::Plane;
 use super::{Crossing, Surface, sines};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{Bounds, DVec3, Ray, Transform, require_positive};
 
 /// The part of a plane within `radius` of `center`.
@@ -55,6 +57,21 @@ impl Disc {
     }
 }
 
+impl Disc {
+    /// Where rays cross it.
+    #[inline(always)]
+    pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
+        let crossing = self.plane.first(of, ray);
+        let from_center = minus(of, ray.at(of, crossing.t), splat(of, self.center));
+        let radius_squared = of.number(self.radius * self.radius);
+        let is_inside = of.le(squared(of, from_center), radius_squared);
+        CrossingOf {
+            is_met: crossing.is_met & is_inside,
+            ..crossing
+        }
+    }
+}
+
 impl Surface for Disc {
     fn bounds(&self) -> Bounds {
         let reach = self.radius * sines(self.plane.normal(self.center, 0));
@@ -70,9 +87,8 @@ impl Surface for Disc {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let t = self.plane.crossing(ray)?;
-        let inside = (ray.at(t) - self.center).length_squared() <= self.radius * self.radius;
-        inside.then(|| Crossing::at(t, 0))
+        let ray = RayOf::from(ray);
+        self.first(Scalar, &ray).single()
     }
 
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {

@@ -4,87 +4,188 @@
 //! a stretch with two ends, or nothing: so there is no seam between a lid and a side to slip through.
 
 use super::Crossing;
+use super::bundle::{CrossingOf, RayOf, crossing, equal, is_finite};
 use crate::geometry::Ray;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 
-/// The stretch inside, each end with the part of the surface where it is.
+/// Where a line enters or leaves, and the part of the surface that is there: a small whole number.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Interval {
-    enter: Crossing,
-    exit: Crossing,
+pub(super) struct End<N> {
+    pub(super) t: N,
+    pub(super) primitive: N,
 }
 
-impl Interval {
-    /// The whole line.
-    pub(super) fn line() -> Self {
-        let end = |t| Crossing::at(t, i32::MAX);
+impl<N: Copy> End<N> {
+    #[inline(always)]
+    fn select<A: Arithmetic<Number = N>>(of: A, mask: A::Mask, a: Self, b: Self) -> Self {
         Self {
-            enter: end(f64::NEG_INFINITY),
-            exit: end(f64::INFINITY),
+            t: of.select(mask, a.t, b.t),
+            primitive: of.select(mask, a.primitive, b.primitive),
+        }
+    }
+}
+
+/// The stretch inside, where there is one.
+#[derive(Clone, Copy)]
+pub(super) struct Interval<A: Arithmetic> {
+    of: A,
+    /// Not where the line is known to pass; elsewhere the stretch may be empty.
+    is_there: A::Mask,
+    enter: End<A::Number>,
+    exit: End<A::Number>,
+}
+
+impl<A: Arithmetic> Interval<A> {
+    /// The whole line.
+    #[inline(always)]
+    pub(super) fn line(of: A) -> Self {
+        let primitive = of.number(f64::from(i32::MAX));
+        let is_there = of.lt(of.number(0.0), of.number(1.0));
+        let enter = End {
+            t: of.number(f64::NEG_INFINITY),
+            primitive,
+        };
+        let exit = End {
+            t: of.number(f64::INFINITY),
+            primitive,
+        };
+        Self::new(of, is_there, [enter, exit])
+    }
+
+    /// From one end to the other, where that is in the mask.
+    #[inline(always)]
+    pub(super) fn new(of: A, is_there: A::Mask, [enter, exit]: [End<A::Number>; 2]) -> Self {
+        Self {
+            of,
+            is_there,
+            enter,
+            exit,
         }
     }
 
-    /// What is left from `t` on, `primitive` being the surface there; on a tie the lower one stays.
-    pub(super) fn from(mut self, t: f64, primitive: i32) -> Self {
-        if t > self.enter.t || (t == self.enter.t && primitive < self.enter.primitive) {
-            self.enter = Crossing::at(t, primitive);
-        }
+    /// What is left from `t` on where a mask says so, `primitive` being the surface there; on a tie the lower one stays.
+    #[inline(always)]
+    pub(super) fn from(mut self, mask: A::Mask, t: A::Number, primitive: A::Number) -> Self {
+        let Self { of, enter, .. } = self;
+        let ties = equal(of, t, enter.t) & of.lt(primitive, enter.primitive);
+        let is_later = mask & (of.lt(enter.t, t) | ties);
+        self.enter = End::select(of, is_later, End { t, primitive }, enter);
         self
     }
 
     /// What is left up to `t`.
-    pub(super) fn until(mut self, t: f64, primitive: i32) -> Self {
-        if t < self.exit.t || (t == self.exit.t && primitive < self.exit.primitive) {
-            self.exit = Crossing::at(t, primitive);
-        }
+    #[inline(always)]
+    pub(super) fn until(mut self, mask: A::Mask, t: A::Number, primitive: A::Number) -> Self {
+        let Self { of, exit, .. } = self;
+        let ties = equal(of, t, exit.t) & of.lt(primitive, exit.primitive);
+        let is_sooner = mask & (of.lt(t, exit.t) | ties);
+        self.exit = End::select(of, is_sooner, End { t, primitive }, exit);
         self
     }
 
-    /// What is left between the planes where a coordinate is `low` and `high`; the ray has the
-    /// coordinate `at` at its start and `speed` along. `None` when it runs beside them.
-    pub(super) fn between(self, [low, high]: [(f64, i32); 2], at: f64, speed: f64) -> Option<Self> {
-        if speed == 0.0 {
-            return (low.0 <= at && at <= high.0).then_some(self);
-        }
-        let [low_t, high_t] = [low, high].map(|(plane, _)| (plane - at) / speed);
-        let (near, far) = if speed > 0.0 {
-            ((low_t, low.1), (high_t, high.1))
-        } else {
-            ((high_t, high.1), (low_t, low.1))
+    /// What is left between the planes where a coordinate is `low` and `high`, each with its primitive; the ray has the coordinate `at` at
+    /// its start and `speed` along. Nothing where it runs beside them.
+    #[inline(always)]
+    pub(super) fn between(
+        self,
+        [low, high]: [(f64, i32); 2],
+        at: A::Number,
+        speed: A::Number,
+    ) -> Self {
+        let of = self.of;
+        let zero = of.number(0.0);
+        let is_beside = equal(of, speed, zero);
+        let planes = [of.number(low.0), of.number(high.0)];
+        let is_within = of.le(planes[0], at) & of.le(at, planes[1]);
+        let low = End {
+            t: of.div(of.sub(planes[0], at), speed),
+            primitive: of.number(f64::from(low.1)),
         };
-        Some(self.from(near.0, near.1).until(far.0, far.1))
+        let high = End {
+            t: of.div(of.sub(planes[1], at), speed),
+            primitive: of.number(f64::from(high.1)),
+        };
+        let is_upwards = of.lt(zero, speed);
+        let near = End::select(of, is_upwards, low, high);
+        let far = End::select(of, is_upwards, high, low);
+        let left =
+            self.from(!is_beside, near.t, near.primitive)
+                .until(!is_beside, far.t, far.primitive);
+        left.only(!is_beside | is_within)
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.enter.t > self.exit.t
+    /// What is left where a mask says so.
+    #[inline(always)]
+    pub(super) fn only(mut self, mask: A::Mask) -> Self {
+        self.is_there = self.is_there & mask;
+        self
+    }
+
+    /// Whether anything may be inside anywhere.
+    #[inline(always)]
+    pub(super) fn is_anywhere(&self) -> bool {
+        let Self {
+            of, enter, exit, ..
+        } = self;
+        of.is_anywhere(self.is_there & !of.lt(exit.t, enter.t))
     }
 
     /// How much of the ray is inside; negative for nothing.
-    pub(super) fn length(&self) -> f64 {
-        self.exit.t - self.enter.t
+    #[inline(always)]
+    pub(super) fn length(&self) -> A::Number {
+        self.of.sub(self.exit.t, self.enter.t)
     }
 
-    /// Both ends, the interval's zero being at the ray's parameter `start`.
-    pub(super) fn ends(self, start: f64) -> Option<[Crossing; 2]> {
-        let moved = |end: Crossing| Crossing {
-            t: end.t + start,
-            ..end
-        };
-        (!self.is_empty()).then(|| [self.enter, self.exit].map(moved))
+    /// One where a mask says so, the other elsewhere.
+    #[inline(always)]
+    pub(super) fn select(mask: A::Mask, one: Self, other: Self) -> Self {
+        let of = one.of;
+        Self {
+            of,
+            is_there: (mask & one.is_there) | (!mask & other.is_there),
+            enter: End::select(of, mask, one.enter, other.enter),
+            exit: End::select(of, mask, one.exit, other.exit),
+        }
     }
 
-    /// The first end that `ray` holds, the interval's zero being at the ray's parameter `start`; where
-    /// both ends are at the same `t` (the ray touches an edge), the one with the lower primitive.
-    pub(super) fn first(self, start: f64, ray: &Ray) -> Option<Crossing> {
-        let [enter, exit] = self.ends(start)?;
-        let touches = enter.t == exit.t && exit.primitive < enter.primitive;
-        let ends = if touches { [exit; 2] } else { [enter, exit] };
-        ends.into_iter()
-            .find(|end| ray.holds(end.t) && end.t.is_finite())
+    /// The stretch where it is not empty, after its zero was at the ray's parameter `start`.
+    #[inline(always)]
+    pub(super) fn moved(mut self, start: A::Number) -> Self {
+        let of = self.of;
+        self = self.only(!of.lt(self.exit.t, self.enter.t));
+        self.enter.t = of.add(self.enter.t, start);
+        self.exit.t = of.add(self.exit.t, start);
+        self
+    }
+
+    /// The first end that the ray holds. Where both are at the same `t` (the ray touches an edge), that with the lower primitive.
+    #[inline(always)]
+    pub(super) fn first(self, ray: &RayOf<A::Number>) -> CrossingOf<A> {
+        let Self {
+            of,
+            is_there,
+            enter,
+            exit,
+        } = self;
+        let is_touched = equal(of, enter.t, exit.t) & of.lt(exit.primitive, enter.primitive);
+        let enter = End::select(of, is_touched, exit, enter);
+        let is_first = ray.holds(of, enter.t) & is_finite(of, enter.t);
+        let is_second = ray.holds(of, exit.t) & is_finite(of, exit.t);
+        let End { t, primitive } = End::select(of, is_first, enter, exit);
+        CrossingOf {
+            is_met: is_there & (is_first | is_second),
+            t,
+            primitive,
+        }
     }
 }
 
-/// Those of a solid's ends that `ray` holds.
-pub(super) fn held(ends: Option<[Crossing; 2]>, ray: &Ray) -> [Option<Crossing>; 2] {
-    let ends = ends.map_or([None; 2], |ends| ends.map(Some));
-    ends.map(|end| end.filter(|end| ray.holds(end.t) && end.t.is_finite()))
+impl Interval<Scalar> {
+    /// Those of the ends that the ray holds.
+    pub(super) fn crossings(self, ray: &Ray) -> [Option<Crossing>; 2] {
+        [self.enter, self.exit].map(|end| {
+            let is_held = self.is_there && ray.holds(end.t) && end.t.is_finite();
+            is_held.then(|| crossing(end.t, end.primitive))
+        })
+    }
 }

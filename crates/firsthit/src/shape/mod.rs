@@ -1,6 +1,12 @@
 //! What rays can meet: a file per shape, each in its own object space.
 
+#![allow(
+    clippy::inline_always,
+    reason = "inlined into a kernel, it has the kernel's instructions"
+)]
+
 mod attribute;
+pub(crate) mod bundle;
 mod cone;
 mod cuboid;
 mod cylinder;

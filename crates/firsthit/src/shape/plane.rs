@@ -1,9 +1,11 @@
 //! The infinite plane.
 
+use super::bundle::{CrossingOf, RayOf, dot, is_finite, minus, splat};
 use super::{Crossing, Nearest, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{Bounds, DVec3, Ray, Transform, require_direction, require_finite, unit};
 
 /// The infinite plane through a point.
@@ -50,11 +52,18 @@ impl Plane {
         self.normal
     }
 
-    /// The parameter at which the ray crosses the plane, if it does.
-    pub(super) fn crossing(&self, ray: &Ray) -> Option<f64> {
-        let t = (self.point - ray.origin).dot(self.normal) / ray.direction.dot(self.normal);
-        // Written so that a NaN (the ray runs in the plane) and an infinity (beside it) fail.
-        (ray.holds(t) && t.is_finite()).then_some(t)
+    /// Where rays cross it.
+    #[inline(always)]
+    pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
+        let normal = splat(of, self.normal);
+        let height = dot(of, minus(of, splat(of, self.point), ray.origin), normal);
+        let t = of.div(height, dot(of, ray.direction, normal));
+        CrossingOf {
+            // Not where `t` is a NaN (the ray runs in the plane) or an infinity (beside it).
+            is_met: ray.holds(of, t) & is_finite(of, t),
+            t,
+            primitive: of.number(0.0),
+        }
     }
 }
 
@@ -68,7 +77,8 @@ impl Surface for Plane {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        self.crossing(ray).map(|t| Crossing::at(t, 0))
+        let ray = RayOf::from(ray);
+        self.first(Scalar, &ray).single()
     }
 
     fn normal(&self, _point: DVec3, _primitive: i32) -> DVec3 {

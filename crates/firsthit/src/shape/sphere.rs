@@ -1,11 +1,16 @@
 //! The sphere.
 
-use super::interval::held;
+use super::bundle::{
+    CrossingOf, RayOf, dot, has_minus, larger, minus, negative, plus, smaller, splat, squared,
+    times,
+};
+use super::interval::{End, Interval};
 use super::nearest::{Nearest, Principal, onto_ellipse, similarity};
 use super::{Crossing, Surface};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{Bounds, DVec3, Ray, Transform, require_finite, require_positive, unit};
 
 /// All points at `radius` from `center`.
@@ -47,21 +52,43 @@ impl Sphere {
         self.radius
     }
 
-    /// Where the ray's line enters and where it leaves.
-    fn ends(&self, ray: &Ray) -> Option<[Crossing; 2]> {
-        let from_center = ray.origin - self.center;
-        let a = ray.direction.length_squared();
-        let b = -from_center.dot(ray.direction);
-        let c = from_center.length_squared() - self.radius * self.radius;
+    /// The stretch of rays inside.
+    ///
+    /// Stable roots: Haines, Günther and Akenine-Möller, "Precision Improvements for Ray/Sphere
+    /// Intersection", Ray Tracing Gems (2019), chapter 7.
+    #[inline(always)]
+    fn inside<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> Interval<A> {
+        let from_center = minus(of, ray.origin, splat(of, self.center));
+        let radius_squared = of.number(self.radius * self.radius);
+        let a = squared(of, ray.direction);
+        let b = negative(of, dot(of, from_center, ray.direction));
+        let c = of.sub(squared(of, from_center), radius_squared);
         // From the line's closest point, not from b * b - a * c, which far away is all rounding.
-        let closest = from_center + b / a * ray.direction;
-        let discriminant = self.radius * self.radius - closest.length_squared();
-        if discriminant < 0.0 {
-            return None;
+        let closest = plus(of, from_center, times(of, of.div(b, a), ray.direction));
+        let discriminant = of.sub(radius_squared, squared(of, closest));
+        let is_there = !of.lt(discriminant, of.number(0.0));
+        if !of.is_anywhere(is_there) {
+            return Interval::line(of).only(is_there);
         }
-        let q = b + b.signum() * (a * discriminant).sqrt();
-        let (t0, t1) = (c / q, q / a);
-        Some([t0.min(t1), t0.max(t1)].map(|t| Crossing::at(t, 0)))
+        let root = of.sqrt(of.mul(a, discriminant));
+        let q = of.select(has_minus(of, b), of.sub(b, root), of.add(b, root));
+        let (t0, t1) = (of.div(c, q), of.div(q, a));
+        let primitive = of.number(0.0);
+        let enter = End {
+            t: smaller(of, t0, t1),
+            primitive,
+        };
+        let exit = End {
+            t: larger(of, t0, t1),
+            primitive,
+        };
+        Interval::new(of, is_there, [enter, exit])
+    }
+
+    /// Where rays meet it first.
+    #[inline(always)]
+    pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
+        self.inside(of, ray).first(ray)
     }
 }
 
@@ -77,14 +104,13 @@ impl Surface for Sphere {
         self.center.dot(direction) + self.radius * direction.length()
     }
 
-    /// Stable roots: Haines, Günther and Akenine-Möller, "Precision Improvements for Ray/Sphere
-    /// Intersection", Ray Tracing Gems (2019), chapter 7.
     fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        self.ends(ray)?.into_iter().find(|end| ray.holds(end.t))
+        let ray = RayOf::from(ray);
+        self.first(Scalar, &ray).single()
     }
 
     fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
-        held(self.ends(ray), ray)
+        self.inside(Scalar, &ray.into()).crossings(ray)
     }
 
     fn normal(&self, point: DVec3, _primitive: i32) -> DVec3 {

@@ -56,6 +56,10 @@ impl<L: Lanes> Arithmetic for InLanes<L> {
         self.0.lt64(a, b)
     }
     #[inline(always)]
+    fn le(self, a: L::Doubles, b: L::Doubles) -> u8 {
+        self.0.le64(a, b)
+    }
+    #[inline(always)]
     fn select(self, mask: u8, a: L::Doubles, b: L::Doubles) -> L::Doubles {
         self.0.select64(mask, a, b)
     }
