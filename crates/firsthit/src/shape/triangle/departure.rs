@@ -4,8 +4,8 @@
 //! to float64, which may be on the other side of the triangle, or of a neighbour. So a triangle is met where the ray from P
 //! itself meets it, at an exact `t > 0`: never the one that is left, for that is met at zero; nor a neighbour that touches it in P.
 //!
-//! 1. Compute the sides as for a ray from the origin, and `t`. Where rounding and the distance from the origin to P cannot
-//!    matter, they decide.
+//! 1. Compute the sides as for a ray from the origin, and `t`, in twice the digits if need be. Where rounding and the distance from the
+//!    origin to P cannot matter, they decide.
 //! 2. Elsewhere compute the sides' and `t`'s signs without rounding, from P.
 //! 3. `t` is measured from the rounded origin. Where that is not positive, it is the exact one from P, rounded.
 //!
@@ -82,44 +82,48 @@ impl DeparturePoint {
         }
         let meeting = Meeting::new(ray.origin, ray.direction, corners);
         let is_met = least > doubt || most < -doubt;
-        if is_met && let Some(place) = meeting.plain() {
-            let depth = place[0] * ray.direction.abs().max_element();
+        let doubtful = Doubtful {
+            meeting,
+            is_met: true,
+            edges,
+        };
+        if is_met {
+            let longest = ray.direction.abs().max_element();
             let steep = seen.across * seen.largest / seen.sum().abs();
             let moved = 64.0 * self.off * (1.0 + steep);
+            // Near the plane plain float64 does not know the last digit of `t`: twice the digits do, long before exact arithmetic.
+            let hit = match meeting.plain() {
+                Some(place) => Some(TriangleHit::new(place)),
+                None => doubtful.settle(),
+            };
             // Written so that a NaN settles nothing.
-            if depth > moved {
-                return Some(TriangleHit::new(place));
-            }
-            if depth < -moved {
-                return None;
+            if let Some(hit) = hit {
+                let depth = hit.t * longest;
+                if depth > moved {
+                    return Some(hit);
+                }
+                if depth < -moved {
+                    return None;
+                }
             }
         }
-        self.settle(meeting, edges, corners)
+        self.settle(doubtful, corners)
     }
 
     /// The same in exact arithmetic.
     #[cold]
     #[inline(never)]
-    fn settle(
-        &self,
-        meeting: Meeting<f64>,
-        edges: EdgeRule,
-        corners: [DVec3; 3],
-    ) -> Option<TriangleHit> {
+    fn settle(&self, doubtful: Doubtful, corners: [DVec3; 3]) -> Option<TriangleHit> {
         if self.is_in_plane(corners) {
             return None;
         }
+        let Doubtful { meeting, edges, .. } = doubtful;
         let direction = DVec3::from(meeting.direction);
         let exact = Exact::new(self, direction, corners)?;
         if !exact.meets(edges, &meeting) {
             return None;
         }
         let t = exact.t().filter(|&t| t > 0.0)?;
-        let doubtful = Doubtful {
-            meeting,
-            is_met: true,
-            edges,
-        };
         let hit = doubtful.settle()?;
         let t = if hit.t > 0.0 { hit.t } else { t };
         Some(TriangleHit { t, ..hit })
