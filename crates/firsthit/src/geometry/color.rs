@@ -13,6 +13,7 @@ use super::DVec3;
 pub type Color = DVec3;
 
 /// The luminance of a linear colour: how bright it looks, white being 1 (Rec. 709).
+#[inline]
 pub fn luminance(color: Color) -> f64 {
     color.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }

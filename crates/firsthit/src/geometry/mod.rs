@@ -87,6 +87,7 @@ pub(crate) fn share_at_end(from: DVec3, to: DVec3) -> f64 {
 }
 
 /// Whether a colour adds or takes light away: whether it is finite and not black.
+#[inline]
 pub(crate) fn is_light(color: Color) -> bool {
     color.is_finite() && color != Color::ZERO
 }

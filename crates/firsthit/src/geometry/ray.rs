@@ -54,6 +54,7 @@ impl Ray {
     }
 
     /// The point at the parameter `t`.
+    #[inline]
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }

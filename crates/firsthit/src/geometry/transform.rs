@@ -134,6 +134,7 @@ impl Transform {
     /// An object-space normal in the world, of length one.
     ///
     /// It goes by the inverse transpose, not by the cofactors: so a mirrored object keeps its outside.
+    #[inline]
     pub fn normal_in_world(&self, normal: DVec3) -> DVec3 {
         if self.is_identity() {
             return normal;

@@ -41,6 +41,7 @@ impl Accumulation {
     }
 
     /// Adds a sample to a pixel.
+    #[inline]
     pub(super) fn add(
         (sum, square, count): (&mut [f64; 4], &mut f64, &mut u32),
         (color, covered): (Color, f64),

@@ -40,6 +40,7 @@ impl Scene {
     ///
     /// It takes a hit of this scene. With one of another scene it answers for whatever has its identifiers here: `None` where there is
     /// no such object, or its mesh has no such triangle.
+    #[inline]
     pub fn interaction<'a>(&'a self, ray: &'a Ray, hit: &'a Hit) -> Option<SurfaceInteraction<'a>> {
         let object = self.object(hit)?;
         let mesh = match object.shape() {
@@ -88,6 +89,7 @@ impl<'a> SurfaceInteraction<'a> {
     /// triangle's is the mean of its corners by the hit's weights, off its plane by 13 * 2^-53 of the largest coordinate at most. Other shapes'
     /// is `ray.at(hit.t)` moved onto the shape, off that by 8 * 2^-53 of the shape's largest coordinate and its size. A
     /// transform rounds once more.
+    #[inline]
     pub fn position(&self) -> DVec3 {
         let transform = self.object.transform();
         let point = if let Some((mesh, triangle)) = self.mesh {
@@ -122,6 +124,12 @@ impl<'a> SurfaceInteraction<'a> {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub fn leave(&self, direction: DVec3) -> (Ray, RayFilter) {
+        (Ray::new(self.position(), direction), self.departure())
+    }
+
+    /// The filter of a ray from the hit on.
+    #[inline]
+    pub(crate) fn departure(&self) -> RayFilter {
         let Hit {
             object,
             primitive,
@@ -132,15 +140,15 @@ impl<'a> SurfaceInteraction<'a> {
             surface: SurfaceId { object, primitive },
             barycentric,
         };
-        let filter = RayFilter {
+        RayFilter {
             departure: Some(departure),
             ..RayFilter::NONE
-        };
-        (Ray::new(self.position(), direction), filter)
+        }
     }
 
     /// The geometric normal in the world: the face's own, of length one, outwards for closed shapes. NaN for a triangle
     /// without an area.
+    #[inline]
     pub fn normal(&self) -> DVec3 {
         *self.normal.get_or_init(|| {
             let transform = self.object.transform();
@@ -174,11 +182,13 @@ impl<'a> SurfaceInteraction<'a> {
     }
 
     /// Whether the front was met: the side that the geometric normal points to.
+    #[inline]
     pub fn is_front(&self) -> bool {
         self.ray.direction.dot(self.normal()) < 0.0
     }
 
     /// 1 where the front was met, and -1 where the back was: times a normal it is the normal on the side that is seen.
+    #[inline]
     pub(crate) fn side(&self) -> f64 {
         if self.is_front() { 1.0 } else { -1.0 }
     }

@@ -48,7 +48,7 @@ pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};
 
 pub(crate) use duplicates::Duplicates;
 pub(crate) use emitters::Emitters;
-pub(crate) use light::form_factor;
+pub(crate) use light::{PreparedLight, form_factor};
 #[cfg(feature = "fhs")]
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;
@@ -476,6 +476,7 @@ impl Scene {
     /// The object that was hit; `None` for a miss.
     ///
     /// For more about it, see [`Scene::interaction`].
+    #[inline]
     pub fn object(&self, hit: &Hit) -> Option<&Object> {
         self.objects.get(usize::try_from(hit.object).ok()?)
     }

@@ -202,6 +202,7 @@ impl Mesh {
     }
 
     /// The triangle's own normal, counter-clockwise front, of length one; NaN if it has no area.
+    #[inline]
     pub fn normal(&self, triangle: usize) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
         // Not edges of length one: their rounding would give collinear corners an area.

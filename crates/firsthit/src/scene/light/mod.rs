@@ -85,6 +85,14 @@ impl PreparedLight {
         }
     }
 
+    /// The sample that is the same at all points, if there is one for these numbers.
+    pub(crate) fn everywhere(&self, u: DVec2) -> Option<LightSample> {
+        match self {
+            Self::Sun(sun) => Some(sun.sample(u)),
+            Self::Other(_) => None,
+        }
+    }
+
     /// Whether all of its light is known to come from behind a surface with this normal of length one.
     pub(crate) fn is_behind(&self, normal: DVec3) -> bool {
         match self {
