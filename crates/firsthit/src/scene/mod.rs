@@ -53,7 +53,7 @@ pub(crate) use light::{PreparedLight, form_factor};
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;
 use top_tree::TopTree;
-pub(crate) use top_tree::{Around, Candidate, OnTheWay};
+pub(crate) use top_tree::{Around, Listed, OnTheWay};
 
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
@@ -509,9 +509,9 @@ impl Scene {
         self.top.on_the_way()
     }
 
-    /// Appends the objects that any of some rays may meet; `false`, and none, where it is better to ask [for each](Self::on_the_way).
-    pub(crate) fn list_candidates(&self, beam: &Beam, candidates: &mut Vec<Candidate>) -> bool {
-        self.top.list_candidates(beam, candidates)
+    /// The objects that any of some rays may meet; `None` where it is better to ask [for each](Self::on_the_way).
+    pub(crate) fn list_candidates(&self, beam: &Beam) -> Option<Listed<'_>> {
+        self.top.list_candidates(beam)
     }
 
     /// A box around each object, from which the tree over them is made.

@@ -8,11 +8,13 @@ use crate::geometry::{Beam, Bounds, DVec3, Ray};
 /// With at most this many objects no tree is walked: the box of each is tested.
 const FEW: usize = 4;
 
-/// Of at most this many objects a beam of rays may list those that it may meet, in place of asking the tree ray by ray.
+/// Of at most this many objects a beam of rays may list those that it may meet, in place of asking the tree ray by ray. Each is a bit of a
+/// number.
 const LISTED: usize = 64;
 
-/// A list with more objects than these serves no better than the tree.
-const MOST_CANDIDATES: usize = 8;
+/// A list with more lone shapes, or more other objects, serves no better than the tree.
+const MOST_SHAPES: u32 = 16;
+const MOST_OTHERS: u32 = 8;
 
 /// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
 /// the boxes of all objects. Then this object goes without a box.
@@ -25,8 +27,11 @@ pub(super) struct TopTree {
     /// The objects that are in no tree: they have no finite box, or only a vague one, or there are so few that asking the tree would take
     /// longer.
     outside: Vec<Candidate>,
-    /// All objects that may be met, in a tree or not; none where there are more than [`LISTED`].
+    /// All objects that may be met, in a tree or not, lone shapes first; none where there are more than
+    /// [`LISTED`].
     listed: Vec<Candidate>,
+    /// How many of these are lone shapes.
+    lone_shapes: u32,
     pub(super) duplicates: Duplicates,
     /// A box around each object.
     boxes: Vec<Bounds>,
@@ -41,10 +46,12 @@ pub(crate) struct Candidate {
     bounds: Bounds,
     /// How much wider the box is for a ray from far away, as a share of the coordinates of its origin.
     slack: f64,
+    /// Whether the object is no mesh, and no other is in its place.
+    is_lone_shape: bool,
 }
 
 impl Candidate {
-    fn new(objects: &[Object], index: u32, bounds: Bounds) -> Self {
+    fn new(objects: &[Object], duplicates: &Duplicates, index: u32, bounds: Bounds) -> Self {
         let object = &objects[index as usize];
         let slack = object.slack().max(Bvh::OBJECTS);
         let is_vague = is_unbounded(&bounds) || object.slack() > LARGEST_SLACK;
@@ -56,6 +63,7 @@ impl Candidate {
                 object.padded(bounds, slack)
             },
             slack,
+            is_lone_shape: object.mesh().is_none() && duplicates.of(index).is_empty(),
         }
     }
 
@@ -90,15 +98,13 @@ impl TopTree {
         let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
         let is_out = |k: u32| duplicates.contains(k) || objects[k as usize].is_hidden();
         let loose = (0..count).filter(|&k| is_loose(k) && !is_out(k));
-        let outside = loose.map(|k| Candidate::new(objects, k, boxes[k as usize]));
-        let outside = outside.collect();
-        let listed = if objects.len() <= LISTED {
-            let there = (0..count).filter(|&k| !is_out(k));
-            let there = there.map(|k| Candidate::new(objects, k, boxes[k as usize]));
-            there.collect()
-        } else {
-            Vec::new()
-        };
+        let candidate = |k: u32| Candidate::new(objects, &duplicates, k, boxes[k as usize]);
+        let outside = loose.map(candidate).collect();
+        let mut listed = Vec::new();
+        if objects.len() <= LISTED {
+            listed.extend((0..count).filter(|&k| !is_out(k)).map(candidate));
+            listed.sort_by_key(|candidate: &Candidate| !candidate.is_lone_shape);
+        }
         let slack = (0..count)
             .filter(|&k| !is_loose(k))
             .map(|k| objects[k as usize].slack())
@@ -113,6 +119,10 @@ impl TopTree {
         Self {
             tree: Bvh::build(count, padded, slack),
             outside,
+            lone_shapes: (listed
+                .iter()
+                .map(|candidate| u32::from(candidate.is_lone_shape)))
+            .sum(),
             listed,
             duplicates,
             boxes,
@@ -127,7 +137,8 @@ impl TopTree {
         for &index in moved {
             self.boxes[index as usize] = objects[index as usize].box_around();
             if let Some(listed) = self.listed.iter_mut().find(|it| it.object == index) {
-                *listed = Candidate::new(objects, index, self.boxes[index as usize]);
+                let bounds = self.boxes[index as usize];
+                *listed = Candidate::new(objects, &self.duplicates, index, bounds);
             }
         }
         self.moves += moved.len();
@@ -160,7 +171,7 @@ impl TopTree {
         let slack = self.tree.slack();
         if loose.is_some() || is_loose || object.slack() > slack {
             if let Some(place) = loose {
-                self.outside[place] = Candidate::new(objects, moved, bounds);
+                self.outside[place] = Candidate::new(objects, &self.duplicates, moved, bounds);
             }
             return loose.is_some() && is_loose;
         }
@@ -185,6 +196,8 @@ impl TopTree {
     pub(super) fn on_the_way(&self) -> OnTheWay<'_> {
         OnTheWay {
             outside: &self.outside,
+            listed: &[],
+            left: 0,
             tree: (self.outside.len() < self.boxes.len()).then_some(&self.tree),
             walk: None,
         }
@@ -220,22 +233,55 @@ impl Around<'_> {
 }
 
 impl TopTree {
-    /// Appends the objects that any of some rays may meet; `false`, and none, where the tree serves better.
-    pub(super) fn list_candidates(&self, beam: &Beam, candidates: &mut Vec<Candidate>) -> bool {
+    /// The objects that any of some rays may meet; `None` where the tree serves better.
+    pub(super) fn list_candidates(&self, beam: &Beam) -> Option<Listed<'_>> {
         if self.listed.is_empty() || !beam.is_forward() {
-            return false;
+            return None;
         }
-        let before = candidates.len();
-        for listed in &self.listed {
-            if listed.may_be_met_by(beam) {
-                if candidates.len() == before + MOST_CANDIDATES {
-                    candidates.truncate(before);
-                    return false;
-                }
-                candidates.push(listed.clone());
-            }
+        let mut met = 0_u64;
+        for (bit, listed) in self.listed.iter().enumerate() {
+            met |= u64::from(listed.may_be_met_by(beam)) << bit;
         }
-        true
+        let shapes = met & !u64::MAX.checked_shl(self.lone_shapes).unwrap_or(0);
+        let others = met & !shapes;
+        let is_short = shapes.count_ones() <= MOST_SHAPES && others.count_ones() <= MOST_OTHERS;
+        is_short.then_some(Listed {
+            all: &self.listed,
+            shapes,
+            others,
+        })
+    }
+}
+
+/// The objects that some rays may meet, a bit for each of those that are listed.
+#[derive(Clone, Copy)]
+pub(crate) struct Listed<'a> {
+    all: &'a [Candidate],
+    shapes: u64,
+    others: u64,
+}
+
+impl Listed<'_> {
+    /// The indices of the lone shapes: of objects that are no meshes, and in whose place is no other.
+    #[inline(always)]
+    pub(crate) fn lone_shapes(self) -> impl Iterator<Item = u32> {
+        let mut left = self.shapes;
+        std::iter::from_fn(move || {
+            let first = self.all.get(left.trailing_zeros() as usize)?;
+            left &= left.wrapping_sub(1);
+            Some(first.object)
+        })
+    }
+
+    #[inline(always)]
+    pub(crate) fn has_lone_shapes(self) -> bool {
+        self.shapes != 0
+    }
+
+    /// Whether there is anything but lone shapes.
+    #[inline(always)]
+    pub(crate) fn has_others(self) -> bool {
+        self.others != 0
     }
 }
 
@@ -251,6 +297,9 @@ pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
 /// See [`TopTree::on_the_way`].
 pub(crate) struct OnTheWay<'a> {
     outside: &'a [Candidate],
+    /// Of these, those whose bits are set.
+    listed: &'a [Candidate],
+    left: u64,
     /// Of all other objects.
     tree: Option<&'a Bvh>,
     /// Begun when the tree's turn comes.
@@ -258,11 +307,14 @@ pub(crate) struct OnTheWay<'a> {
 }
 
 impl<'a> OnTheWay<'a> {
-    /// Those of a [list](TopTree::list_candidates).
+    /// Those of a [list](TopTree::list_candidates), with the lone shapes or without.
     #[inline(always)]
-    pub(crate) fn among(candidates: &'a [Candidate]) -> Self {
+    pub(crate) fn among(listed: Listed<'a>, with_shapes: bool) -> Self {
+        let shapes = if with_shapes { listed.shapes } else { 0 };
         Self {
-            outside: candidates,
+            outside: &[],
+            listed: listed.all,
+            left: listed.others | shapes,
             tree: None,
             walk: None,
         }
@@ -274,6 +326,12 @@ impl OnTheWay<'_> {
     /// grow, and `ray` and `stack` must be the same.
     #[inline(always)]
     pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
+        while let Some(first) = self.listed.get(self.left.trailing_zeros() as usize) {
+            self.left &= self.left.wrapping_sub(1);
+            if first.may_be_met(ray, t_max) {
+                return Some(first.object);
+            }
+        }
         while let Some((first, rest)) = self.outside.split_first() {
             self.outside = rest;
             if first.may_be_met(ray, t_max) {

@@ -9,13 +9,14 @@ use rayon::prelude::*;
 use super::filter;
 use super::ray_query::{FirstHit, RayQuery, Sink};
 use super::scene_walk::{Instance, SceneWalk};
+use super::shapes::meet_together;
 use crate::accel::{
     self, Dispatcher, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch,
     WalkStack,
 };
 use crate::error::{Error, Result};
-use crate::geometry::{Beam, DVec3, Hit, Ray, Rays};
-use crate::scene::{Candidate, Object, OnTheWay, Scene};
+use crate::geometry::{DVec3, Hit, Ray, Rays};
+use crate::scene::{Object, OnTheWay, Scene};
 use crate::shape::Mesh;
 use crate::shape::triangle::{MeshFilter, clear_of};
 use crate::simd::{self, Kernel, Lanes};
@@ -292,27 +293,40 @@ impl<S: Sink> Batch<'_, S> {
     fn through_scene<L: Lanes>(mut self, l: L, memory: &mut Memory) {
         let scene = self.scene;
         let count = self.sink.len();
-        let mut candidates = Vec::new();
         let mut walks: Vec<SceneWalk<'_, S::Query>> = Vec::with_capacity(count);
-        for index in 0..count {
-            let ray = self.rays.ray(self.first + index);
-            let query = S::Query::begin(self.rays, self.first + index);
-            walks.push(SceneWalk::new(scene, &ray, query, f64::INFINITY));
-        }
-        // What neighbours may meet is asked for them together.
-        let lists: Vec<_> = (walks.chunks(RAYS))
-            .map(|walks| list_candidates(scene, walks, &mut candidates))
-            .collect();
-        for (walks, list) in walks.chunks_mut(RAYS).zip(lists) {
-            if let Some(list) = list {
-                for walk in walks {
-                    walk.meet_only(OnTheWay::among(&candidates[list.clone()]));
+        // The numbers of their rays.
+        let mut numbers = Vec::with_capacity(count);
+        let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
+        for start in (0..count).step_by(RAYS) {
+            let rays = &mut rays[..RAYS.min(count - start)];
+            self.rays.read(self.first + start, rays);
+            let first = walks.len();
+            for (number, ray) in (start..).zip(&*rays) {
+                let query = S::Query::begin(self.rays, self.first + number);
+                walks.push(SceneWalk::new(scene, ray, query, f64::INFINITY));
+                numbers.push(number);
+            }
+            let Some(listed) = meet_together(l, scene, &mut walks[first..]) else {
+                continue;
+            };
+            let has_more = listed.has_others() || S::Query::ALL;
+            let mut end = first;
+            for index in first..walks.len() {
+                if has_more && walks[index].limit().0 {
+                    walks[index].meet_only(OnTheWay::among(listed, S::Query::ALL));
+                    walks.swap(end, index);
+                    numbers.swap(end, index);
+                    end += 1;
+                } else {
+                    self.sink.put(numbers[index], &walks[index].query);
                 }
             }
+            walks.truncate(end);
+            numbers.truncate(end);
         }
-        let mut instances = Vec::with_capacity(count);
+        let mut instances = Vec::with_capacity(walks.len());
         // The rays that may meet more.
-        let mut left: Vec<usize> = (0..count).collect();
+        let mut left: Vec<usize> = (0..walks.len()).collect();
         loop {
             instances.clear();
             for index in left.drain(..) {
@@ -330,26 +344,10 @@ impl<S: Sink> Batch<'_, S> {
             through_instances(l, memory, scene, &instances, &mut walks);
             left.extend(instances.iter().map(|(index, _)| index));
         }
-        for (index, walk) in walks.iter().enumerate() {
-            self.sink.put(index, &walk.query);
+        for (number, walk) in numbers.into_iter().zip(&walks) {
+            self.sink.put(number, &walk.query);
         }
     }
-}
-
-/// Appends the objects that any of some rays may meet, and says which these are; `None` where each ray does better alone.
-#[inline(always)]
-fn list_candidates<Q: RayQuery>(
-    scene: &Scene,
-    walks: &[SceneWalk<'_, Q>],
-    candidates: &mut Vec<Candidate>,
-) -> Option<Range<usize>> {
-    let mut beam = Beam::EMPTY;
-    for ray in walks.iter().filter_map(SceneWalk::ray) {
-        beam.add(ray);
-    }
-    let first = candidates.len();
-    let is_listed = scene.list_candidates(&beam, candidates);
-    is_listed.then_some(first..candidates.len())
 }
 
 /// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays that go on as they are, a bit each, and

@@ -63,14 +63,13 @@ fn corners_left(scene: &Scene, surface: SurfaceId, index: u32) -> Option<[DVec3;
     (is_same_space && triangle < mesh.triangles().len()).then(|| mesh.corners(triangle))
 }
 
-/// The largest number that the places of a start and of an object in the world are computed from.
-fn largest_coordinate(scene: &Scene, scaled: &ScaledRay, left: SurfaceId, object: &Object) -> f64 {
+/// The largest number that the place of a start in the world is computed from.
+#[inline(always)]
+pub(super) fn largest_of_start(scene: &Scene, start: DVec3, left: SurfaceId) -> f64 {
     let left = usize::try_from(left.object).ok();
     let left = left.and_then(|left| scene.objects().get(left));
-    let start = scaled.ray.origin.abs().max_element();
-    start
-        .max(left.map_or(0.0, Object::farthest))
-        .max(object.farthest())
+    let start = start.abs().max_element();
+    start.max(left.map_or(0.0, Object::farthest))
 }
 
 /// A ray in an object's space, and what it does not meet of the object's mesh.
@@ -89,7 +88,8 @@ pub(super) fn in_object(
     if let Some(point) = filter.departure() {
         ray.origin = point.rounded;
     } else if let Some(departure) = from.departure {
-        let coordinate = largest_coordinate(scene, scaled, departure.surface, object);
+        let start = largest_of_start(scene, scaled.ray.origin, departure.surface);
+        let coordinate = start.max(object.farthest());
         let beyond = ROUNDED * coordinate / scaled.ray.direction.abs().max_element();
         ray.t_min = ray.t_min.max(beyond);
     }

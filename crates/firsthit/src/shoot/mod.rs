@@ -21,6 +21,7 @@ mod query;
 mod ray_query;
 mod scaled_ray;
 mod scene_walk;
+mod shapes;
 mod tiles;
 mod visible;
 

@@ -9,8 +9,9 @@ pub(super) struct ScaledRay {
     pub(super) ray: Ray,
     /// What its `t` is to be multiplied with to be the original's: a power of two, hardly ever another than 1.
     pub(super) t_scale: f64,
-    /// The ray as the caller has it.
-    original: Ray,
+    /// Where the ray begins and ends as the caller has it.
+    t_min: f64,
+    t_max: f64,
     /// Whether it leaves a surface: then its `t` is measured from a rounded start.
     pub(super) is_departing: bool,
 }
@@ -31,7 +32,8 @@ impl ScaledRay {
                 t_max: ray.t_max / t_scale,
             },
             t_scale,
-            original: *ray,
+            t_min: ray.t_min,
+            t_max: ray.t_max,
             is_departing: false,
         })
     }
@@ -57,14 +59,14 @@ impl ScaledRay {
 
     /// The smallest and the largest `t` of the caller's ray.
     pub(super) fn range(&self) -> (f64, f64) {
-        (self.original.t_min.next_up(), self.original.t_max)
+        (self.t_min.next_up(), self.t_max)
     }
 
     /// What was met of the object `index`, as a hit of the ray that the caller has.
     #[inline(always)]
     pub(super) fn hit(&self, index: u32, crossing: Crossing) -> Option<Hit> {
         let t = self.t_scale * crossing.t;
-        (self.original.holds(t) && t.is_finite()).then(|| Hit {
+        (t > self.t_min && t <= self.t_max && t.is_finite()).then(|| Hit {
             t,
             object: index.cast_signed(),
             primitive: crossing.primitive,

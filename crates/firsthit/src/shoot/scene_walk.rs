@@ -71,6 +71,56 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         self.objects = objects;
     }
 
+    /// The ray, if eight such may be intersected side by side: those with a filter that leaves out no surface but the one that the ray
+    /// leaves. `None` for any other, and where the query asks for all crossings.
+    #[inline(always)]
+    pub(super) fn plain_ray(&self) -> Option<&Ray> {
+        let scaled = self.scaled.as_ref()?;
+        let filter = self.query.filter();
+        let is_plain = !Q::IS_FILTERED
+            || filter.mask != 0
+                && filter.only.is_none()
+                && filter.cull.is_none()
+                && filter.skip == [None; 2];
+        (!Q::ALL && is_plain).then_some(&scaled.ray)
+    }
+
+    /// Whether anything matters any more, and up to which `t`.
+    #[inline(always)]
+    pub(super) fn limit(&self) -> (bool, f64) {
+        let t_max = self.scaled.as_ref().map_or(-1.0, |scaled| scaled.ray.t_max);
+        (self.t_max >= 0.0, self.t_max.min(t_max))
+    }
+
+    /// Comes to a lone shape out of turn.
+    pub(super) fn come_to(&mut self, scene: &'a Scene, index: u32) {
+        let Some(scaled) = self.scaled.as_ref().filter(|_| self.t_max >= 0.0) else {
+            return;
+        };
+        let object = &scene.objects()[index as usize];
+        let filter = self.query.filter();
+        if Q::IS_FILTERED && !filter::sees(filter, index, object) {
+            return;
+        }
+        let ray = if Q::IS_FILTERED {
+            let in_object = filter::in_object(scene, (scaled, filter), index, self.t_max);
+            in_object.map(|(ray, _)| ray)
+        } else {
+            scaled.in_object(object, self.t_max)
+        };
+        if let Some(ray) = ray {
+            self.object = index;
+            self.shape(scene, object.shape(), &ray);
+        }
+    }
+
+    /// Takes a crossing with a shape, if it is a hit of the caller's ray.
+    #[inline(always)]
+    pub(super) fn meet(&mut self, scene: &Scene, index: u32, crossing: Crossing) {
+        self.object = index;
+        self.cross(scene, crossing);
+    }
+
     /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the same each time.
     #[inline(always)]
     pub(super) fn next<L: Lanes>(

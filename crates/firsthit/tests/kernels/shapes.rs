@@ -3,15 +3,16 @@
 
 use std::sync::Arc;
 
+use firsthit::shoot::{Any, BruteForce, Cpu, First, trace, trace_with};
 use firsthit::{
-    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Mesh, Object, Plane, Ray, Rays, Scene,
-    Shape, Sphere, Transform,
+    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Filtered, Mesh, Object, Plane, Ray,
+    RayFilter, Rays, Scene, Shape, Side, Sphere, SurfaceId, Transform,
 };
 
-use super::checked;
 use super::generators::{PLACES, placed, rays, short_rays};
 use super::pixels::cameras;
 use super::support::{Numbers, bumpy_sphere, mesh};
+use super::{bits, checked, sets};
 
 /// A shape of every kind in turn, near a point; an infinite one only now and then.
 fn shape(k: usize, centre: DVec3, scale: f64, numbers: &mut Numbers) -> Shape {
@@ -139,4 +140,139 @@ fn moved_shapes_are_met_where_they_are() {
         checked(&scene, &beams(&places, 1.0, 40, &mut numbers));
         checked(&scene, &cameras(DVec3::ZERO, 1.0, &mut numbers)[round % 8]);
     }
+}
+
+/// Rays that leave surfaces side by side, nearly in one direction. In some beams all rays see less, in others one does.
+fn leaving(scene: &Scene, starts: &[Ray], numbers: &mut Numbers) -> (Vec<Ray>, Vec<RayFilter>) {
+    let hits = trace(scene, starts, First, &()).unwrap();
+    let (mut rays, mut filters) = (Vec::new(), Vec::new());
+    let mut way = DVec3::X;
+    for (k, start) in starts.iter().enumerate() {
+        if k % 16 == 0 {
+            way = numbers.point();
+        }
+        let hit = hits.get(k);
+        let direction = way + [0.0, 1e-3][k / 16 % 2] * numbers.point();
+        let surface = scene.interaction(start, &hit);
+        let (ray, mut filter) = match surface {
+            Some(surface) => surface.leave(direction),
+            None => (Ray::new(start.origin, direction), RayFilter::NONE),
+        };
+        let is_special = k / 16 % 3 == 0 || k % 16 == 5;
+        match (is_special, k / 16 % 7) {
+            (true, 0) => filter.mask = 0b01,
+            (true, 1) => filter.cull = Some(Side::Front),
+            (true, 2) => filter.only = Some(hit.object + 1),
+            (true, 3) => {
+                filter.departure = None;
+                filter.skip[0] = Some(SurfaceId {
+                    object: hit.object,
+                    primitive: hit.primitive,
+                });
+            }
+            (true, 4) => filter.mask = 0,
+            _ => {}
+        }
+        let end = [f64::INFINITY, 0.5 + numbers.unit()][k / 16 % 2];
+        rays.push(match (k % 16, k / 16 % 5) {
+            // Of an extreme length.
+            (7, 0) => Ray::new(ray.origin, 1e120 * direction),
+            (9, 1) => ray.beyond(-0.5),
+            (3, 2) => Ray::new(DVec3::splat(1e160), direction),
+            _ => ray.up_to(end),
+        });
+        filters.push(filter);
+    }
+    (rays, filters)
+}
+
+/// Checks the first hit and any hit of filtered rays, on every instruction set; how many hit.
+fn checked_filtered(scene: &Scene, rays: &[Ray], filters: &[RayFilter]) -> usize {
+    let rays = Filtered::each(rays, filters);
+    let expected = trace_with(&BruteForce, scene, &rays, First, &()).unwrap();
+    for set in sets() {
+        let engine = Cpu::with(set);
+        let hits = trace_with(&engine, scene, &rays, First, &()).unwrap();
+        let any = trace_with(&engine, scene, &rays, Any, &()).unwrap();
+        for (k, &any) in any.iter().enumerate() {
+            let (hit, expected) = (hits.get(k), expected.get(k));
+            let what = || format!("{set:?} {k} {:?}: {hit:?}", rays.ray(k));
+            assert_eq!(bits(&hit), bits(&expected), "{} {expected:?}", what());
+            assert_eq!(any, !expected.is_miss(), "any: {}", what());
+        }
+    }
+    expected.count_hit()
+}
+
+#[test]
+fn rays_that_leave_shapes_side_by_side() {
+    let mut met = 0;
+    for (round, place) in PLACES.into_iter().enumerate() {
+        let (scale, offset) = place;
+        for count in [4, 12, 40] {
+            let mut numbers = Numbers::new((900 + 100 * round + count) as u64);
+            let mut objects = objects(count, place, None, &mut numbers);
+            for object in objects.iter_mut().step_by(3) {
+                *object = object.clone().masked(0b10);
+            }
+            let scene = Scene::new(objects).unwrap();
+            let places: Vec<DVec3> = (0..40)
+                .map(|_| placed(&[1.5 * numbers.point()], scale, offset)[0])
+                .collect();
+            let starts = beams(&places, scale, 200, &mut numbers);
+            let (rays, filters) = leaving(&scene, &starts, &mut numbers);
+            met += checked_filtered(&scene, &rays, &filters);
+        }
+    }
+    assert!(met > 10_000, "{met}");
+}
+
+/// Where surfaces lie in one place, rounding may say which is first: it says the same side by side.
+#[test]
+fn shapes_that_touch_are_met_in_the_same_order_side_by_side() {
+    let (low, high) = (DVec3::new(-1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, 2.0));
+    let level = |z: f64| {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let corners = corners.map(|(x, y)| DVec3::new(x, y, z));
+        Object::new(mesh(&corners, vec![[0, 1, 2], [0, 2, 3]]))
+    };
+    let disc = |z| Object::new(Disc::new(z * DVec3::Z, DVec3::Z, 0.7).unwrap());
+    let objects = [
+        disc(1.0),
+        Object::new(Cylinder::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap()),
+        Object::new(Cuboid::new(low, high).unwrap()),
+        Object::new(Sphere::new(3.0 * DVec3::Z, 1.0).unwrap()),
+        level(2.0),
+        level(0.0),
+        disc(0.0),
+        Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()),
+    ];
+    let mut numbers = Numbers::new(41);
+    let turn = DMat3::from_rotation_x(0.7) * DMat3::from_rotation_z(0.3);
+    let mut met = 0;
+    for (round, place) in [DMat3::IDENTITY, turn].into_iter().enumerate() {
+        let place = DAffine3::from_mat3(place);
+        let placed = |object: &Object| object.clone().placed(Transform::new(place).unwrap());
+        let scene = Scene::new(objects.iter().map(placed).collect()).unwrap();
+        let middle = place.transform_point3(DVec3::Z);
+        for (k, camera) in cameras(middle, 1.0, &mut numbers).iter().enumerate() {
+            if k % 4 == round {
+                met += checked(&scene, camera);
+                let longer = |k| Rays::ray(camera, k);
+                let longer = (0..Rays::len(camera)).map(longer);
+                let longer: Vec<Ray> = longer
+                    .map(|ray| Ray::new(ray.origin, 1e120 * ray.direction))
+                    .collect();
+                met += checked(&scene, &longer);
+            }
+        }
+        let inside =
+            |_| place.transform_point3(numbers.point() * DVec3::new(0.9, 0.9, 0.0) + DVec3::Z);
+        let places: Vec<DVec3> = (0..40).map(inside).collect();
+        let starts = beams(&places, 1.0, 200, &mut numbers);
+        met += checked(&scene, &starts);
+        let (rays, filters) = leaving(&scene, &starts, &mut numbers);
+        met += checked_filtered(&scene, &rays, &filters);
+    }
+    assert!(met > 10_000, "{met}");
 }

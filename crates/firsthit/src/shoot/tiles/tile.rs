@@ -20,8 +20,8 @@ use crate::shoot::batch::{Memory, SingleRay};
 use crate::shoot::hits::HitSlices;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
 use crate::shoot::scaled_ray::ScaledRay;
-use crate::shoot::scene_walk::first_of_shapes;
-use crate::simd::{Kernel, Lanes};
+use crate::shoot::shapes::{FirstOfShapes, rays_of_row};
+use crate::simd::{Kernel, Lanes, WIDE};
 
 /// See [the module](self).
 pub(super) struct TileTask<'a> {
@@ -305,15 +305,38 @@ impl Kernel for IntersectShapes<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
+    fn run<L: Lanes>(self, l: L) {
         let Self { tile, objects, out } = self;
+        let grid = &tile.grid;
         let [rows, columns] = tile.size;
+        let mut x = [[0.0; WIDE]; TILE / WIDE];
+        for (column, x) in x.as_flattened_mut().iter_mut().enumerate() {
+            *x = grid.x(tile.first_column + column.min(columns - 1));
+        }
         let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); TILE];
         for row in 0..rows {
-            tile.read_row(row, &mut rays[..columns]);
-            for (at, ray) in (tile.at(row)..).zip(&rays[..columns]) {
-                let hit = first_of_shapes(tile.plan.scene, ray, objects, out.get(at));
-                out.put(at, &hit);
+            if tile.rays.is_some() {
+                tile.read_row(row, &mut rays[..columns]);
+            }
+            let y = grid.y(tile.first_row + row);
+            for (first, x) in (0..columns).step_by(WIDE).zip(&x) {
+                let count = (columns - first).min(WIDE);
+                let eight = FirstOfShapes {
+                    scene: tile.plan.scene,
+                    objects,
+                    at: tile.at(row) + first,
+                    count,
+                    out: &mut *out,
+                };
+                if tile.rays.is_none() {
+                    let (bundle, are_same) = rays_of_row(l, grid, y, x);
+                    if are_same == u8::MAX {
+                        eight.of_bundle(l, &bundle);
+                        continue;
+                    }
+                    tile.read_row(row, &mut rays[..columns]);
+                }
+                eight.of_rays(l, &rays[first..first + count]);
             }
         }
     }
