@@ -6,7 +6,8 @@
 //! used to rule things out.
 //!
 //! All that a kernel calls must be `#[inline(always)]`: only what is inlined into the function with the
-//! instruction set's features is compiled with them.
+//! instruction set's features is compiled with them. A closure cannot be marked so, and may not be inlined where it is called
+//! several times: around lanes there are macros and functions instead. `.ci/inlined` looks for intrinsics that stand alone.
 
 #![allow(unsafe_code, reason = "intrinsics; see each `SAFETY` line")]
 #![allow(

@@ -341,16 +341,23 @@ impl TileFrustum {
             };
         }
         let ends = [end!(0), end!(1), end!(2), end!(3), end!(4), end!(5)];
-        let mut met = u16::MAX;
-        for (normal, least) in self.planes {
-            met &= l.le(l.splat(least), farthest(l, &ends, normal));
+        macro_rules! inside {
+            ($k:literal) => {{
+                let (normal, least) = self.planes[$k];
+                l.le(l.splat(least), farthest(l, &ends, normal))
+            }};
         }
         let [x, y, z] = self.depth;
         let last = farthest(l, &ends, self.depth);
         let last = l.add(last, l.splat(self.slid + self.depth_error));
         let first = farthest(l, &ends, [-x, -y, -z]);
         let first = l.sub(l.splat(self.slid - self.depth_error), first);
-        met &= l.le(l.splat(self.start_depth), last) & l.le(first, l.splat(limit));
+        let met = inside!(0)
+            & inside!(1)
+            & inside!(2)
+            & inside!(3)
+            & l.le(l.splat(self.start_depth), last)
+            & l.le(first, l.splat(limit));
         (met, l.max(first, l.splat(0.0)))
     }
 }
