@@ -5,7 +5,7 @@
 
 use std::arch::wasm32::*;
 use std::array::from_fn;
-use std::ops::{BitAnd, BitOr};
+use std::ops::{BitAnd, BitOr, Not};
 
 use bytemuck::Pod;
 
@@ -163,6 +163,15 @@ impl BitOr for Where {
     }
 }
 
+impl Not for Where {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(v128_not(self.0))
+    }
+}
+
 impl Arithmetic for Two {
     type Number = v128;
     type Mask = Where;
@@ -210,6 +219,10 @@ impl Arithmetic for Two {
     #[inline(always)]
     fn lt(self, a: v128, b: v128) -> Where {
         Where(f64x2_lt(a, b))
+    }
+    #[inline(always)]
+    fn le(self, a: v128, b: v128) -> Where {
+        Where(f64x2_le(a, b))
     }
     #[inline(always)]
     fn select(self, mask: Where, a: v128, b: v128) -> v128 {
