@@ -42,7 +42,6 @@ class Built:
     ) -> None:
         """Build it, unless ``native`` is that already; ``previous`` lends what did not change.
 
-        With a ``previous`` one, trees are built as they were for that.
         """
         self.objects, self.lights, self.around = objects, lights, around
         #: What rays of one mask, or of some objects, were last shot at.

@@ -73,7 +73,7 @@ impl Scene {
         let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
         let lights = lights.map_err(|error| raise(py, &error))?;
         let scene = run(py, 0, |_| match previous {
-            Some(Self(previous)) => previous.with_objects(objects),
+            Some(Self(previous)) => previous.with_objects_built(objects, trees),
             None => firsthit::Scene::build(objects, trees),
         })?;
         let (up, up_is_guessed) = up;

@@ -400,7 +400,6 @@ fn a_mapped_scene_is_met_as_the_one_that_was_saved() {
     assert_same(&again, &Scene::new(built.objects().to_vec()).unwrap(), 300);
 }
 
-/// A tree of a mapped mesh is fitted to other vertices as a built one is.
 /// Whoever opens the file may shoot any number of rays.
 #[test]
 fn what_is_saved_has_the_best_trees() {
@@ -419,6 +418,7 @@ fn what_is_saved_has_the_best_trees() {
     assert_eq!(same.tree_bytes(), fast.tree_bytes());
 }
 
+/// A tree of a mapped mesh is fitted to other vertices as a built one is.
 #[test]
 fn a_mapped_tree_is_refitted() {
     let folder = Folder::new("refitted");

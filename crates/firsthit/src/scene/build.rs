@@ -38,7 +38,7 @@ pub struct BuildSettings {
 const RAYS_PER_TRIANGLE: u64 = 2;
 
 impl BuildSettings {
-    /// Whether the tree over so many triangles is to be built fast.
+    /// Whether trees over so many triangles together are to be built fast.
     pub(super) fn is_fast(self, triangles: usize) -> bool {
         match self.build {
             Build::Fast => true,

@@ -164,7 +164,20 @@ impl Scene {
     ///
     /// Those of [`Scene::new`] and [`Scene::with_coloring`].
     pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
-        let scene = Self::assemble(objects, self.build, Some(self))?;
+        self.with_objects_built(objects, self.build)
+    }
+
+    /// The same with settings for the trees that are to be built, and for those of scenes that come of it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Scene::with_objects`].
+    pub fn with_objects_built(
+        &self,
+        objects: Vec<Object>,
+        settings: BuildSettings,
+    ) -> Result<Self> {
+        let scene = Self::assemble(objects, settings, Some(self))?;
         let has_own_lights = self.has_own_lights;
         let scene = Self {
             has_own_lights,
@@ -553,6 +566,9 @@ impl Scene {
 /// a leaf, its share of a wide node, two binary nodes with their plans, and each has three points and a place in the order.
 const TREE_BYTES: usize = 160;
 
+/// The same of the fast build, where leaves are put together from parts that have them too.
+const FAST_TREE_BYTES: usize = 280;
+
 /// A tree for each mesh, however many objects share it; what the scene before knows is used again, unless it is asked for
 /// better.
 fn mesh_trees(
@@ -569,16 +585,23 @@ fn mesh_trees(
         .filter(|(_, tree)| is_good_enough(tree))
         .map(|(mesh, tree)| (Arc::as_ptr(mesh), Arc::clone(tree)))
         .collect();
+    // Rays are those of the whole scene, and so are triangles.
+    let missing = objects.iter().filter_map(Object::mesh);
+    let missing: HashMap<*const Mesh, usize> = missing
+        .map(|mesh| (Arc::as_ptr(mesh), mesh.triangles().len()))
+        .filter(|(mesh, _)| !built.contains_key(mesh))
+        .collect();
+    let is_fast = build.is_fast(missing.values().sum());
     let mut tree = |k: usize, mesh: &Arc<Mesh>| {
         if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
             return Ok(Arc::clone(built));
         }
-        let triangles = mesh.triangles().len();
-        memory::check("the tree over a mesh", triangles.saturating_mul(TREE_BYTES))?;
-        let fitted = before.and_then(|scene| scene.fitted(k, mesh));
-        let fitted = fitted.filter(is_good_enough);
+        let bytes = if is_fast { FAST_TREE_BYTES } else { TREE_BYTES };
+        let bytes = mesh.triangles().len().saturating_mul(bytes);
+        memory::check("the tree over a mesh", bytes)?;
+        let fitted = before.and_then(|scene| scene.fitted(k, mesh, is_good_enough));
         let anew = || {
-            if build.is_fast(triangles) {
+            if is_fast {
                 MeshTree::build_quick(mesh)
             } else {
                 MeshTree::build(mesh)
@@ -596,11 +619,16 @@ fn mesh_trees(
 
 impl Scene {
     /// The tree of an object's mesh for one that differs from it in its vertices only.
-    fn fitted(&self, object: usize, moved: &Mesh) -> Option<MeshTree> {
+    fn fitted(
+        &self,
+        object: usize,
+        moved: &Mesh,
+        is_good_enough: impl Fn(&MeshTree) -> bool,
+    ) -> Option<MeshTree> {
         let mesh = self.objects.get(object)?.mesh()?;
         let tree = self.trees[object].as_ref();
-        let tree = tree.filter(|_| mesh.triangles() == moved.triangles())?;
-        tree.refit(moved)
+        let tree = tree.filter(|tree| is_good_enough(tree))?;
+        (mesh.triangles() == moved.triangles()).then(|| tree.refit(moved))?
     }
 }
 

@@ -56,7 +56,7 @@ pub(crate) fn crossing(t: f64, primitive: f64) -> Crossing {
 }
 
 impl<N: Copy> RayOf<N> {
-    /// Where `t` is on the rays.
+    /// In which lanes `t` is between the ray's ends.
     #[inline(always)]
     pub(crate) fn holds<A: Arithmetic<Number = N>>(&self, of: A, t: N) -> A::Mask {
         of.lt(self.t_min, t) & of.le(t, self.t_max)

@@ -29,7 +29,7 @@ impl<N: Copy> End<N> {
 #[derive(Clone, Copy)]
 pub(super) struct Interval<A: Arithmetic> {
     of: A,
-    /// Not where the line is known to pass; elsewhere the stretch may be empty.
+    /// Not where the line is known to miss the solid; elsewhere the stretch may be empty.
     is_there: A::Mask,
     enter: End<A::Number>,
     exit: End<A::Number>,
@@ -148,7 +148,7 @@ impl<A: Arithmetic> Interval<A> {
         }
     }
 
-    /// The stretch where it is not empty, after its zero was at the ray's parameter `start`.
+    /// The stretch counted from `start` earlier on, and none where it is empty.
     #[inline(always)]
     pub(super) fn moved(mut self, start: A::Number) -> Self {
         let of = self.of;

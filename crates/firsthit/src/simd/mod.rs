@@ -26,7 +26,11 @@ mod block;
 mod in_lanes;
 mod lanes;
 mod mask;
-#[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+#[cfg(all(
+    target_arch = "aarch64",
+    target_feature = "neon",
+    target_endian = "little"
+))]
 mod neon;
 mod pages;
 #[cfg_attr(
@@ -36,7 +40,11 @@ mod pages;
 mod portable;
 #[cfg(any(
     target_arch = "x86_64",
-    all(target_arch = "aarch64", target_feature = "neon")
+    all(
+        target_arch = "aarch64",
+        target_feature = "neon",
+        target_endian = "little"
+    )
 ))]
 mod prefetch;
 mod set;
@@ -76,7 +84,11 @@ where
         InstructionSet::Avx512 => avx512::run(kernel),
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx2 => avx2::run(kernel),
-        #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+        #[cfg(all(
+            target_arch = "aarch64",
+            target_feature = "neon",
+            target_endian = "little"
+        ))]
         InstructionSet::Neon => neon::run(kernel),
         // A module with these runs nowhere without them. A copy of all kernels in plain Rust would double it, for the same bits.
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]

@@ -60,7 +60,11 @@ impl InstructionSet {
         match self {
             Self::Portable => true,
             Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
-            #[cfg(all(target_arch = "aarch64", target_feature = "neon"))]
+            #[cfg(all(
+                target_arch = "aarch64",
+                target_feature = "neon",
+                target_endian = "little"
+            ))]
             Self::Neon => super::neon::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => super::avx2::is_available(),

@@ -58,15 +58,25 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
 
 /// About how many rays a picture takes; `None` where nobody knows before its camera, its shader or its noise.
 fn rays(args: &RenderArgs, model: &World) -> Option<u64> {
-    /// Shaders that send no more than a ray or two to lights from what a camera's ray meets.
-    const FEW: [&str; 5] = ["direct", "lambert", "phong", "blinn-phong", "matcap"];
+    /// Shaders that send no more than a ray to each light from what a camera's ray meets.
+    const FEW: [&str; 7] = [
+        "direct",
+        "lambert",
+        "phong",
+        "blinn-phong",
+        "matcap",
+        "unlit",
+        "normal",
+    ];
     /// As many as there are by default at most.
     const SAMPLES: u32 = 16;
     let shader = args.light.shader.as_deref();
     let shader = shader.or(model.shader.as_ref().map(Shader::name));
     let goes_on = shader.is_some_and(|name| !FEW.contains(&name));
     let has_occlusion = |name: &String| name.starts_with("ao");
-    if goes_on || args.picture.noise.is_some() || args.picture.channels.iter().any(has_occlusion) {
+    let outputs = model.outputs.iter().flat_map(|output| &output.channels);
+    let mut channels = args.picture.channels.iter().chain(outputs);
+    if goes_on || args.picture.noise.is_some() || channels.any(has_occlusion) {
         return None;
     }
     let (columns, rows) = match args.camera.size {
@@ -76,7 +86,12 @@ fn rays(args: &RenderArgs, model: &World) -> Option<u64> {
     };
     let samples = args.picture.samples.or(model.samples).unwrap_or(SAMPLES);
     let pixels = (columns as u64).saturating_mul(rows as u64);
-    Some(pixels.saturating_mul(u64::from(samples)).saturating_mul(2))
+    let of_sample = 1 + model.lights.len().max(1) as u64;
+    Some(
+        pixels
+            .saturating_mul(u64::from(samples))
+            .saturating_mul(of_sample),
+    )
 }
 
 /// Makes the picture. `asked` is what the command line says already of what goes where.

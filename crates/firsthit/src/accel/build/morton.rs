@@ -25,7 +25,7 @@ pub(super) struct Curve {
     index_bits: u32,
 }
 
-/// Finer than this no cell is along an axis.
+/// A cell's number has at most so many bits for each axis.
 const MOST_BITS: u32 = 16;
 
 impl Curve {
@@ -68,7 +68,7 @@ impl Curve {
     }
 
     /// How much the curve leaves between two keys: the number of bits of the cells' numbers from the highest on that differs.
-    /// 0 in one cell; three more where the smallest cube of cells with both has twice the side.
+    /// 0 in one cell, and three more for each level of the octree above.
     #[inline]
     pub(super) fn gap(&self, a: u64, b: u64) -> u32 {
         u64::BITS - ((a ^ b) >> self.index_bits).leading_zeros()

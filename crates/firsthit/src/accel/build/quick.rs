@@ -68,8 +68,7 @@ pub(super) fn quick(triangles: &Triangles<'_>) -> Parts {
     }
 }
 
-/// Makes room for `more` leaves, and for those that are to be expected after them where all are so many times as many as those so
-/// far.
+/// Makes room for `more` leaves, and for those that are to be expected after them: `times` is all triangles over those so far.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
