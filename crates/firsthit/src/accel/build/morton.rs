@@ -79,7 +79,7 @@ impl Curve {
 struct Grid {
     low: [f32; 3],
     scale: f32,
-    last: u32,
+    last: i32,
 }
 
 impl Grid {
@@ -108,7 +108,7 @@ impl Grid {
             let high = a[k].max(b[k]).max(c[k]);
             let place = (0.5 * (low + high) - self.low[k]) * self.scale;
             // By way of i32, for which there is an instruction.
-            (place as i32).max(0).min(self.last as i32) as u32
+            (place as i32).clamp(0, self.last) as u32
         };
         spread(along(0)) | spread(along(1)) << 1 | spread(along(2)) << 2
     }

@@ -289,7 +289,7 @@ mod tests {
         let corners = |k: u32| {
             let at = place(k);
             let corner = |j: u32| {
-                std::array::from_fn(|axis| at[axis] + size * random(9 * k + 3 * j + axis as u32))
+                [0, 1, 2].map(|axis| at[axis as usize] + size * random(9 * k + 3 * j + axis))
             };
             [corner(0), corner(1), corner(2)]
         };

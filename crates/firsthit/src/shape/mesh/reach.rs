@@ -37,8 +37,8 @@ impl Mesh {
         let first = (0..bounds.len()).max_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
         let mut farthest = first.map_or(f64::NEG_INFINITY, |block| self.reach_of(block, direction));
         for (block, bound) in bounds.into_iter().enumerate() {
-            // Not where it is less or equal: of a NaN nothing is known.
-            if !(bound <= farthest) {
+            // Of a NaN nothing is known.
+            if bound > farthest || bound.is_nan() {
                 farthest = farthest.max(self.reach_of(block, direction));
             }
         }
