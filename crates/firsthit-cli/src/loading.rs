@@ -24,7 +24,7 @@ pub(crate) struct Loaded {
 
 /// What a command that shoots no rays builds, if it builds any trees.
 pub(crate) const NO_RAYS: BuildSettings = BuildSettings {
-    build: Build::Fast,
+    build: Build::Auto,
     rays: Some(0),
 };
 
@@ -67,6 +67,11 @@ pub(crate) fn read_with(
         let why = "--color does nothing here: every object has a material of its own";
         warnings.push(why.to_owned());
     }
+    let build = build(&model);
+    let has_trees = |built: &Scene| built.objects().len() == model.objects.len();
+    if build.build != Build::Auto && built.as_ref().is_some_and(has_trees) {
+        warnings.push("--build does nothing here: the file has its trees".to_owned());
+    }
     let objects = std::mem::take(&mut model.objects)
         .into_iter()
         .map(|object| match neutral {
@@ -74,10 +79,10 @@ pub(crate) fn read_with(
             _ => object,
         });
     let objects = objects.collect();
-    let build = build(&model);
     Ok(Loaded {
         scene: match built {
-            Some(built) => built.with_objects(objects)?,
+            // What the file does not hold is built.
+            Some(built) => built.with_build(build).with_objects(objects)?,
             None => Scene::build(objects, build)?,
         },
         warnings,

@@ -96,6 +96,9 @@ fn results_are_the_same_however_trees_are_built() {
         }
     }
     lab.fails("render hills.ply --build worst", 2, "worst");
+    lab.ok("build hills.ply -q");
+    let said = lab.ok("shoot hills.fhs rays.csv --build fast -q").stderr;
+    assert!(said.contains("--build does nothing here"), "{said}");
 }
 
 #[test]

@@ -141,6 +141,14 @@ impl Scene {
         Self::assemble(objects, settings, None)
     }
 
+    /// The same scene, from which others come whose trees are as good as `settings` ask for. Its own trees stay as they are.
+    pub fn with_build(self, settings: BuildSettings) -> Self {
+        Self {
+            build: settings,
+            ..self
+        }
+    }
+
     /// A clone, or an error where there is no memory for the objects and the tree over them, where `clone` ends the process.
     /// Meshes and their trees are shared.
     ///
