@@ -73,7 +73,10 @@ impl Scene {
         let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
         let lights = lights.map_err(|error| raise(py, &error))?;
         let scene = run(py, 0, |_| match previous {
-            Some(Self(previous)) => previous.with_objects_built(objects, trees),
+            Some(Self(previous)) => previous
+                .try_clone()?
+                .with_build(trees)
+                .with_objects(objects),
             None => firsthit::Scene::build(objects, trees),
         })?;
         let (up, up_is_guessed) = up;

@@ -83,12 +83,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
     with_threads(&args.run, || {
         let limits = limits(args)?;
         let source = source(args, &sinks, limits)?;
-        let rays = match &source {
-            Source::Arrays(rays) => Some(rays.len() as u64),
-            // Nobody knows how many will come.
-            Source::Stdin(_) => None,
-        };
-        let trees = args.trees.settings(rays);
+        let trees = args.trees.settings(source.count());
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
@@ -136,6 +131,16 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         }
         Ok(())
     })
+}
+
+impl Source {
+    /// How many rays there are; of a stream nobody knows how many will come.
+    fn count(&self) -> Option<u64> {
+        match self {
+            Self::Arrays(rays) => Some(rays.len() as u64),
+            Self::Stdin(_) => None,
+        }
+    }
 }
 
 /// The rays. A stream that may be answered line by line is not waited for here.

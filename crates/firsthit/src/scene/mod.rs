@@ -172,20 +172,7 @@ impl Scene {
     ///
     /// Those of [`Scene::new`] and [`Scene::with_coloring`].
     pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
-        self.with_objects_built(objects, self.build)
-    }
-
-    /// The same with settings for the trees that are to be built, and for those of scenes that come of it.
-    ///
-    /// # Errors
-    ///
-    /// Those of [`Scene::with_objects`].
-    pub fn with_objects_built(
-        &self,
-        objects: Vec<Object>,
-        settings: BuildSettings,
-    ) -> Result<Self> {
-        let scene = Self::assemble(objects, settings, Some(self))?;
+        let scene = Self::assemble(objects, self.build, Some(self))?;
         let has_own_lights = self.has_own_lights;
         let scene = Self {
             has_own_lights,

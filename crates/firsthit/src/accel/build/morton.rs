@@ -160,8 +160,9 @@ fn by_highest(from: &[u64], to: &mut [u64], [shift, bits]: [u32; 2]) -> Vec<usiz
     let chunk = CHUNK.max(from.len().div_ceil(64));
     let counts = from.par_chunks(chunk).map(|keys| {
         let mut counts = vec![0_usize; values];
-        keys.iter()
-            .for_each(|&key| counts[digit(key, shift, bits)] += 1);
+        for &key in keys {
+            counts[digit(key, shift, bits)] += 1;
+        }
         counts
     });
     let counts: Vec<Vec<usize>> = counts.collect();
@@ -207,8 +208,9 @@ fn sort_small(keys: &mut [u64], spare: &mut [u64], [low, bits]: [u32; 2], into_s
     for pass in 0..digits {
         let shift = low + pass * width;
         let mut places = [0_u32; 1 << DIGIT];
-        from.iter()
-            .for_each(|&key| places[digit(key, shift, width)] += 1);
+        for &key in &*from {
+            places[digit(key, shift, width)] += 1;
+        }
         let mut next = 0;
         for place in &mut places[..1 << width] {
             next += std::mem::replace(place, next);
@@ -257,7 +259,7 @@ mod tests {
             for bits in [0, 1, 11, 12, 25, 40] {
                 for into_spare in [false, true] {
                     let cell = |k: u64| k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
-                    let key = |k: u64| (cell(k) % cells) % (1 << bits) << 20 | k;
+                    let key = |k: u64| ((cell(k) % cells) % (1 << bits)) << 20 | k;
                     let mut keys: Vec<u64> = (0..count).map(key).collect();
                     let mut spare = vec![0; keys.len()];
                     let mut sorted = keys.clone();

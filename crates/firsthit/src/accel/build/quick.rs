@@ -358,13 +358,13 @@ mod tests {
             let tree = MeshTree::build_quick(&mesh);
             assert!(levels(&tree) < LEVELS);
             let mut times = vec![0; mesh.triangles().len()];
-            for leaf in tree.leaves.iter() {
+            for leaf in &tree.leaves {
                 let count = leaf.filled.count_ones() as usize;
                 for &triangle in &tree.order[leaf.first as usize..][..count] {
                     times[triangle as usize] += 1;
                 }
             }
-            for [_, copy] in tree.copies.iter() {
+            for [_, copy] in &tree.copies {
                 times[*copy as usize] += 1;
             }
             assert!(times.iter().all(|&times| times == 1));
