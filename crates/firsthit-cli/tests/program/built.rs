@@ -1,5 +1,7 @@
 //! Built scenes: `firsthit build`, and the commands that take what it wrote.
 
+use std::fmt::Write;
+
 use serde_json::Value;
 
 use crate::support::Lab;
@@ -52,11 +54,11 @@ fn hills(side: u32) -> String {
     );
     for k in 0..side * side {
         let height = k.wrapping_mul(2_654_435_761) >> 30;
-        text += &format!("{} {} {height}\n", k % side, k / side);
+        writeln!(text, "{} {} {height}", k % side, k / side).unwrap();
     }
     for k in (0..side * (side - 1)).filter(|k| k % side + 1 < side) {
         let (a, b) = (k, k + side);
-        text += &format!("3 {a} {} {}\n3 {a} {} {b}\n", a + 1, b + 1, b + 1);
+        writeln!(text, "3 {a} {} {}\n3 {a} {} {b}", a + 1, b + 1, b + 1).unwrap();
     }
     text
 }
