@@ -40,9 +40,7 @@ class Built:
         previous: _firsthit.Scene | None = None,
         build: Build = "auto",
     ) -> None:
-        """Build it, unless ``native`` is that already; ``previous`` lends what did not change.
-
-        """
+        """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
         self.objects, self.lights, self.around = objects, lights, around
         #: What rays of one mask, or of some objects, were last shot at.
         self._seen: _Seen | None = None
