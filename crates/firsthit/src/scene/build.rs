@@ -1,6 +1,14 @@
-//! How good the trees over meshes are to be.
+//! The trees over meshes: how good they are to be, and which a scene has already.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::{Object, Scene};
+use crate::accel::MeshTree;
+use crate::error::Result;
 use crate::geometry::named;
+use crate::memory;
+use crate::shape::Mesh;
 
 named! {
     /// How the trees over meshes are built: what building takes, against what each ray takes after. No answer depends on it.
@@ -48,6 +56,76 @@ impl BuildSettings {
                 self.rays.is_some_and(|rays| rays < most)
             }
         }
+    }
+}
+
+/// What building a tree takes at most, in bytes for each triangle. Where no vertices are shared it is most: four triangles have
+/// a leaf, its share of a wide node, two binary nodes with their plans, and each has three points and a place in the order.
+const TREE_BYTES: usize = 160;
+
+/// The same of the fast build, where leaves are put together from parts that have them too.
+const FAST_TREE_BYTES: usize = 280;
+
+/// A tree for each mesh, however many objects share it; what the scene before knows is used again, unless it is asked for
+/// better.
+pub(super) fn mesh_trees(
+    objects: &[Object],
+    build: BuildSettings,
+    before: Option<&Scene>,
+) -> Result<Vec<Option<Arc<MeshTree>>>> {
+    let is_good_enough = |tree: &MeshTree| build.build != Build::Best || !tree.is_quick();
+    let known = before
+        .into_iter()
+        .flat_map(|scene| scene.objects.iter().zip(&scene.trees));
+    let known = known.filter_map(|(object, tree)| Some((object.mesh()?, tree.as_ref()?)));
+    let mut built: HashMap<*const Mesh, Arc<MeshTree>> = known
+        .filter(|(_, tree)| is_good_enough(tree))
+        .map(|(mesh, tree)| (Arc::as_ptr(mesh), Arc::clone(tree)))
+        .collect();
+    // Rays are those of the whole scene, and so are triangles.
+    let missing = objects.iter().filter_map(Object::mesh);
+    let missing: HashMap<*const Mesh, usize> = missing
+        .map(|mesh| (Arc::as_ptr(mesh), mesh.triangles().len()))
+        .filter(|(mesh, _)| !built.contains_key(mesh))
+        .collect();
+    let is_fast = build.is_fast(missing.values().sum());
+    let mut tree = |k: usize, mesh: &Arc<Mesh>| {
+        if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
+            return Ok(Arc::clone(built));
+        }
+        let bytes = if is_fast { FAST_TREE_BYTES } else { TREE_BYTES };
+        let bytes = mesh.triangles().len().saturating_mul(bytes);
+        memory::check("the tree over a mesh", bytes)?;
+        let fitted = before.and_then(|scene| scene.fitted(k, mesh, is_good_enough));
+        let anew = || {
+            if is_fast {
+                MeshTree::build_quick(mesh)
+            } else {
+                MeshTree::build(mesh)
+            }
+        };
+        let tree = Arc::new(fitted.unwrap_or_else(anew));
+        built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
+        Ok(tree)
+    };
+    let objects = objects.iter().enumerate();
+    objects
+        .map(|(k, object)| object.mesh().map(|mesh| tree(k, mesh)).transpose())
+        .collect()
+}
+
+impl Scene {
+    /// The tree of an object's mesh for one that differs from it in its vertices only.
+    fn fitted(
+        &self,
+        object: usize,
+        moved: &Mesh,
+        is_good_enough: impl Fn(&MeshTree) -> bool,
+    ) -> Option<MeshTree> {
+        let mesh = self.objects.get(object)?.mesh()?;
+        let tree = self.trees[object].as_ref();
+        let tree = tree.filter(|tree| is_good_enough(tree))?;
+        (mesh.triangles() == moved.triangles()).then(|| tree.refit(moved))?
     }
 }
 

@@ -148,7 +148,7 @@ impl<A: Arithmetic> Interval<A> {
         }
     }
 
-    /// The stretch counted from `start` earlier on, and none where it is empty.
+    /// Adds `start` to both ends, and drops an empty stretch.
     #[inline(always)]
     pub(super) fn moved(mut self, start: A::Number) -> Self {
         let of = self.of;

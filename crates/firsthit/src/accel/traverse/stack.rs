@@ -11,7 +11,7 @@ pub(in crate::accel) struct Stack {
 }
 
 /// A tree has no more levels than the binary one it is made from: `SAH_DEPTH`, then 31 halvings of at most 2^31 items,
-/// the leaf, and one to spare. A quick tree has its lowest nodes below such a one, which is over a tenth as many items.
+/// the leaf, and one to spare. A quick tree adds a level of lowest nodes to such a tree, which has far fewer items.
 pub(in crate::accel) const LEVELS: usize = SAH_DEPTH as usize + 33;
 /// A power of two: each level leaves up to 15 behind.
 const STACK: usize = 2048;
