@@ -12,8 +12,9 @@ mod support;
 
 use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, First, Hits, trace, trace_with};
 use firsthit::{
-    Camera, Cone, Cuboid, DAffine3, DQuat, DVec2, DVec3, Departure, Disc, Filtered, InstructionSet,
-    Mesh, Object, Plane, Ray, RayFilter, Rays, Scene, Side, Sphere, SurfaceId, Transform,
+    Camera, Cone, Cuboid, Cylinder, DAffine3, DQuat, DVec2, DVec3, Departure, Disc, Filtered,
+    InstructionSet, Mesh, Object, Plane, Ray, RayFilter, Rays, Scene, Side, Sphere, SurfaceId,
+    Transform,
 };
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -152,7 +153,7 @@ fn trees_and_brute_force_agree_on_every_instruction_set() {
     }
 }
 
-/// Rays that leave what a camera sees: to a light, and short ones to all sides. Neighbours go in packets.
+/// Rays that leave what a camera sees: to a light, and short and long ones to all sides, so into things too. Neighbours go in packets.
 fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
     let mut numbers = Numbers::new(9);
     let camera = Camera::look_at(
@@ -167,14 +168,14 @@ fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
     let hits = trace(scene, &camera, First, &()).unwrap();
     let light = DVec3::new(-2.0, -2.0, 4.0);
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
-    for short in [false, true] {
+    for length in [0.0, 0.05, 3.0] {
         for k in 0..hits.len() {
             let (ray, hit) = (Rays::ray(&camera, k), hits.get(k));
             let Some(surface) = scene.interaction(&ray, &hit) else {
                 continue;
             };
-            let way = if short {
-                0.05 * numbers.point()
+            let way = if length > 0.0 {
+                length * numbers.point()
             } else {
                 light - surface.position()
             };
@@ -190,6 +191,27 @@ fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
         }
     }
     (rays, filters)
+}
+
+/// A shape of each kind that is no mesh, every other one placed, on a plane.
+fn shapes() -> Vec<Object> {
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::new(0.6, -0.5, 0.7),
+        DQuat::from_rotation_x(0.4),
+        DVec3::new(-0.4, 0.3, 0.2),
+    );
+    let place = Transform::new(place).unwrap();
+    let (low, high) = (DVec3::new(0.3, -0.6, -0.4), DVec3::new(0.8, -0.2, 0.3));
+    vec![
+        Object::new(Plane::new(DVec3::new(0.0, 0.0, -0.5), DVec3::Z).unwrap()),
+        Object::new(Sphere::new(DVec3::new(-0.6, -0.7, 0.0), 0.4).unwrap()),
+        Object::new(Sphere::new(DVec3::new(0.0, -0.4, 0.9), 0.5).unwrap()).placed(place),
+        Object::new(Cuboid::new(low, high).unwrap()),
+        Object::new(Cuboid::new(low, high).unwrap()).placed(place),
+        Object::new(Cone::new(DVec3::ZERO, DVec3::new(0.0, 0.2, 0.9), 0.4, 0.1).unwrap()),
+        Object::new(Cylinder::new(low, high, 0.2).unwrap()).placed(place),
+        Object::new(Disc::new(DVec3::new(0.5, 0.5, 0.6), DVec3::new(0.2, -1.0, 0.3), 0.5).unwrap()),
+    ]
 }
 
 #[test]
@@ -209,6 +231,7 @@ fn rays_that_leave_together_meet_what_brute_force_says() {
         vec![low.clone()],
         vec![turned.clone()],
         vec![low, turned, ball],
+        shapes(),
     ] {
         let scene = scene(objects);
         let (rays, filters) = leaving_together(&scene);

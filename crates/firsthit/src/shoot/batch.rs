@@ -7,9 +7,10 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::filter;
+use super::neighbours::Neighbours;
 use super::ray_query::{FirstHit, RayQuery, Sink};
+use super::ray_state::RayState;
 use super::scene_walk::{Instance, SceneWalk};
-use super::shapes::meet_together;
 use crate::accel::{
     self, Dispatcher, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch,
     WalkStack,
@@ -89,6 +90,8 @@ pub(super) struct Memory {
     scratch: Scratch,
     /// One for each ray of a batch.
     walk_stacks: Vec<WalkStack>,
+    /// For each filtered ray of a batch what it does not meet of the mesh that it is at.
+    in_meshes: Vec<MeshFilter>,
     packets: Vec<Packet>,
     dispatcher: Dispatcher,
 }
@@ -99,6 +102,7 @@ impl Memory {
         let new = || Self {
             scratch: Scratch::new(),
             walk_stacks: vec![WalkStack::new(); BATCH],
+            in_meshes: Vec::new(),
             packets: Vec::new(),
             dispatcher: Dispatcher::new(),
         };
@@ -175,21 +179,24 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
         } = self.memory;
         let stack = &mut walk_stacks[0];
         let scene = self.scene;
-        let mut walk = SceneWalk::new(scene, self.ray, self.query, self.t_max);
+        let state = RayState::new(self.ray, self.query, self.t_max);
+        let mut walk = SceneWalk::new(state, scene.on_the_way());
+        let mut in_mesh = MeshFilter::NONE;
         let is_wanted = |object: u32| self.is_skipped.get(object as usize) != Some(&true);
-        while let Some(instance) = walk.next(l, scratch, (scene, stack), is_wanted) {
+        while let Some(instance) = walk.next(l, (scratch, &mut in_mesh), (scene, stack), is_wanted)
+        {
             let Instance {
                 tree, mesh, ray, ..
             } = instance;
             let found = if Q::IS_FILTERED {
-                let filtered = (&ray, walk.query.mesh_filter());
+                let filtered = (&ray, &in_mesh);
                 accel::query_mesh_filtered::<L, Q::InMesh>(l, scratch, (tree, mesh), filtered)
             } else {
                 accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray)
             };
             walk.take(scene, found);
         }
-        walk.query
+        walk.state.query
     }
 }
 
@@ -293,36 +300,42 @@ impl<S: Sink> Batch<'_, S> {
     fn through_scene<L: Lanes>(mut self, l: L, memory: &mut Memory) {
         let scene = self.scene;
         let count = self.sink.len();
-        let mut walks: Vec<SceneWalk<'_, S::Query>> = Vec::with_capacity(count);
-        // The numbers of their rays.
-        let mut numbers = Vec::with_capacity(count);
+        // Those that may meet more than lone shapes, and the numbers of their rays.
+        let mut walks: Vec<SceneWalk<'_, S::Query>> = Vec::new();
+        let mut numbers = Vec::new();
         let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
         for start in (0..count).step_by(RAYS) {
             let rays = &mut rays[..RAYS.min(count - start)];
             self.rays.read(self.first + start, rays);
-            let first = walks.len();
-            for (number, ray) in (start..).zip(&*rays) {
-                let query = S::Query::begin(self.rays, self.first + number);
-                walks.push(SceneWalk::new(scene, ray, query, f64::INFINITY));
-                numbers.push(number);
-            }
-            let Some(listed) = meet_together(l, scene, &mut walks[first..]) else {
-                continue;
-            };
-            let has_more = listed.has_others() || S::Query::ALL;
-            let mut end = first;
-            for index in first..walks.len() {
-                if has_more && walks[index].limit().0 {
-                    walks[index].meet_only(OnTheWay::among(listed, S::Query::ALL));
-                    walks.swap(end, index);
-                    numbers.swap(end, index);
-                    end += 1;
+            let mut neighbours = Neighbours::new(rays, (self.rays, self.first + start));
+            let listed = neighbours.meet_shapes(l, scene);
+            let has_more = listed.is_none_or(|it| it.has_others() || S::Query::ALL);
+            for (index, number) in (start..start + rays.len()).enumerate() {
+                let known = neighbours.known(index);
+                if has_more && known.is_none_or(RayState::is_open) {
+                    let among = |listed| OnTheWay::among(listed, S::Query::ALL);
+                    let objects = listed.map_or_else(|| scene.on_the_way(), among);
+                    if walks.is_empty() {
+                        walks.reserve(count - start);
+                        numbers.reserve(count - start);
+                    }
+                    walks.push(SceneWalk::new(neighbours.take(index), objects));
+                    numbers.push(number);
                 } else {
-                    self.sink.put(numbers[index], &walks[index].query);
+                    match known {
+                        Some(state) => self.sink.put(number, &state.query),
+                        None => self.sink.put(number, &S::Query::START),
+                    }
                 }
             }
-            walks.truncate(end);
-            numbers.truncate(end);
+        }
+        let in_meshes = if S::Query::IS_FILTERED {
+            walks.len()
+        } else {
+            1
+        };
+        if memory.in_meshes.len() < in_meshes {
+            memory.in_meshes.resize(in_meshes, MeshFilter::NONE);
         }
         let mut instances = Vec::with_capacity(walks.len());
         // The rays that may meet more.
@@ -330,10 +343,10 @@ impl<S: Sink> Batch<'_, S> {
         loop {
             instances.clear();
             for index in left.drain(..) {
+                let in_mesh = if S::Query::IS_FILTERED { index } else { 0 };
+                let for_mesh = (&mut memory.scratch, &mut memory.in_meshes[in_mesh]);
                 let scene_and_stack = (scene, &mut memory.walk_stacks[index]);
-                if let Some(next) =
-                    walks[index].next(l, &mut memory.scratch, scene_and_stack, |_| true)
-                {
+                if let Some(next) = walks[index].next(l, for_mesh, scene_and_stack, |_| true) {
                     instances.push((index, next));
                 }
             }
@@ -345,7 +358,7 @@ impl<S: Sink> Batch<'_, S> {
             left.extend(instances.iter().map(|(index, _)| index));
         }
         for (number, walk) in numbers.into_iter().zip(&walks) {
-            self.sink.put(number, &walk.query);
+            self.sink.put(number, &walk.state.query);
         }
     }
 }
@@ -435,7 +448,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
             for (lane, (index, instance)) in chunk.iter().enumerate() {
                 packet.put(lane, &instance.ray);
                 if Q::IS_FILTERED {
-                    packet.set_filter(lane, walks[*index].query.mesh_filter());
+                    packet.set_filter(lane, &memory.in_meshes[*index]);
                 }
             }
             firsts.push((count, chunk.len()));

@@ -40,6 +40,11 @@ pub trait Engine: Debug + Sync {
         answers: Answers<'_>,
         watch: &dyn Watch,
     ) -> Result<()>;
+
+    /// The instruction set for what is computed beside: only times depend on it.
+    fn instruction_set(&self) -> InstructionSet {
+        Cpu::shared().0
+    }
 }
 
 /// This machine: trees in lanes, on all threads of the current rayon pool.
@@ -86,6 +91,10 @@ impl Default for Cpu {
 }
 
 impl Engine for Cpu {
+    fn instruction_set(&self) -> InstructionSet {
+        self.0
+    }
+
     fn first_hit(&self, scene: &Scene, ray: &Ray) -> Hit {
         let FirstHit(hit) = self.one(scene, ray);
         hit

@@ -6,7 +6,7 @@ use crate::accel::{self, CrossingList, MeshQuery};
 use crate::geometry::{Hit, RayFilter, Rays};
 use crate::scene::Scene;
 use crate::shape::Crossing;
-use crate::shape::triangle::{MeshFilter, clear_of};
+use crate::shape::triangle::clear_of;
 
 /// What is asked about a ray, and what it has met so far.
 pub(super) trait RayQuery: Copy + Send {
@@ -28,14 +28,6 @@ pub(super) trait RayQuery: Copy + Send {
     fn filter(&self) -> &RayFilter {
         &RayFilter::NONE
     }
-    /// What the ray does not meet of the mesh that it is at.
-    #[inline(always)]
-    fn mesh_filter(&self) -> &MeshFilter {
-        &MeshFilter::NONE
-    }
-    /// Comes to a mesh.
-    #[inline(always)]
-    fn enter(&mut self, _filter: MeshFilter) {}
     /// The answer for a scene of one object.
     fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self;
     /// Merges what was found in an object. Returns the `t_max` of the scaled ray from here on, which the
@@ -57,7 +49,7 @@ impl FirstHit {
     /// The `t_max` of the scaled ray from here on.
     #[inline(always)]
     pub(super) fn t_max(&self, scaled: &ScaledRay) -> f64 {
-        // Not below zero, as in `SceneWalk::new`.
+        // Not below zero, as in `RayState::new`.
         (clear_of(self.0.t) / scaled.t_scale).max(f64::MIN_POSITIVE)
     }
 }
@@ -161,8 +153,6 @@ impl RayQuery for EveryHit {
 pub(super) struct FilteredQuery<Q> {
     query: Q,
     filter: RayFilter,
-    /// That of the mesh that the ray is at.
-    in_mesh: MeshFilter,
 }
 
 impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
@@ -172,7 +162,6 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
     const START: Self = Self {
         query: Q::START,
         filter: RayFilter::NONE,
-        in_mesh: MeshFilter::NONE,
     };
 
     fn begin(rays: &dyn Rays, index: usize) -> Self {
@@ -185,16 +174,6 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
     #[inline(always)]
     fn filter(&self) -> &RayFilter {
         &self.filter
-    }
-
-    #[inline(always)]
-    fn mesh_filter(&self) -> &MeshFilter {
-        &self.in_mesh
-    }
-
-    #[inline(always)]
-    fn enter(&mut self, filter: MeshFilter) {
-        self.in_mesh = filter;
     }
 
     #[inline(always)]

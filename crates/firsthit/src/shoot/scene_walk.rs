@@ -7,12 +7,13 @@
 
 use super::filter;
 use super::ray_query::{FirstHit, RayQuery};
+use super::ray_state::RayState;
 use super::scaled_ray::ScaledRay;
 use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::{Hit, Ray};
 use crate::scene::{OnTheWay, Scene};
-use crate::shape::triangle::Shear;
-use crate::shape::{Crossing, Mesh, Shape, Surface};
+use crate::shape::triangle::{MeshFilter, Shear};
+use crate::shape::{Mesh, Shape, Surface};
 use crate::simd::{Kernel, Lanes};
 
 /// A mesh that a ray comes to, and the ray in the space of that.
@@ -24,131 +25,57 @@ pub(super) struct Instance<'a> {
     pub(super) ray: Ray,
 }
 
-/// A ray, and what it has met so far.
+/// A ray, and the objects that are still to come.
 pub(super) struct SceneWalk<'a, Q> {
-    scaled: Option<ScaledRay>,
+    pub(super) state: RayState<Q>,
     objects: OnTheWay<'a>,
     /// The last object, and those in the same place that are still to come.
     object: u32,
     duplicates: &'a [u32],
-    t_max: f64,
-    pub(super) query: Q,
 }
 
 impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
-    /// Begins with `ray`; `query` knows what that has met already, at `t_max` or before.
+    /// Begins, with some objects to come.
     #[inline(always)]
-    pub(super) fn new(scene: &'a Scene, ray: &Ray, query: Q, t_max: f64) -> Self {
-        let scaled = if Q::IS_FILTERED {
-            ScaledRay::filtered(ray, query.filter())
-        } else {
-            ScaledRay::new(ray)
-        };
-        // A ray may begin behind its origin. Below zero `t_max` says that nothing matters any more, so it stays above.
-        let within = |scaled: &ScaledRay| {
-            let t_max = scaled.ray.t_max.min(t_max / scaled.t_scale);
-            t_max.max(f64::MIN_POSITIVE)
-        };
+    pub(super) fn new(state: RayState<Q>, objects: OnTheWay<'a>) -> Self {
         Self {
-            t_max: scaled.as_ref().map_or(-1.0, within),
-            scaled,
-            objects: scene.on_the_way(),
+            state,
+            objects,
             object: 0,
             duplicates: &[],
-            query,
         }
     }
 
-    /// The ray on its way, unless it can meet nothing.
-    #[inline(always)]
-    pub(super) fn ray(&self) -> Option<&Ray> {
-        self.scaled.as_ref().map(|scaled| &scaled.ray)
-    }
-
-    /// Leaves only some objects to be met, before the first is.
-    #[inline(always)]
-    pub(super) fn meet_only(&mut self, objects: OnTheWay<'a>) {
-        self.objects = objects;
-    }
-
-    /// The ray, if eight such may be intersected side by side: those with a filter that leaves out no surface but the one that the ray
-    /// leaves. `None` for any other, and where the query asks for all crossings.
-    #[inline(always)]
-    pub(super) fn plain_ray(&self) -> Option<&Ray> {
-        let scaled = self.scaled.as_ref()?;
-        let filter = self.query.filter();
-        let is_plain = !Q::IS_FILTERED
-            || filter.mask != 0
-                && filter.only.is_none()
-                && filter.cull.is_none()
-                && filter.skip == [None; 2];
-        (!Q::ALL && is_plain).then_some(&scaled.ray)
-    }
-
-    /// Whether anything matters any more, and up to which `t`.
-    #[inline(always)]
-    pub(super) fn limit(&self) -> (bool, f64) {
-        let t_max = self.scaled.as_ref().map_or(-1.0, |scaled| scaled.ray.t_max);
-        (self.t_max >= 0.0, self.t_max.min(t_max))
-    }
-
-    /// Comes to a lone shape out of turn.
-    pub(super) fn come_to(&mut self, scene: &'a Scene, index: u32) {
-        let Some(scaled) = self.scaled.as_ref().filter(|_| self.t_max >= 0.0) else {
-            return;
-        };
-        let object = &scene.objects()[index as usize];
-        let filter = self.query.filter();
-        if Q::IS_FILTERED && !filter::sees(filter, index, object) {
-            return;
-        }
-        let ray = if Q::IS_FILTERED {
-            let in_object = filter::in_object(scene, (scaled, filter), index, self.t_max);
-            in_object.map(|(ray, _)| ray)
-        } else {
-            scaled.in_object(object, self.t_max)
-        };
-        if let Some(ray) = ray {
-            self.object = index;
-            self.shape(scene, object.shape(), &ray);
-        }
-    }
-
-    /// Takes a crossing with a shape, if it is a hit of the caller's ray.
-    #[inline(always)]
-    pub(super) fn meet(&mut self, scene: &Scene, index: u32, crossing: Crossing) {
-        self.object = index;
-        self.cross(scene, crossing);
-    }
-
-    /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the same each time.
+    /// The next mesh, among the objects that are wanted; `None` at the end. Scene and stack are the same each time. What a filtered ray does
+    /// not meet of the mesh goes to `in_mesh`.
     #[inline(always)]
     pub(super) fn next<L: Lanes>(
         &mut self,
         l: L,
-        scratch: &mut Scratch,
+        (scratch, in_mesh): (&mut Scratch, &mut MeshFilter),
         (scene, stack): (&'a Scene, &mut WalkStack),
         is_wanted: impl Fn(u32) -> bool,
     ) -> Option<Instance<'a>> {
-        while self.t_max >= 0.0 {
+        while self.state.is_open() {
             let index = self.next_object(scene, stack)?;
             if !is_wanted(index) {
                 continue;
             }
-            let scaled = self.scaled.as_ref()?;
+            let state = &mut self.state;
+            let scaled = state.scaled.as_ref()?;
             let object = &scene.objects()[index as usize];
-            if Q::IS_FILTERED && !filter::sees(self.query.filter(), index, object) {
+            let filter = state.query.filter();
+            if Q::IS_FILTERED && !filter::sees(filter, index, object) {
                 continue;
             }
             let ray = if Q::IS_FILTERED {
-                let scaled_and_filter = (scaled, self.query.filter());
-                let in_object = filter::in_object(scene, scaled_and_filter, index, self.t_max);
-                in_object.map(|(ray, in_mesh)| {
-                    self.query.enter(in_mesh);
+                let in_object = filter::in_object(scene, (scaled, filter), index, state.t_max);
+                in_object.map(|(ray, filter)| {
+                    *in_mesh = filter;
                     ray
                 })
             } else {
-                scaled.in_object(object, self.t_max)
+                scaled.in_object(object, state.t_max)
             };
             let Some(ray) = ray else {
                 continue;
@@ -158,7 +85,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 (Shape::Mesh(mesh), Some(tree)) => {
                     let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
-                    let is_near = is_near && (!Q::IS_FILTERED || self.is_sharp(tree));
+                    let is_near = is_near && (!Q::IS_FILTERED || is_sharp(tree, in_mesh));
                     if is_plain && is_near && tree.has_nodes() {
                         return Some(Instance {
                             object: index,
@@ -168,14 +95,15 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                         });
                     }
                     l.call(TriangleByTriangle {
-                        walk: self,
+                        state,
                         scratch,
                         scene,
-                        at_mesh: (tree, mesh),
+                        at_mesh: (index, tree, mesh),
                         ray: &ray,
+                        in_mesh,
                     });
                 }
-                (shape, _) => self.shape(scene, shape, &ray),
+                (shape, _) => state.meet_shape(scene, (index, shape), &ray),
             }
         }
         None
@@ -188,54 +116,28 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             self.duplicates = rest;
             return Some(copy);
         }
-        let scaled = self.scaled.as_ref()?;
-        let index = self.objects.next(&scaled.ray, self.t_max, stack)?;
+        let index = self
+            .objects
+            .next(self.state.ray()?, self.state.t_max, stack)?;
         let object = &scene.objects()[index as usize];
-        let filter = self.query.filter();
+        let filter = self.state.query.filter();
         if Q::ALL || (Q::IS_FILTERED && filter::tells_copies_apart(filter, index, object)) {
             self.duplicates = scene.duplicates().of(index);
         }
         Some(index)
     }
 
-    /// Whether float32 can tell what is ahead of the start.
-    fn is_sharp(&self, tree: &MeshTree) -> bool {
-        let departure = self.query.mesh_filter().departure();
-        departure.is_none_or(|point| tree.is_sharp_from(point))
-    }
-
     /// Takes what the last mesh was found to do to the ray.
     #[inline(always)]
     pub(super) fn take(&mut self, scene: &Scene, found: <Q::InMesh as MeshQuery>::Found) {
-        if let Some(scaled) = &self.scaled {
-            let t_max = self.query.take(scene, scaled, self.object, found);
-            self.t_max = self.t_max.min(t_max);
-        }
+        self.state.take(scene, self.object, found);
     }
+}
 
-    /// Intersects a shape that is no mesh.
-    fn shape(&mut self, scene: &Scene, shape: &Shape, ray: &Ray) {
-        let filter = self.query.filter();
-        if Q::IS_FILTERED && !filter::meets_all_of(filter, self.object) {
-            let t_scale = self.scaled.as_ref().map_or(1.0, |scaled| scaled.t_scale);
-            let crossings = filter::crossings(filter, self.object, shape, (ray, t_scale));
-            let crossings = crossings.into_iter().flatten();
-            crossings.for_each(|crossing| self.cross(scene, crossing));
-        } else if Q::ALL {
-            let crossings = shape.crossings(ray).into_iter().flatten();
-            crossings.for_each(|crossing| self.cross(scene, crossing));
-        } else if let Some(crossing) = shape.intersect(ray) {
-            self.cross(scene, crossing);
-        }
-    }
-
-    /// Takes a crossing with the last object, if it is a hit of the caller's ray.
-    fn cross(&mut self, scene: &Scene, crossing: Crossing) {
-        let scaled = self.scaled.as_ref();
-        if scaled.is_some_and(|scaled| scaled.hit(self.object, crossing).is_some()) {
-            self.take(scene, Q::InMesh::of_crossing(Some(crossing)));
-        }
-    }
+/// Whether float32 can tell what is ahead of the start.
+fn is_sharp(tree: &MeshTree, in_mesh: &MeshFilter) -> bool {
+    let departure = in_mesh.departure();
+    departure.is_none_or(|point| tree.is_sharp_from(point))
 }
 
 /// The first hit of a ray among some objects that are no meshes and in no other's place, and `known`, which it has met already.
@@ -260,48 +162,54 @@ pub(super) fn first_of_shapes(scene: &Scene, ray: &Ray, objects: &[u32], known: 
 
 /// Intersects a mesh for which the lanes' traversals do not serve: its triangles may be cut out, it has no nodes, or the ray is
 /// distant, begins behind its origin, has other units or leaves a triangle that float32 cannot tell from its neighbours.
-struct TriangleByTriangle<'r, 'a, Q> {
-    walk: &'r mut SceneWalk<'a, Q>,
+struct TriangleByTriangle<'r, Q> {
+    state: &'r mut RayState<Q>,
     scratch: &'r mut Scratch,
     scene: &'r Scene,
-    at_mesh: (&'r MeshTree, &'r Mesh),
+    at_mesh: (u32, &'r MeshTree, &'r Mesh),
     ray: &'r Ray,
+    /// Of rays without a filter it has no meaning.
+    in_mesh: &'r MeshFilter,
 }
 
-impl<Q: RayQuery> Kernel for TriangleByTriangle<'_, '_, Q> {
+impl<Q: RayQuery> Kernel for TriangleByTriangle<'_, Q> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Self {
-            walk,
+            state,
             scratch,
             scene,
-            at_mesh,
+            at_mesh: (index, tree, mesh),
             ray,
+            in_mesh,
         } = self;
-        let object = &scene.objects()[walk.object as usize];
-        let filter = *walk.query.mesh_filter();
+        let object = &scene.objects()[index as usize];
+        let filter = if Q::IS_FILTERED {
+            in_mesh
+        } else {
+            &MeshFilter::NONE
+        };
         let off = filter.departure().map_or(0.0, |point| point.off);
         let shear = Shear::new(ray);
         accel::each_candidate(
             l,
             scratch,
-            at_mesh,
+            (tree, mesh),
             (ray, off, Q::ALL || Q::IS_FILTERED),
             |triangle, t_max| {
                 let edges = <Q::InMesh as MeshQuery>::EDGES;
-                let (_, mesh) = at_mesh;
                 let crossing =
-                    object.intersect_triangle(mesh, triangle, (edges, &filter), (ray, &shear));
+                    object.intersect_triangle(mesh, triangle, (edges, filter), (ray, &shear));
                 let Some(crossing) = crossing else {
                     return t_max;
                 };
-                walk.cross(scene, crossing);
-                if walk.t_max < 0.0 {
-                    accel::END
+                state.cross(scene, index, crossing);
+                if state.is_open() {
+                    t_max.min(state.t_max)
                 } else {
-                    t_max.min(walk.t_max)
+                    accel::END
                 }
             },
         );

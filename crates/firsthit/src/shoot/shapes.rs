@@ -4,27 +4,25 @@
 //! single rays, to the bit. What is rare goes by these: filters that tell surfaces apart, two hits that may be in one place, and a picture's
 //! rays of extreme lengths.
 
-use super::filter;
 use super::hits::HitSlices;
-use super::ray_query::RayQuery;
 use super::scaled_ray::ScaledRay;
-use super::scene_walk::{SceneWalk, first_of_shapes};
-use crate::geometry::{Beam, DVec2, DVec3, Hit, PixelGrid, ROUNDED, Ray};
-use crate::scene::{Listed, Object, Scene};
+use super::scene_walk::first_of_shapes;
+use crate::geometry::{DVec2, DVec3, Hit, PixelGrid, Ray};
+use crate::scene::{Object, Scene};
+use crate::shape::Crossing;
 use crate::shape::bundle::{RayOf, crossing, minus, plus, splat, squared, times, turned};
-use crate::shape::{Crossing, Shape};
-use crate::simd::{InLanes, Kernel, Lanes, WIDE, set_bits};
+use crate::simd::{InLanes, Lanes, WIDE, set_bits};
 
 /// Up to eight rays, a number of each in a row.
-struct Columns {
-    origin: [[f64; WIDE]; 3],
-    direction: [[f64; WIDE]; 3],
+pub(super) struct Columns {
+    pub(super) origin: [[f64; WIDE]; 3],
+    pub(super) direction: [[f64; WIDE]; 3],
     t_min: [f64; WIDE],
-    t_max: [f64; WIDE],
+    pub(super) t_max: [f64; WIDE],
 }
 
 impl Columns {
-    const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         origin: [[0.0; WIDE]; 3],
         direction: [[1.0; WIDE]; 3],
         t_min: [0.0; WIDE],
@@ -32,7 +30,7 @@ impl Columns {
     };
 
     #[inline(always)]
-    fn put(&mut self, lane: usize, ray: &Ray) {
+    pub(super) fn put(&mut self, lane: usize, ray: &Ray) {
         for axis in 0..3 {
             self.origin[axis][lane] = ray.origin[axis];
             self.direction[axis][lane] = ray.direction[axis];
@@ -42,7 +40,7 @@ impl Columns {
     }
 
     #[inline(always)]
-    fn load<L: Lanes>(&self, l: L) -> RayOf<L::Doubles> {
+    pub(super) fn load<L: Lanes>(&self, l: L) -> RayOf<L::Doubles> {
         let [x, y, z] = &self.origin;
         let [u, v, w] = &self.direction;
         RayOf {
@@ -82,7 +80,7 @@ fn min<L: Lanes>(l: L, a: L::Doubles, b: L::Doubles) -> L::Doubles {
 
 /// The longest component of each direction.
 #[inline(always)]
-fn longest<L: Lanes>(l: L, ray: &RayOf<L::Doubles>) -> L::Doubles {
+pub(super) fn longest<L: Lanes>(l: L, ray: &RayOf<L::Doubles>) -> L::Doubles {
     let [u, v, w] = ray.direction;
     l.max64(l.max64(l.abs64(u), l.abs64(v)), l.abs64(w))
 }
@@ -96,7 +94,11 @@ fn is_moderate<L: Lanes>(l: L, ray: &RayOf<L::Doubles>) -> u8 {
 
 /// Rays in an object's space, and which of them can meet anything there, as [`ScaledRay::in_object`] has it.
 #[inline(always)]
-fn in_object<L: Lanes>(l: L, object: &Object, ray: &RayOf<L::Doubles>) -> (RayOf<L::Doubles>, u8) {
+pub(super) fn in_object<L: Lanes>(
+    l: L,
+    object: &Object,
+    ray: &RayOf<L::Doubles>,
+) -> (RayOf<L::Doubles>, u8) {
     let of = InLanes(l);
     let transform = object.transform();
     let ray = if transform.is_identity() {
@@ -263,180 +265,5 @@ fn hit(object: u32, t: f64, primitive: f64) -> Hit {
         object: object.cast_signed(),
         primitive,
         barycentric: DVec2::NAN,
-    }
-}
-
-/// Lists what neighbours may meet, for all of them at once, and lets them meet the shapes of the list that lanes can do. `None` where each ray
-/// does better alone. A query for all crossings meets nothing here.
-#[inline(always)]
-pub(super) fn meet_together<'a, L: Lanes, Q: RayQuery>(
-    l: L,
-    scene: &'a Scene,
-    walks: &mut [SceneWalk<'a, Q>],
-) -> Option<Listed<'a>> {
-    let mut beam = Beam::EMPTY;
-    for ray in walks.iter().filter_map(SceneWalk::ray) {
-        beam.add(ray);
-    }
-    let listed = scene.list_candidates(&beam)?;
-    if listed.has_lone_shapes() && !Q::ALL {
-        for walks in walks.chunks_mut(WIDE) {
-            let eight = MeetShapes {
-                scene,
-                walks,
-                listed,
-            };
-            eight.run(l);
-        }
-    }
-    Some(listed)
-}
-
-/// Up to eight rays on their way through a scene, and the lone shapes of a list, which they come to.
-struct MeetShapes<'r, 'a, Q> {
-    scene: &'a Scene,
-    walks: &'r mut [SceneWalk<'a, Q>],
-    listed: Listed<'a>,
-}
-
-/// What is known of the rays of a [`MeetShapes`].
-struct Eight {
-    columns: Columns,
-    /// The rays that may meet more.
-    alive: u8,
-    masks: [u32; WIDE],
-    /// The rays that leave a surface.
-    departing: u8,
-    /// The object that each of these leaves, and the largest coordinate of that and of its start.
-    left: [i32; WIDE],
-    coordinate: [f64; WIDE],
-}
-
-impl<Q: RayQuery> MeetShapes<'_, '_, Q> {
-    fn run<L: Lanes>(mut self, l: L) {
-        let mut eight = self.load();
-        for index in self.listed.lone_shapes() {
-            if eight.alive == 0 {
-                return;
-            }
-            let object = &self.scene.objects()[index as usize];
-            let lanes = self.lanes_at(&mut eight, index, object);
-            if lanes == 0 {
-                continue;
-            }
-            let (met, t, primitives) = l.call(CrossShape {
-                object,
-                eight: &eight,
-            });
-            for lane in set_bits((met & lanes).into()) {
-                let walk = &mut self.walks[lane];
-                walk.meet(self.scene, index, crossing(t[lane], primitives[lane]));
-                eight.update(lane, walk);
-            }
-        }
-    }
-
-    /// The rays; those that are special meet the shapes at once.
-    #[inline(always)]
-    fn load(&mut self) -> Eight {
-        let mut eight = Eight {
-            columns: Columns::NONE,
-            alive: 0,
-            masks: [u32::MAX; WIDE],
-            departing: 0,
-            left: [-1; WIDE],
-            coordinate: [0.0; WIDE],
-        };
-        for (lane, walk) in self.walks.iter_mut().enumerate() {
-            let Some(ray) = walk.plain_ray() else {
-                for index in self.listed.lone_shapes() {
-                    walk.come_to(self.scene, index);
-                }
-                continue;
-            };
-            eight.columns.put(lane, ray);
-            let start = ray.origin;
-            if Q::IS_FILTERED {
-                let filter = walk.query.filter();
-                eight.masks[lane] = filter.mask;
-                if let Some(departure) = filter.departure {
-                    let left = departure.surface;
-                    eight.departing |= 1 << lane;
-                    eight.left[lane] = left.object;
-                    eight.coordinate[lane] = filter::largest_of_start(self.scene, start, left);
-                }
-            }
-            eight.update(lane, walk);
-        }
-        eight
-    }
-
-    /// The rays that meet all of an object, a bit each. Those that leave it meet it alone.
-    #[inline(always)]
-    fn lanes_at(&mut self, eight: &mut Eight, index: u32, object: &Object) -> u8 {
-        let mut lanes = eight.alive;
-        if !Q::IS_FILTERED {
-            return lanes;
-        }
-        if object.mask() != u32::MAX {
-            for (lane, mask) in eight.masks.iter().enumerate() {
-                lanes &= !(u8::from(object.mask() & mask == 0) << lane);
-            }
-        }
-        let mut leaving = 0;
-        for (lane, &left) in eight.left.iter().enumerate() {
-            leaving |= u8::from(left == index.cast_signed()) << lane;
-        }
-        // Of a flat shape nothing is ahead.
-        if !matches!(object.shape(), Shape::Plane(_) | Shape::Disc(_)) {
-            for lane in set_bits((lanes & leaving).into()) {
-                let walk = &mut self.walks[lane];
-                walk.come_to(self.scene, index);
-                eight.update(lane, walk);
-            }
-        }
-        lanes & !leaving
-    }
-}
-
-/// Where eight rays cross a shape: in which lanes, at which `t`, and the primitives. A function of its own, one for all queries.
-struct CrossShape<'r> {
-    object: &'r Object,
-    eight: &'r Eight,
-}
-
-impl Kernel for CrossShape<'_> {
-    type Output = (u8, [f64; WIDE], [f64; WIDE]);
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Self::Output {
-        let Self { object, eight } = self;
-        let mut ray = eight.columns.load(l);
-        if eight.departing != 0 {
-            // As `filter::in_object`.
-            let start = l.load64(&eight.coordinate);
-            let coordinate = l.max64(start, l.splat64(object.farthest()));
-            let beyond = l.mul64(l.splat64(ROUNDED), coordinate);
-            let after = l.max64(ray.t_min, l.div64(beyond, longest(l, &ray)));
-            ray.t_min = l.select64(eight.departing, after, ray.t_min);
-        }
-        let (ray, valid) = in_object(l, object, &ray);
-        let (mut t, mut primitives) = ([0.0; WIDE], [0.0; WIDE]);
-        let Some(crossing) = object.shape().first_of_bundle(InLanes(l), &ray) else {
-            return (0, t, primitives);
-        };
-        l.store64(crossing.t, &mut t);
-        l.store64(crossing.primitive, &mut primitives);
-        (crossing.is_met & valid, t, primitives)
-    }
-}
-
-impl Eight {
-    /// Learns how far a ray goes on.
-    #[inline(always)]
-    fn update<Q: RayQuery>(&mut self, lane: usize, walk: &SceneWalk<'_, Q>) {
-        let (is_alive, t_max) = walk.limit();
-        self.columns.t_max[lane] = t_max;
-        self.alive = self.alive & !(1 << lane) | u8::from(is_alive) << lane;
     }
 }
