@@ -203,10 +203,15 @@ impl<'a> Picture<'a> {
         } else {
             (SLAB / columns / SLAB_ROWS).max(1) * SLAB_ROWS
         };
+        let mut last: Option<Slab<'_>> = None;
         for first in region.rows.clone().step_by(height) {
             let rows = first..region.rows.end.min(first.saturating_add(height));
             let columns = region.columns.clone();
-            let mut slab = Slab::new(self, Region { rows, columns }, lines.as_ref(), watch)?;
+            let part = (Region { rows, columns }, lines.as_ref());
+            let mut slab = match last {
+                Some(last) => last.next(part, watch)?,
+                None => Slab::new(self, part, watch)?,
+            };
             let samples = if self.needs_samples() {
                 self.samples
             } else {
@@ -217,7 +222,8 @@ impl<'a> Picture<'a> {
                     break;
                 }
             }
-            sink(slab.into_frame()?)?;
+            sink(slab.take_frame()?)?;
+            last = Some(slab);
         }
         Ok(())
     }
@@ -237,7 +243,7 @@ impl<'a> Picture<'a> {
             check_samples(self.sensor, self.samples)?;
         }
         let lines = self.lines(&region, watch)?;
-        let slab = Slab::new(self, region, lines.as_ref(), watch)?;
+        let slab = Slab::new(self, (region, lines.as_ref()), watch)?;
         Ok(Progressive { slab })
     }
 

@@ -1,5 +1,6 @@
 //! Sums over the samples of pixels, and when they are enough.
 
+use bytemuck::Zeroable;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -30,14 +31,22 @@ pub(super) const ALPHA: usize = 3;
 const NAMES: [&str; 3] = ["sums", "squares", "samples"];
 
 impl Accumulation {
-    pub(super) fn new(pixels: usize, shade: &dyn Shade) -> Result<Self> {
-        Ok(Self {
-            sums: zeroed(pixels)?,
-            squares: zeroed(pixels)?,
-            counts: zeroed(pixels)?,
+    /// Of no pixel.
+    pub(super) fn empty(shade: &dyn Shade) -> Self {
+        Self {
+            sums: Vec::new(),
+            squares: Vec::new(),
+            counts: Vec::new(),
             is_transparent: shade.is_transparent(),
             has_negative_noise: shade.has_negative_noise(),
-        })
+        }
+    }
+
+    /// Begins anew, with so many pixels.
+    pub(super) fn reset(&mut self, pixels: usize) -> Result<()> {
+        reset(&mut self.sums, pixels)?;
+        reset(&mut self.squares, pixels)?;
+        reset(&mut self.counts, pixels)
     }
 
     /// Adds a sample to a pixel.
@@ -155,7 +164,8 @@ impl Accumulation {
         if sums.chunks_exact(4).zip(counts).any(is_empty) {
             return Err(wrong("one of sums without samples"));
         }
-        let mut made = Self::new(pixels, shade)?;
+        let mut made = Self::empty(shade);
+        made.reset(pixels)?;
         made.sums.as_flattened_mut().copy_from_slice(sums);
         made.squares.copy_from_slice(squares);
         for (out, &count) in made.counts.iter_mut().zip(counts) {
@@ -164,6 +174,18 @@ impl Accumulation {
         }
         Ok(made)
     }
+}
+
+/// Makes all zeros of a vector, as many as given; in its memory where that is enough.
+fn reset<T: Zeroable + Copy>(values: &mut Vec<T>, count: usize) -> Result<()> {
+    if count <= values.capacity() {
+        values.clear();
+        values.resize(count, T::zeroed());
+    } else {
+        *values = Vec::new();
+        *values = zeroed(count)?;
+    }
+    Ok(())
 }
 
 /// How bright a colour is: where what is behind shows through, over white, so that shadows count that alpha alone has.
@@ -266,7 +288,8 @@ mod tests {
     fn quiet_tiles_stop_unless_a_neighbour_is_loud() {
         let shape = [48, 64];
         let own = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
-        let mut known = Accumulation::new(48 * 64, &own).unwrap();
+        let mut known = Accumulation::empty(&own);
+        known.reset(48 * 64).unwrap();
         for sample in 0..32_u32 {
             for pixel in 0..48 * 64 {
                 let is_loud = pixel == 20 * 64 + 60;

@@ -28,6 +28,9 @@ use crate::watch::Watch;
 /// How many pixels are shaded at a time: enough that their shadow rays go together, few enough for slow shaders.
 const SHADED: usize = 256;
 
+/// The side of the squares in whose order they are: rays from sixteen neighbours on all sides go together better than from a row.
+const SQUARE: usize = 4;
+
 /// See [the module](self).
 pub(super) struct Slab<'a> {
     picture: &'a Picture<'a>,
@@ -50,8 +53,22 @@ pub(super) struct Slab<'a> {
 impl<'a> Slab<'a> {
     pub(super) fn new(
         picture: &'a Picture<'a>,
-        region: Region,
-        lines: Option<&Lines>,
+        part: (Region, Option<&Lines>),
+        watch: &dyn Watch,
+    ) -> Result<Self> {
+        let memory = (Hits::default(), Accumulation::empty(picture.shade));
+        Self::in_memory(memory, picture, part, watch)
+    }
+
+    /// Another part of the picture, in the same memory: memory that is new takes the system longer to give than rays take to fill it.
+    pub(super) fn next(self, part: (Region, Option<&Lines>), watch: &dyn Watch) -> Result<Self> {
+        Self::in_memory((self.hits, self.known), self.picture, part, watch)
+    }
+
+    fn in_memory(
+        (hits, mut known): (Hits, Accumulation),
+        picture: &'a Picture<'a>,
+        (region, lines): (Region, Option<&Lines>),
         watch: &dyn Watch,
     ) -> Result<Self> {
         let covered = lines.map(|lines| {
@@ -61,6 +78,7 @@ impl<'a> Slab<'a> {
         let covered = covered.transpose()?.unwrap_or_default();
         let part = Part::new(picture.sensor, region);
         let pixels = if picture.has_color() { part.len() } else { 0 };
+        known.reset(pixels)?;
         let mattes = picture.channels.iter();
         let mattes = mattes.map(|kind| Mattes::new(kind, picture.scene, part.len()));
         let mattes = mattes.filter_map(Result::transpose);
@@ -78,10 +96,10 @@ impl<'a> Slab<'a> {
             mattes: mattes.collect::<Result<_>>()?,
             bar: picture.bar()?,
             picture,
-            known: Accumulation::new(pixels, picture.shade)?,
+            known,
             occlusion: occlusion.transpose()?,
             part,
-            hits: Hits::default(),
+            hits,
             samples: 0,
             channels: Vec::new(),
             covered,
@@ -160,6 +178,8 @@ impl<'a> Slab<'a> {
     /// Adds the colours of the current hits to the sums, of the pixels that go on.
     fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
+        let width = part.region.columns.len();
+        let band = SQUARE * width;
         let Picture {
             scene, shade, cull, ..
         } = *self.picture;
@@ -171,26 +191,25 @@ impl<'a> Slab<'a> {
             ..
         } = &mut self.known;
         let rest = squares
-            .par_chunks_mut(SHADED)
-            .zip(counts.par_chunks_mut(SHADED));
-        let chunks = sums.par_chunks_mut(SHADED).zip(rest).enumerate();
-        chunks.try_for_each_init(Batch::new, |batch, (chunk, (sums, (squares, counts)))| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
-            let first = chunk * SHADED;
-            watch.advance(sums.len() as u64);
-            let goes_on = |k: &usize| activity.is_none_or(|activity| activity.has(first + k));
-            let active: Vec<usize> = (0..sums.len()).filter(goes_on).collect();
-            if active.is_empty() {
-                return Ok(());
-            }
-            batch.read((scene, part), hits, first, sums.len());
-            batch.keep(&active);
-            let (colors, coverage) = batch.shade((shade, cull), sample);
-            for ((k, color), covered) in active.into_iter().zip(colors).zip(coverage) {
-                let pixel = (&mut sums[k], &mut squares[k], &mut counts[k]);
-                Accumulation::add(pixel, (*color, *covered), is_transparent);
+            .par_chunks_mut(band)
+            .zip(counts.par_chunks_mut(band));
+        let bands = sums.par_chunks_mut(band).zip(rest).enumerate();
+        bands.try_for_each_init(Batch::new, |batch, (number, (sums, (squares, counts)))| {
+            let first = number * band;
+            for block in Block::all(sums.len(), width) {
+                if watch.is_stopped() {
+                    return Err(Error::Interrupted);
+                }
+                watch.advance(block.len() as u64);
+                let goes_on = |k: usize| activity.is_none_or(|activity| activity.has(first + k));
+                if !batch.read((scene, part), hits, (first, block), goes_on) {
+                    continue;
+                }
+                let (places, colors, coverage) = batch.shade((shade, cull), sample);
+                for ((&k, color), covered) in places.iter().zip(colors).zip(coverage) {
+                    let pixel = (&mut sums[k], &mut squares[k], &mut counts[k]);
+                    Accumulation::add(pixel, (*color, *covered), is_transparent);
+                }
             }
             Ok(())
         })
@@ -203,17 +222,21 @@ impl<'a> Slab<'a> {
         let Some((shading, sums)) = &mut self.occlusion else {
             return Ok(());
         };
-        let chunks = sums.par_chunks_mut(SHADED).enumerate();
-        chunks.try_for_each_init(Batch::new, |batch, (chunk, sums)| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
+        let width = part.region.columns.len();
+        let band = SQUARE * width;
+        let bands = sums.par_chunks_mut(band).enumerate();
+        bands.try_for_each_init(Batch::new, |batch, (number, sums)| {
+            for block in Block::all(sums.len(), width) {
+                if watch.is_stopped() {
+                    return Err(Error::Interrupted);
+                }
+                watch.advance(block.len() as u64);
+                batch.read((scene, part), hits, (number * band, block), |_| true);
+                let (places, colors, _) = batch.shade((shading, cull), sample);
+                for (&k, color) in places.iter().zip(colors) {
+                    sums[k] += color.x;
+                }
             }
-            batch.read((scene, part), hits, chunk * SHADED, sums.len());
-            let (colors, _) = batch.shade((shading, cull), sample);
-            for (sum, color) in sums.iter_mut().zip(colors) {
-                *sum += color.x;
-            }
-            watch.advance(sums.len() as u64);
             Ok(())
         })
     }
@@ -223,8 +246,8 @@ impl<'a> Slab<'a> {
         self.frame_with(self.channels.clone())
     }
 
-    /// The same, without a copy.
-    pub(super) fn into_frame(mut self) -> Result<Frame> {
+    /// The same, without a copy: it can be taken once.
+    pub(super) fn take_frame(&mut self) -> Result<Frame> {
         let plain = std::mem::take(&mut self.channels);
         self.frame_with(plain)
     }
@@ -318,11 +341,54 @@ impl<'a> Slab<'a> {
     }
 }
 
+/// Pixels of a band of rows that are shaded at a time: some of its columns.
+#[derive(Clone, Copy)]
+struct Block {
+    /// The pixels of a row of the picture's part.
+    width: usize,
+    rows: usize,
+    /// The first of its columns, and that after the last.
+    columns: [usize; 2],
+}
+
+impl Block {
+    /// All those of a band of so many pixels, from the left to the right.
+    fn all(pixels: usize, width: usize) -> impl Iterator<Item = Self> {
+        let rows = pixels / width;
+        let step = SHADED / rows;
+        (0..width).step_by(step).map(move |first| Self {
+            width,
+            rows,
+            columns: [first, width.min(first + step)],
+        })
+    }
+
+    fn len(self) -> usize {
+        let [first, end] = self.columns;
+        self.rows * (end - first)
+    }
+
+    /// Rows and columns of its pixels within it, square by square.
+    fn pixels(self) -> impl Iterator<Item = [usize; 2]> {
+        let width = self.columns[1] - self.columns[0];
+        (0..width).step_by(SQUARE).flat_map(move |left| {
+            let columns = left..width.min(left + SQUARE);
+            (0..self.rows).flat_map(move |row| columns.clone().map(move |column| [row, column]))
+        })
+    }
+}
+
 /// Some hundred hits that are shaded at a time, and their colours. It is used again and again.
 struct Batch {
     rays: Box<[Ray; SHADED]>,
     hits: Box<[Hit; SHADED]>,
     pixels: [u64; SHADED],
+    /// Which pixel of the band each is of.
+    places: [usize; SHADED],
+    /// Rays and numbers of all pixels of a block, row by row, and where among them those of each are.
+    read: Box<[Ray; SHADED]>,
+    numbers: [u64; SHADED],
+    read_at: [usize; SHADED],
     colors: [Color; SHADED],
     coverage: [f64; SHADED],
     count: usize,
@@ -334,48 +400,62 @@ impl Batch {
             rays: Box::new([Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED]),
             hits: Box::new([Hit::MISS; SHADED]),
             pixels: [0; SHADED],
+            places: [0; SHADED],
+            read: Box::new([Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED]),
+            numbers: [0; SHADED],
+            read_at: [0; SHADED],
             colors: [Color::ZERO; SHADED],
             coverage: [0.0; SHADED],
             count: 0,
         }
     }
 
-    /// Takes some of a part's hits, whose triangles are on their way to the caches afterwards.
+    /// Takes those of a block's pixels that go on, in a band that begins with the pixel `first` of the part. Their triangles are on their
+    /// way to the caches afterwards. Returns whether there are any.
     fn read(
         &mut self,
         (scene, part): (&Scene, &Part<'_>),
         hits: &Hits,
-        first: usize,
-        count: usize,
-    ) {
-        let mut prefetcher = Prefetcher::new(scene, hits, first, count);
-        for (k, hit) in self.hits[..count].iter_mut().enumerate() {
-            prefetcher.advance(k);
-            *hit = hits.get(first + k);
-        }
-        part.read(first, &mut self.rays[..count]);
-        part.number(first, &mut self.pixels[..count]);
-        self.count = count;
-    }
-
-    /// Forgets all but some, which are in order.
-    fn keep(&mut self, some: &[usize]) {
-        if some.len() < self.count {
-            for (k, &from) in some.iter().enumerate() {
-                self.rays[k] = self.rays[from];
-                self.hits[k] = self.hits[from];
-                self.pixels[k] = self.pixels[from];
+        (first, block): (usize, Block),
+        goes_on: impl Fn(usize) -> bool,
+    ) -> bool {
+        let [left, right] = block.columns;
+        let columns = right - left;
+        let mut going = 0;
+        for [row, column] in block.pixels() {
+            let place = row * block.width + left + column;
+            if goes_on(place) {
+                self.places[going] = place;
+                self.read_at[going] = row * columns + column;
+                going += 1;
             }
         }
-        self.count = some.len();
+        self.count = going;
+        if going == 0 {
+            return false;
+        }
+        for row in 0..block.rows {
+            let start = first + row * block.width + left;
+            let of_row = row * columns..(row + 1) * columns;
+            part.read(start, &mut self.read[of_row.clone()]);
+            part.number(start, &mut self.numbers[of_row]);
+            let mut prefetcher = Prefetcher::new(scene, hits, start, columns);
+            (0..columns).for_each(|k| prefetcher.advance(k));
+        }
+        for k in 0..going {
+            self.rays[k] = self.read[self.read_at[k]];
+            self.pixels[k] = self.numbers[self.read_at[k]];
+            self.hits[k] = hits.get(first + self.places[k]);
+        }
+        true
     }
 
-    /// Colours and coverage of all.
+    /// The pixels of all, their colours and coverage.
     fn shade(
         &mut self,
         (shade, cull): (&dyn Shade, Option<Side>),
         sample: u32,
-    ) -> (&[Color], &[f64]) {
+    ) -> (&[usize], &[Color], &[f64]) {
         let count = self.count;
         let samples = Samples {
             rays: &self.rays[..count],
@@ -390,6 +470,6 @@ impl Batch {
             *covered = f64::from(u8::from(!hit.is_miss()));
         }
         shade.shade_all(&samples, colors, coverage);
-        (colors, coverage)
+        (&self.places[..count], colors, coverage)
     }
 }
