@@ -1,5 +1,10 @@
 //! Rays, hits, boxes, transforms, colours and how they are shown. Imports nothing of this crate; glam is the vector maths.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a kernel is not compiled for its instruction set"
+)]
+
 pub(crate) mod arithmetic;
 mod beam;
 mod bounds;
@@ -21,6 +26,7 @@ mod ray;
 mod ray_filter;
 mod require;
 mod rotation;
+pub(crate) mod rows;
 mod settings;
 pub(crate) mod summary;
 mod tone_map;
@@ -54,7 +60,7 @@ use std::cmp::Ordering;
 pub use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 
 /// `v` at length one, or NaN for the zero vector. Any length from the smallest float64 to the largest will do.
-#[inline]
+#[inline(always)]
 pub fn unit(v: DVec3) -> DVec3 {
     let v = moderation(v) * v;
     v / v.length()
@@ -62,7 +68,7 @@ pub fn unit(v: DVec3) -> DVec3 {
 
 /// What brings `v` to a length whose square is in the range of float64: a power of two, which scales
 /// without rounding, and 1 for all but extreme lengths.
-#[inline]
+#[inline(always)]
 pub(crate) fn moderation(v: DVec3) -> f64 {
     const TWO_TO_600: f64 = f64::from_bits((1023 + 600) << 52);
     let largest = v.abs().max_element();

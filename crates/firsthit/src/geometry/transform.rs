@@ -107,7 +107,7 @@ impl Transform {
     }
 
     /// A world ray in object space. Its `t` is the same: the direction is not normalised.
-    #[inline]
+    #[inline(always)]
     pub fn ray_in_object(&self, ray: &Ray) -> Ray {
         if self.is_identity {
             return *ray;
@@ -123,7 +123,7 @@ impl Transform {
     }
 
     /// An object-space point in the world.
-    #[inline]
+    #[inline(always)]
     pub fn point_in_world(&self, point: DVec3) -> DVec3 {
         if self.is_identity {
             return point;
@@ -134,7 +134,7 @@ impl Transform {
     /// An object-space normal in the world, of length one.
     ///
     /// It goes by the inverse transpose, not by the cofactors: so a mirrored object keeps its outside.
-    #[inline]
+    #[inline(always)]
     pub fn normal_in_world(&self, normal: DVec3) -> DVec3 {
         if self.is_identity() {
             return normal;

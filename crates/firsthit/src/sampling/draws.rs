@@ -34,13 +34,14 @@ pub struct Draws {
 
 impl Draws {
     /// The numbers of a sample of a pixel. Pixels are counted row by row, and samples from 0.
-    pub fn new(pixel: u64, sample: u32) -> Self {
+    pub const fn new(pixel: u64, sample: u32) -> Self {
         let set = 0;
         Self { pixel, sample, set }
     }
 
     /// Numbers that are as good as independent of those without `branch`, and of those with another: for work in which one ray
     /// becomes several.
+    #[inline(always)]
     pub fn split(self, branch: u64) -> Self {
         let pixel = mixed(self.pixel ^ mixed(branch));
         Self { pixel, ..self }
@@ -63,6 +64,7 @@ impl Draws {
     }
 
     /// The next two numbers, a point of the unit square.
+    #[inline(always)]
     pub fn two(&mut self) -> DVec2 {
         DVec2::from(self.next::<2>())
     }
@@ -78,19 +80,21 @@ impl Draws {
     }
 
     /// The first `N` coordinates of the next set.
-    #[inline]
+    #[inline(always)]
     fn next<const N: usize>(&mut self) -> [f64; N] {
         let seed = mixed(self.pixel.wrapping_mul(0xd134_2543_de82_ef95) ^ u64::from(self.set));
         self.set = self.set.wrapping_add(1);
         let [low, high] = halves(seed);
         // Nested scrambling acts on the bits from the highest down; as `permuted` goes up, numbers are kept reversed.
         let index = permuted(self.sample.reverse_bits(), low).reverse_bits();
-        std::array::from_fn(|axis| {
+        let mut numbers = [0.0; N];
+        for (axis, number) in numbers.iter_mut().enumerate() {
             #[expect(clippy::cast_possible_truncation, reason = "there are four")]
             let own = high ^ (axis as u32).wrapping_mul(0x9e37_79b9);
             let bits = permuted(reversed_sobol(index, axis), hashed(own)).reverse_bits();
-            f64::from(bits) / 4_294_967_296.0
-        })
+            *number = f64::from(bits) / 4_294_967_296.0;
+        }
+        numbers
     }
 }
 
@@ -101,6 +105,7 @@ pub(crate) fn key(numbers: impl IntoIterator<Item = f64>) -> u64 {
 }
 
 /// The steps of `SplitMix64` (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014), with Stafford's constants.
+#[inline(always)]
 fn mixed(mut x: u64) -> u64 {
     x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -108,12 +113,14 @@ fn mixed(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+#[inline(always)]
 fn halves(x: u64) -> [u32; 2] {
     #[expect(clippy::cast_possible_truncation, reason = "the lower half is wanted")]
     [x as u32, (x >> 32) as u32]
 }
 
 /// A permutation of 32 bits that spreads every bit over all (Mueller, "lowbias32").
+#[inline(always)]
 fn hashed(mut x: u32) -> u32 {
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
     x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
@@ -122,7 +129,7 @@ fn hashed(mut x: u32) -> u32 {
 
 /// A permutation in which each bit depends on the seed and on the bits below it alone: Owen's scrambling of reversed numbers. The form
 /// is that of Laine and Karras ("Stratified Sampling for Stochastic Transparency", EGSR 2011), with constants by Vegdahl.
-#[inline]
+#[inline(always)]
 fn permuted(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -132,7 +139,7 @@ fn permuted(mut x: u32, seed: u32) -> u32 {
 }
 
 /// A coordinate of the sequence, its bits reversed.
-#[inline]
+#[inline(always)]
 fn reversed_sobol(index: u32, axis: usize) -> u32 {
     // The first is the index with its bits reversed.
     let Some(table) = axis.checked_sub(1).map(|axis| &TABLES[axis]) else {

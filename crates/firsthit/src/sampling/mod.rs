@@ -1,5 +1,10 @@
 //! Where samples are taken: points of pixels and of lenses, numbers for shaders, choices by weights, and maps from the unit square.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a kernel is not compiled for its instruction set"
+)]
+
 pub(crate) mod distribution;
 mod draws;
 #[cfg(feature = "frame")]

@@ -13,7 +13,7 @@ pub(crate) struct TangentFrame {
 impl TangentFrame {
     /// The one of a direction `z` of length one (Duff and others, "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics
     /// Techniques 6(1), 2017).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn around(z: DVec3) -> Self {
         let sign = 1.0_f64.copysign(z.z);
         let a = -1.0 / (sign + z.z);
@@ -31,7 +31,7 @@ impl TangentFrame {
     }
 
     /// A direction of the frame, in the world.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn world(&self, local: DVec3) -> DVec3 {
         local.x * self.x + local.y * self.y + local.z * self.z
     }

@@ -6,21 +6,31 @@ use crate::geometry::{DVec2, DVec3};
 
 /// From the unit square to the disc of radius one: squares around the middle become circles (Shirley and Chiu, "A Low Distortion Map
 /// Between Disk and Square", Journal of Graphics Tools 2(3), 1997).
+#[inline(always)]
 pub(crate) fn disc(u: DVec2) -> DVec2 {
     let point = 2.0 * u - 1.0;
     let is_along_x = point.x.abs() > point.y.abs();
-    let choose = |yes: f64, no: f64| if is_along_x { yes } else { no };
     // Selects instead of branching: the branch is unpredictable.
-    let (radius, across) = (choose(point.x, point.y), choose(point.y, point.x));
+    let (radius, across) = if is_along_x {
+        (point.x, point.y)
+    } else {
+        (point.y, point.x)
+    };
     // The angle from the nearest axis, an eighth of a turn at most; none in the middle.
     let share = across / if radius == 0.0 { 1.0 } else { radius };
-    let [sin, cos] = sin_cos(FRAC_PI_4 * share).map(|x| radius * x);
-    DVec2::new(choose(cos, sin), choose(sin, cos))
+    let [sin, cos] = sin_cos(FRAC_PI_4 * share);
+    let (along, across) = (radius * cos, radius * sin);
+    if is_along_x {
+        DVec2::new(along, across)
+    } else {
+        DVec2::new(across, along)
+    }
 }
 
 /// Sine and cosine of an angle of an eighth of a turn at most: Taylor's series up to x^15 and x^16, of which what is left out is below
 /// 2^-54. It takes a fraction of the time of `libm`, which has to reduce angles of any size. Terms are summed in pairs (Estrin's scheme), so
 /// that few of them wait for each other.
+#[inline(always)]
 fn sin_cos(x: f64) -> [f64; 2] {
     /// 1 / first!, -1 / (first + 2)!, ...
     const fn coefficients<const N: usize>(first: u32) -> [f64; N] {
@@ -36,17 +46,25 @@ fn sin_cos(x: f64) -> [f64; 2] {
     const SIN: [f64; 8] = coefficients(1);
     const COS: [f64; 9] = coefficients(0);
     let y = x * x;
-    let [y2, y4] = [y * y, (y * y) * (y * y)];
-    let eight = |c: &[f64]| {
-        let low = (c[0] + c[1] * y) + y2 * (c[2] + c[3] * y);
-        let high = (c[4] + c[5] * y) + y2 * (c[6] + c[7] * y);
-        low + y4 * high
-    };
-    [x * eight(&SIN), eight(&COS[..8]) + COS[8] * (y4 * y4)]
+    let y4 = (y * y) * (y * y);
+    [
+        x * polynomial(&SIN, y),
+        polynomial(&COS[..8], y) + COS[8] * (y4 * y4),
+    ]
+}
+
+/// One of eight coefficients.
+#[inline(always)]
+fn polynomial(c: &[f64], y: f64) -> f64 {
+    let y2 = y * y;
+    let low = (c[0] + c[1] * y) + y2 * (c[2] + c[3] * y);
+    let high = (c[4] + c[5] * y) + y2 * (c[6] + c[7] * y);
+    low + (y2 * y2) * high
 }
 
 /// From the unit square to the directions around +z, in proportion to their cosine (Malley's method): a point of the disc, lifted.
 /// The density per solid angle is z / pi.
+#[inline(always)]
 pub(crate) fn cosine_hemisphere(u: DVec2) -> DVec3 {
     let point = disc(u);
     point.extend((1.0 - point.length_squared()).max(0.0).sqrt())
@@ -54,6 +72,7 @@ pub(crate) fn cosine_hemisphere(u: DVec2) -> DVec3 {
 
 /// From the unit square to the directions around +z whose cosine is at least `1 - height`, evenly. The density per solid
 /// angle is 1 / (2 pi height).
+#[inline(always)]
 pub(crate) fn cap(u: DVec2, height: f64) -> DVec3 {
     let point = disc(u);
     // A zone's area is in proportion to its height (Archimedes), so the square of the disc's radius is the height.
@@ -76,6 +95,7 @@ pub(crate) fn triangle(u: DVec2) -> DVec2 {
 }
 
 /// The density per solid angle of [`cap`].
+#[inline(always)]
 pub(crate) fn cap_density(height: f64) -> f64 {
     1.0 / (2.0 * PI * height)
 }

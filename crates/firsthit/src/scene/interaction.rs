@@ -1,12 +1,15 @@
 //! What there is to know about a hit.
 
 mod maps;
+mod rows;
 
 use std::cell::OnceCell;
 
+pub(crate) use rows::know_geometry;
+
 use super::{Colored, MapRole, Material, Object, Scene};
 use crate::geometry::{Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId, moderation};
-use crate::shape::{Mesh, Shape, Surface};
+use crate::shape::{Mesh, Shape, Surface, mesh};
 
 /// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything else is computed when it is
 /// asked for.
@@ -32,7 +35,14 @@ pub struct SurfaceInteraction<'a> {
     pub(super) mesh: Option<(&'a Mesh, usize)>,
     /// How the scene is coloured by numbers, if it is.
     colored: Option<&'a Colored>,
-    normal: OnceCell<DVec3>,
+    geometry: OnceCell<Geometry>,
+}
+
+/// Where the surface is, and how it lies.
+#[derive(Debug, Clone, Copy)]
+struct Geometry {
+    position: DVec3,
+    normal: DVec3,
 }
 
 impl Scene {
@@ -57,7 +67,7 @@ impl Scene {
             object,
             mesh,
             colored: self.colored(),
-            normal: OnceCell::new(),
+            geometry: OnceCell::new(),
         })
     }
 }
@@ -91,19 +101,32 @@ impl<'a> SurfaceInteraction<'a> {
     /// transform rounds once more.
     #[inline]
     pub fn position(&self) -> DVec3 {
+        self.geometry().position
+    }
+
+    #[inline]
+    fn geometry(&self) -> &Geometry {
+        self.geometry.get_or_init(|| {
+            if let Some((mesh, triangle)) = self.mesh {
+                let corners = mesh.corners(triangle);
+                let point = mesh::point_of(corners, self.hit.barycentric);
+                self.in_world(point, mesh::normal_of(corners))
+            } else {
+                let (shape, primitive) = (self.object.shape(), self.hit.primitive);
+                let point = self.object.transform().ray_in_object(self.ray);
+                let point = point.at(self.hit.t);
+                self.in_world(shape.onto(point, primitive), shape.normal(point, primitive))
+            }
+        })
+    }
+
+    /// What is known of the hit in object space, in the world.
+    #[inline]
+    fn in_world(&self, point: DVec3, normal: DVec3) -> Geometry {
         let transform = self.object.transform();
-        let point = if let Some((mesh, triangle)) = self.mesh {
-            let [a, b, c] = mesh.corners(triangle);
-            let weights = self.hit.barycentric;
-            a + (weights.x * (b - a) + weights.y * (c - a))
-        } else {
-            let point = transform.ray_in_object(self.ray).at(self.hit.t);
-            self.object.shape().onto(point, self.hit.primitive)
-        };
-        if transform.is_identity() {
-            point
-        } else {
-            transform.world_from_object().transform_point3(point)
+        Geometry {
+            position: transform.point_in_world(point),
+            normal: transform.normal_in_world(normal),
         }
     }
 
@@ -150,12 +173,7 @@ impl<'a> SurfaceInteraction<'a> {
     /// without an area.
     #[inline]
     pub fn normal(&self) -> DVec3 {
-        *self.normal.get_or_init(|| {
-            let transform = self.object.transform();
-            let point = transform.ray_in_object(self.ray).at(self.hit.t);
-            let normal = self.object.shape().normal(point, self.hit.primitive);
-            transform.normal_in_world(normal)
-        })
+        self.geometry().normal
     }
 
     /// The angle between the ray and the line along the geometric normal, in radians: 0 head on, pi / 2 at most. NaN for a triangle

@@ -49,7 +49,10 @@ pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};
 use build::mesh_trees;
 pub(crate) use duplicates::Duplicates;
 pub(crate) use emitters::Emitters;
-pub(crate) use light::{PreparedLight, form_factor};
+pub(crate) use environment::Hemispheres;
+pub(crate) use interaction::know_geometry;
+pub(crate) use light::{PreparedLight, Sun, form_factor};
+pub(crate) use material::Lambertian;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;

@@ -12,9 +12,11 @@
 
 use super::blend::found;
 use super::found::{BsdfRay, light_found};
+use super::matte::{MatteVertex, Sorted, push};
 use super::shadow::ShadowRays;
-use super::vertex::{Vertex, add_direct_light, first_vertices, power_heuristic};
+use super::vertex::{Vertex, add_direct_light, first_vertex, power_heuristic};
 use super::{Points, Shading};
+use crate::geometry::rows::ROW;
 use crate::geometry::{Color, Domain, settings};
 use crate::scene::BsdfSample;
 
@@ -35,35 +37,78 @@ pub(super) fn shade(
     colors: &mut [Color],
 ) {
     let emitters = shading.scene.emitters();
-    let mut vertices = first_vertices(points, colors);
-    for vertex in &mut vertices {
-        vertex.finds_lights = settings.shadows && (emitters.has_any() || !vertex.bsdf.is_diffuse());
+    let may_find_emitters = emitters.has_any() || emitters.has_others();
+    let mut rows = Vec::with_capacity(points.surfaces.len().div_ceil(ROW));
+    let mut vertices = Vec::new();
+    for (k, (surface, &draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
+        if !may_find_emitters && let Some(matte) = surface.plain_matte() {
+            colors[k] = Color::ZERO;
+            if matte.geometric.is_finite() {
+                push(&mut rows, &MatteVertex::first(surface, matte, (k, draws)));
+            }
+            continue;
+        }
+        let Some(mut vertex) = first_vertex(surface, (k, draws), &mut colors[k]) else {
+            continue;
+        };
+        let is_diffuse = vertex.bsdf.is_diffuse();
+        vertex.finds_lights = settings.shadows && (emitters.has_any() || !is_diffuse);
         vertex.occlusion = vertex.bsdf.occlusion();
+        match vertex.matte().filter(|_| !may_find_emitters) {
+            Some(matte) => push(&mut rows, &matte),
+            None => vertices.push(vertex),
+        }
     }
     let limits = (settings.shadows, settings.reach);
-    add_direct_light(shading, &vertices, limits, colors);
-    add_bsdf_rays(settings, shading, &mut vertices, colors);
+    if may_find_emitters {
+        add_direct_light(shading, &Sorted::new(&vertices), limits, colors);
+    } else {
+        let others = vertices.iter().collect();
+        let sorted = Sorted { rows, others };
+        add_direct_light(shading, &sorted, limits, colors);
+        add_environment(settings, shading, &sorted, colors);
+    }
+    add_bsdf_rays(settings, shading, &vertices, colors);
+}
+
+/// Adds the light of the environment that is seen in a direction that each matte surface draws.
+fn add_environment(
+    settings: &Direct,
+    shading: &Shading<'_>,
+    sorted: &Sorted<'_>,
+    colors: &mut [Color],
+) {
+    let Some(environment) = shading.scene.environment() else {
+        return;
+    };
+    let set = shading.engine.instruction_set();
+    let mut rays = ShadowRays::with_capacity(sorted.count());
+    for row in &sorted.rows {
+        row.push_scattered(set, (environment, settings.reach), &mut rays);
+    }
+    rays.add_to(colors, shading, true);
 }
 
 /// Adds the light that a BSDF-sampled ray of each vertex meets.
 fn add_bsdf_rays(
     settings: &Direct,
     shading: &Shading<'_>,
-    vertices: &mut [Vertex],
+    vertices: &[Vertex],
     colors: &mut [Color],
 ) {
     let environment = shading.scene.environment();
     let has_others = shading.scene.emitters().has_others();
-    let mut shadow_rays = ShadowRays::with_capacity(vertices.len());
+    let mut shadow_rays = ShadowRays::default();
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
     let (mut drawn, mut draws) = (Vec::new(), Vec::new());
-    for (k, vertex) in vertices.iter_mut().enumerate() {
+    for vertex in vertices {
         // Other surfaces that emit are found by these rays alone, with shadows or without.
         let searches = vertex.finds_lights || has_others || !vertex.bsdf.is_diffuse();
         if environment.is_none() && !searches {
             continue;
         }
-        let Some(scattered) = vertex.bsdf.sample(vertex.draws.three()) else {
+        let mut own_draws = vertex.draws;
+        let Some(scattered) = vertex.bsdf.sample(own_draws.three()) else {
             continue;
         };
         let BsdfSample {
@@ -75,8 +120,8 @@ fn add_bsdf_rays(
         if searches {
             rays.push(ray);
             filters.push(filter);
-            drawn.push((k, scattered));
-            draws.push(vertex.draws);
+            drawn.push((vertex, scattered));
+            draws.push(own_draws);
         } else if let Some(environment) = environment {
             let others = environment.pdf(towards);
             let share = pdf.map_or(1.0, |own| power_heuristic(own, others));
@@ -90,8 +135,7 @@ fn add_bsdf_rays(
     }
     shadow_rays.add_to(colors, shading, true);
     let all_found = found(shading, &rays, &filters, &mut draws);
-    for ((ray, (k, scattered)), met) in rays.iter().zip(&drawn).zip(&all_found) {
-        let vertex = &vertices[*k];
+    for ((ray, (vertex, scattered)), met) in rays.iter().zip(&drawn).zip(&all_found) {
         let bsdf_ray = BsdfRay {
             ray,
             sample: scattered,

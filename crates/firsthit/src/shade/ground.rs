@@ -3,14 +3,17 @@
 use std::f64::consts::PI;
 
 use super::light_rig::taken_by_white;
+use super::rows::{Arriving, DrawnLight, LightSamples, Places, Sky};
 use super::shadow::ShadowRays;
 use super::vertex::power_heuristic;
 use super::{Shading, stream};
+use crate::geometry::rows::ROW;
 use crate::geometry::{
     Bounds, Color, DVec2, DVec3, Hit, Ray, RayFilter, SurfaceId, is_light, unit,
 };
 use crate::sampling::{Draws, TangentFrame, warp};
-use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
+use crate::scene::{Environment, EnvironmentKind, Light, LightSample, PreparedLight, Scene};
+use crate::simd::{self, Kernel, Lanes};
 
 /// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else sees the background through it,
 /// darkened by the share of light that things keep from it.
@@ -124,9 +127,10 @@ impl Shadows {
     }
 
     fn add_lights(&mut self, shading: &Shading<'_>, up: DVec3, points: &[Point]) {
-        let mut rays = BlockedRays::new(self.blocking);
+        let mut rays = BlockedRays::with_capacity(self.blocking, points.len());
+        let set = shading.engine.instruction_set();
         for light in shading.scene.lights() {
-            let (key, prepared) = (light.key(), light.prepared());
+            let (stream, prepared) = (light.key(), light.prepared());
             // A sun is the same everywhere, and has a closed form.
             let everywhere = matches!(light, Light::Directional(_))
                 .then(|| taken_by_white(light, (DVec3::ZERO, up), 1));
@@ -137,11 +141,33 @@ impl Shadows {
             for (index, point) in points.iter().enumerate() {
                 let here = || taken_by_white(light, (point.position, up), side(light, point));
                 self.full[index] += everywhere.unwrap_or_else(here);
-                if cone.is_some_and(|cone| cone.is_clear(point.position)) {
-                    continue;
-                }
-                let arriving = prepared.sample(point.position, point.draws.split(key).two());
-                rays.push(point, index, up, arriving.as_ref(), None);
+            }
+            let is_clear = |point: &Point| cone.is_some_and(|cone| cone.is_clear(point.position));
+            for (places, indices) in rows(points, |point| !is_clear(point)) {
+                let (places, blocking) = (&places, self.blocking);
+                let arriving = match &prepared {
+                    PreparedLight::Sun(light) => simd::run_here(
+                        set,
+                        DrawLight {
+                            places,
+                            light,
+                            stream,
+                            up,
+                            blocking,
+                        },
+                    ),
+                    PreparedLight::Other(light) => simd::run_here(
+                        set,
+                        DrawLight {
+                            places,
+                            light,
+                            stream,
+                            up,
+                            blocking,
+                        },
+                    ),
+                };
+                rays.push_row(places, &indices, &arriving);
             }
             rays.add_to(&mut self.missing, shading);
         }
@@ -152,7 +178,7 @@ impl Shadows {
         if emitters.is_empty() {
             return;
         }
-        let mut rays = BlockedRays::new(self.blocking);
+        let mut rays = BlockedRays::with_capacity(self.blocking, points.len());
         for (index, point) in points.iter().enumerate() {
             let mut draws = point.draws.split(stream::EMITTERS);
             let drawn = emitters.sample(shading.scene, point.position, draws.three());
@@ -182,28 +208,49 @@ impl Shadows {
         up: DVec3,
         points: &[Point],
     ) {
-        let mut rays = BlockedRays::new(self.blocking);
+        let mut rays = BlockedRays::with_capacity(self.blocking, points.len());
         let full = environment.irradiance(up);
-        let frame = TangentFrame::around(up);
-        for (index, point) in points.iter().enumerate() {
-            self.full[index] += full;
-            let mut draws = point.draws;
-            let towards = frame.world(warp::cosine_hemisphere(draws.two()));
-            rays.push_infinite(point, index, towards, || {
-                let own = towards.dot(up).max(0.0) / PI;
-                let share = power_heuristic(own, environment.pdf(towards));
-                share * environment.radiance(towards)
-            });
-            let mut draws = point.draws.split(stream::ENVIRONMENT);
-            if environment.is_drawn()
-                && let Some(arriving) = environment.sample(draws.two())
-                && let Some(pdf) = arriving.pdf
-            {
-                let towards = unit(arriving.towards);
-                rays.push_infinite(point, index, towards, || {
-                    let own = towards.dot(up).max(0.0) / PI;
-                    power_heuristic(pdf, own) * taken_of(&arriving, up)
-                });
+        for sum in &mut self.full {
+            *sum += full;
+        }
+        let (set, blocking) = (shading.engine.instruction_set(), self.blocking);
+        for (places, indices) in rows(points, |_| true) {
+            let places = &places;
+            let arriving = match environment.hemispheres() {
+                Some(sky) => simd::run_here(
+                    set,
+                    Scatter {
+                        places,
+                        sky: &sky,
+                        up,
+                        blocking,
+                    },
+                ),
+                None => simd::run_here(
+                    set,
+                    Scatter {
+                        places,
+                        sky: environment,
+                        up,
+                        blocking,
+                    },
+                ),
+            };
+            rays.push_row(places, &indices, &arriving);
+        }
+        if environment.is_drawn() {
+            for (index, point) in points.iter().enumerate() {
+                let mut draws = point.draws.split(stream::ENVIRONMENT);
+                if let Some(arriving) = environment.sample(draws.two())
+                    && let Some(pdf) = arriving.pdf
+                {
+                    let towards = unit(arriving.towards);
+                    let ray = Ray::new(point.position, towards);
+                    rays.push_ray(ray, None, index, || {
+                        let own = towards.dot(up).max(0.0) / PI;
+                        power_heuristic(pdf, own) * taken_of(&arriving, up)
+                    });
+                }
             }
         }
         rays.add_to(&mut self.missing, shading);
@@ -238,13 +285,18 @@ impl BlockerBounds {
 
     /// Whether a ray may meet what is in the box. Most rays that miss the box miss the ball too, which takes no division to see.
     fn may_be_met(&self, ray: &Ray) -> bool {
-        let way = self.center - ray.origin;
-        let along = way.dot(ray.direction);
+        !self.is_passed_by(ray.origin, ray.direction) && self.bounds.may_be_met(ray, 0.0)
+    }
+
+    /// Whether a ray passes the ball by.
+    #[inline(always)]
+    fn is_passed_by(&self, origin: DVec3, direction: DVec3) -> bool {
+        let way = self.center - origin;
+        let along = way.dot(direction);
         // Of the way to where the ray touches the ball; below zero within it.
         let squared = way.length_squared() - self.radius * self.radius;
-        let touching = (1.0 - 1e-9) * squared * ray.direction.length_squared();
-        let passes_by = squared > 0.0 && (along < 0.0 || along * along < touching);
-        !passes_by && self.bounds.may_be_met(ray, 0.0)
+        let touching = (1.0 - 1e-9) * squared * direction.length_squared();
+        squared > 0.0 && (along < 0.0 || along * along < touching)
     }
 }
 
@@ -286,7 +338,117 @@ impl Cone {
 
 /// What the ground takes of light from one direction.
 fn taken_of(arriving: &LightSample, up: DVec3) -> Color {
-    unit(arriving.towards).dot(up).max(0.0) * arriving.light
+    cosine(arriving.towards, up) * arriving.light
+}
+
+/// The cosine of a direction of any length to the ground's normal.
+#[inline(always)]
+fn cosine(towards: DVec3, up: DVec3) -> f64 {
+    unit(towards).dot(up).max(0.0)
+}
+
+/// Those points that are wanted, in rows, and their numbers.
+fn rows(points: &[Point], is_wanted: impl Fn(&Point) -> bool) -> Vec<(Places, Vec<usize>)> {
+    let mut rows = Vec::with_capacity(points.len().div_ceil(ROW));
+    for (index, point) in points.iter().enumerate() {
+        if !is_wanted(point) {
+            continue;
+        }
+        if rows
+            .last()
+            .is_none_or(|(places, _): &(Places, _)| places.is_full())
+        {
+            rows.push((Places::NONE, Vec::with_capacity(ROW)));
+        }
+        if let Some((places, indices)) = rows.last_mut() {
+            places.push(point.position, point.draws);
+            indices.push(index);
+        }
+    }
+    rows
+}
+
+/// A sample of a light for each point, and what the ground takes of it; black where nothing can block it.
+struct DrawLight<'a, S> {
+    places: &'a Places,
+    light: &'a S,
+    stream: u64,
+    up: DVec3,
+    blocking: Option<BlockerBounds>,
+}
+
+impl<S: DrawnLight> Kernel for DrawLight<'_, S> {
+    type Output = Arriving;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> Arriving {
+        let Self { places, up, .. } = self;
+        let LightSamples {
+            towards,
+            end,
+            mut light,
+            ..
+        } = places.draw_light(self.light, self.stream);
+        for k in 0..places.len() {
+            light.set(k, cosine(towards.get(k), up) * light.get(k));
+        }
+        let mut arriving = Arriving {
+            towards,
+            end,
+            light,
+        };
+        leave_out(self.blocking, places, &mut arriving);
+        arriving
+    }
+}
+
+/// A direction by the cosine for each point, and what the environment brings from there; black where nothing can block it.
+struct Scatter<'a, S> {
+    places: &'a Places,
+    sky: &'a S,
+    up: DVec3,
+    blocking: Option<BlockerBounds>,
+}
+
+impl<S: Sky> Kernel for Scatter<'_, S> {
+    type Output = Arriving;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> Arriving {
+        let Self {
+            places, sky, up, ..
+        } = self;
+        let mut arriving = Arriving::NONE;
+        let frame = TangentFrame::around(up);
+        let u = places.draw(None);
+        for k in 0..places.len() {
+            let local = warp::cosine_hemisphere(u.get(k));
+            arriving.towards.set(k, frame.world(local));
+        }
+        for k in 0..places.len() {
+            let towards = arriving.towards.get(k);
+            let own = towards.dot(up).max(0.0) / PI;
+            let share = power_heuristic(own, sky.pdf(towards));
+            arriving.light.set(k, share * sky.radiance(towards));
+        }
+        leave_out(self.blocking, places, &mut arriving);
+        arriving
+    }
+}
+
+/// Makes light black that nothing can block.
+#[inline(always)]
+fn leave_out(blocking: Option<BlockerBounds>, places: &Places, arriving: &mut Arriving) {
+    let Some(blocking) = blocking else { return };
+    for k in 0..places.len() {
+        let (origin, direction) = (places.position.get(k), arriving.towards.get(k));
+        let light = if blocking.is_passed_by(origin, direction) {
+            Color::ZERO
+        } else {
+            arriving.light.get(k)
+        };
+        arriving.light.set(k, light);
+    }
 }
 
 /// The side of the grid of a light's points over which its light is summed: more where a light is seen large, and its points are at different
@@ -314,10 +476,10 @@ struct BlockedRays {
 }
 
 impl BlockedRays {
-    fn new(blocking: Option<BlockerBounds>) -> Self {
+    fn with_capacity(blocking: Option<BlockerBounds>, count: usize) -> Self {
         Self {
-            rays: ShadowRays::default(),
-            brought: Vec::new(),
+            rays: ShadowRays::with_capacity(count),
+            brought: Vec::with_capacity(count),
             blocking,
         }
     }
@@ -336,14 +498,15 @@ impl BlockedRays {
         self.push_ray(ray, end, index, || taken_of(arriving, up));
     }
 
-    fn push_infinite(
-        &mut self,
-        point: &Point,
-        index: usize,
-        towards: DVec3,
-        brought: impl FnOnce() -> Color,
-    ) {
-        self.push_ray(Ray::new(point.position, towards), None, index, brought);
+    /// Those of a row of points, whose numbers are given.
+    fn push_row(&mut self, places: &Places, indices: &[usize], arriving: &Arriving) {
+        for (k, &index) in indices.iter().enumerate() {
+            let light = arriving.light.get(k);
+            if light != Color::ZERO {
+                let ray = Ray::new(places.position.get(k), arriving.towards.get(k));
+                self.push_ray(ray.up_to(arriving.end.get(k)), None, index, || light);
+            }
+        }
     }
 
     fn push_ray(

@@ -40,15 +40,16 @@ pub(super) fn shade(
 }
 
 impl Reflection for Lambert {
-    fn ambient(&self, _point: &Lit<'_>) -> Color {
+    fn ambient(&self, _point: &Lit) -> Color {
         self.ambient
     }
 
-    fn reflected(&self, _point: &Lit<'_>, light: &Incoming) -> Color {
+    #[inline(always)]
+    fn reflected(&self, _point: &Lit, light: &Incoming) -> Color {
         light.cosine * light.share * light.light
     }
 
-    fn seen(&self, point: &Lit<'_>, sum: Color) -> Color {
+    fn seen(&self, point: &Lit, sum: Color) -> Color {
         point.color * sum
     }
 }

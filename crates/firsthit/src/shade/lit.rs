@@ -1,20 +1,24 @@
-//! Surfaces in the light of lights, which a shadow ray each tells from shadow. How a surface answers light is the shader's.
+//! Surfaces in the light of lights, which a shadow ray each tells from shadow. How a surface answers light is the shader's. Points go row by
+//! row, as in `matte.rs`.
 
+use super::rows::Arriving;
 use super::shadow::ShadowRays;
 use super::{Points, Shading};
+use crate::geometry::rows::{ROW, Vectors};
 use crate::geometry::{Color, DVec2, DVec3, Ray, unit};
-use crate::scene::{Light, LightSample, PreparedLight, SurfaceInteraction, softened};
+use crate::scene::{LightSample, PreparedLight, SurfaceInteraction, softened};
+use crate::simd::{self, Kernel, Lanes};
 
-/// How a surface answers light.
+/// How a surface answers light. What is not inlined is not done in lanes.
 pub(super) trait Reflection {
     /// What the surface shows without any of the lights.
-    fn ambient(&self, point: &Lit<'_>) -> Color;
+    fn ambient(&self, point: &Lit) -> Color;
 
     /// What it shows of light from one direction.
-    fn reflected(&self, point: &Lit<'_>, light: &Incoming) -> Color;
+    fn reflected(&self, point: &Lit, light: &Incoming) -> Color;
 
     /// What is seen, where these have that sum.
-    fn seen(&self, _point: &Lit<'_>, sum: Color) -> Color {
+    fn seen(&self, _point: &Lit, sum: Color) -> Color {
         sum
     }
 }
@@ -37,58 +41,71 @@ impl Lighting {
         points: &Points<'_>,
         colors: &mut [Color],
     ) {
-        let lit: Vec<Result<Lit<'_>, Color>> = (points.surfaces.iter())
-            .map(|surface| Lit::new(surface, self.flat))
-            .collect();
-        let ambient = |point: &Lit<'_>| reflection.ambient(point);
-        let mut sums: Vec<Color> = (lit.iter())
-            .map(|point| point.as_ref().map_or(Color::ZERO, ambient))
-            .collect();
-        let mut shadow_rays = ShadowRays::with_capacity(lit.len());
-        for light in shading.scene.lights() {
-            let source = Source::new(light);
-            for (k, point) in lit.iter().enumerate() {
-                let Ok(point) = point else { continue };
-                if let Some((ray, incoming)) = point.incoming(&source) {
-                    let brought = reflection.reflected(point, &incoming);
-                    shadow_rays.push((ray, point.surface.departure()), k, brought);
-                }
+        let set = shading.engine.instruction_set();
+        let mut sums = vec![Color::ZERO; points.surfaces.len()];
+        let mut rows: Vec<LitRow> = Vec::with_capacity(sums.len().div_ceil(ROW));
+        for (k, surface) in points.surfaces.iter().enumerate() {
+            if surface.is_unlit() {
+                colors[k] = surface.color();
+                continue;
             }
-            shadow_rays.add_to(&mut sums, shading, self.shadows);
+            let point = Lit::new(surface, self.flat);
+            sums[k] = reflection.ambient(&point);
+            if rows.last().is_none_or(|row| row.count == ROW) {
+                rows.push(LitRow::EMPTY);
+            }
+            if let Some(row) = rows.last_mut() {
+                row.push(k, &point);
+            }
         }
-        for ((color, point), sum) in colors.iter_mut().zip(lit).zip(sums) {
-            *color = match point {
-                Ok(point) => reflection.seen(&point, sum),
-                Err(color) => color,
-            };
+        let mut rays = ShadowRays::with_capacity(sums.len());
+        for light in shading.scene.lights() {
+            let light = light.prepared();
+            let everywhere = light.everywhere(MIDDLE).map(Everywhere::new);
+            for row in &rows {
+                let arriving = match &everywhere {
+                    Some(source) => simd::run_here(set, Reflect(row, source, reflection)),
+                    None => simd::run_here(set, Reflect(row, &light, reflection)),
+                };
+                row.push_rays(&arriving, &points.surfaces, &mut rays);
+            }
+            rays.add_to(&mut sums, shading, self.shadows);
+        }
+        for row in &rows {
+            for (k, &point) in row.numbers[..row.count].iter().enumerate() {
+                colors[point] = reflection.seen(&row.get(k), sums[point]);
+            }
         }
     }
 }
 
-/// A light, which counts as its middle where it has a size.
-struct Source {
-    light: PreparedLight,
-    /// What is the same for all points, if that is everything: its sample, and the direction towards it.
-    everywhere: Option<(LightSample, DVec3)>,
-}
-
-impl Source {
-    fn new(light: &Light) -> Self {
-        let light = light.prepared();
-        let everywhere = light.everywhere(MIDDLE);
-        Self {
-            light,
-            everywhere: everywhere.map(|sample| (sample, unit(sample.towards))),
-        }
-    }
-
+/// Where light comes from: a light, which counts as its middle where it has a size.
+trait Source {
     /// Its light at a point, and the direction towards it.
-    #[inline]
+    fn at(&self, point: DVec3) -> Option<(LightSample, DVec3)>;
+}
+
+impl Source for PreparedLight {
+    #[inline(always)]
     fn at(&self, point: DVec3) -> Option<(LightSample, DVec3)> {
-        self.everywhere.or_else(|| {
-            let sample = self.light.sample(point, MIDDLE)?;
-            Some((sample, unit(sample.towards)))
-        })
+        let sample = self.sample(point, MIDDLE)?;
+        Some((sample, unit(sample.towards)))
+    }
+}
+
+/// A light that is the same for all points.
+struct Everywhere(LightSample, DVec3);
+
+impl Everywhere {
+    fn new(sample: LightSample) -> Self {
+        Self(sample, unit(sample.towards))
+    }
+}
+
+impl Source for Everywhere {
+    #[inline(always)]
+    fn at(&self, _point: DVec3) -> Option<(LightSample, DVec3)> {
+        Some((self.0, self.1))
     }
 }
 
@@ -96,14 +113,15 @@ impl Source {
 const MIDDLE: DVec2 = DVec2::splat(0.5);
 
 /// A point of a surface with its normals on the side that is seen; NaN where it has none.
-pub(super) struct Lit<'a> {
-    surface: &'a SurfaceInteraction<'a>,
+pub(super) struct Lit {
     /// The colour of the surface.
     pub(super) color: Color,
     /// The normal to shade with.
     pub(super) normal: DVec3,
     position: DVec3,
     geometric: DVec3,
+    /// That of the ray that sees it.
+    direction: DVec3,
 }
 
 /// Light at a point, from one direction.
@@ -118,13 +136,9 @@ pub(super) struct Incoming {
     pub(super) light: Color,
 }
 
-impl<'a> Lit<'a> {
-    /// A hit as a lit point; or its colour, where no light changes that.
-    fn new(surface: &'a SurfaceInteraction<'a>, flat: bool) -> Result<Self, Color> {
-        let color = surface.color();
-        if surface.is_unlit() {
-            return Err(color);
-        }
+impl Lit {
+    #[inline]
+    fn new(surface: &SurfaceInteraction<'_>, flat: bool) -> Self {
         let side = surface.side();
         let geometric = side * surface.normal();
         let normal = if flat {
@@ -132,44 +146,127 @@ impl<'a> Lit<'a> {
         } else {
             side * surface.shading_normal()
         };
-        Ok(Self {
-            surface,
-            color,
+        Self {
+            color: surface.color(),
             normal,
             position: surface.position(),
             geometric,
-        })
+            direction: surface.ray().direction,
+        }
     }
 
     /// The way back along the ray, of length one.
     pub(super) fn viewer(&self) -> DVec3 {
-        -unit(self.surface.ray().direction)
+        -unit(self.direction)
     }
 
-    /// The ray towards a light, up to where it comes from, and what is at its end. `None` where the light is on
-    /// the other side.
-    #[inline]
-    fn incoming(&self, source: &Source) -> Option<(Ray, Incoming)> {
-        let (arriving, towards) = source.at(self.position)?;
+    /// Light of a sample at this point, and whether it comes from the side that is seen. `towards` is its direction, of length one.
+    #[inline(always)]
+    fn incoming(&self, sample: &LightSample, towards: DVec3) -> (Incoming, bool) {
         let cosine = towards.dot(self.normal);
-        let flat = arriving.towards.dot(self.geometric);
-        // Written so that a NaN (the point is where the light is, or a triangle without an area) fails.
-        (cosine > 0.0 && flat > 0.0).then(|| {
-            let share = if self.normal == self.geometric {
-                1.0
-            } else {
-                let between = self.normal.dot(self.geometric);
-                softened(cosine, towards.dot(self.geometric), between)
+        let flat = sample.towards.dot(self.geometric);
+        let between = self.normal.dot(self.geometric);
+        let share = if self.normal == self.geometric {
+            1.0
+        } else {
+            softened(cosine, towards.dot(self.geometric), between)
+        };
+        let incoming = Incoming {
+            towards,
+            cosine,
+            share,
+            light: sample.light,
+        };
+        // Not where a number is NaN: the point is where the light is, or the triangle has no area.
+        (incoming, cosine > 0.0 && flat > 0.0)
+    }
+}
+
+/// Points side by side.
+struct LitRow {
+    count: usize,
+    /// Which of all points each is.
+    numbers: [usize; ROW],
+    color: Vectors,
+    normal: Vectors,
+    position: Vectors,
+    geometric: Vectors,
+    direction: Vectors,
+}
+
+impl LitRow {
+    const EMPTY: Self = Self {
+        count: 0,
+        numbers: [0; ROW],
+        color: Vectors::ZERO,
+        normal: Vectors::ZERO,
+        position: Vectors::ZERO,
+        geometric: Vectors::ZERO,
+        direction: Vectors::ZERO,
+    };
+
+    #[inline]
+    fn push(&mut self, number: usize, point: &Lit) {
+        let k = self.count;
+        self.numbers[k] = number;
+        self.color.set(k, point.color);
+        self.normal.set(k, point.normal);
+        self.position.set(k, point.position);
+        self.geometric.set(k, point.geometric);
+        self.direction.set(k, point.direction);
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn get(&self, k: usize) -> Lit {
+        Lit {
+            color: self.color.get(k),
+            normal: self.normal.get(k),
+            position: self.position.get(k),
+            geometric: self.geometric.get(k),
+            direction: self.direction.get(k),
+        }
+    }
+
+    fn push_rays(
+        &self,
+        arriving: &Arriving,
+        surfaces: &[SurfaceInteraction<'_>],
+        rays: &mut ShadowRays,
+    ) {
+        for (k, &point) in self.numbers[..self.count].iter().enumerate() {
+            let light = arriving.light.get(k);
+            if light != Color::ZERO {
+                let ray = Ray::new(self.position.get(k), arriving.towards.get(k));
+                let ray = ray.up_to(arriving.end.get(k));
+                rays.push((ray, surfaces[point].departure()), point, light);
+            }
+        }
+    }
+}
+
+/// What the surfaces at some points reflect of a light.
+struct Reflect<'a, S, R>(&'a LitRow, &'a S, &'a R);
+
+impl<S: Source, R: Reflection> Kernel for Reflect<'_, S, R> {
+    type Output = Arriving;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> Arriving {
+        let Self(row, source, reflection) = self;
+        let mut arriving = Arriving::NONE;
+        for k in 0..row.count.min(ROW) {
+            let point = row.get(k);
+            let Some((sample, towards)) = source.at(point.position) else {
+                continue;
             };
-            let ray =
-                Ray::new(self.position, arriving.towards).up_to(arriving.ray_end(self.position));
-            let incoming = Incoming {
-                towards,
-                cosine,
-                share,
-                light: arriving.light,
-            };
-            (ray, incoming)
-        })
+            let (incoming, is_lit) = point.incoming(&sample, towards);
+            let reflected = reflection.reflected(&point, &incoming);
+            let light = if is_lit { reflected } else { Color::ZERO };
+            arriving.towards.set(k, sample.towards);
+            arriving.end.set(k, sample.ray_end(point.position));
+            arriving.light.set(k, light);
+        }
+        arriving
     }
 }

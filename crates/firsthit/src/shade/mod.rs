@@ -1,5 +1,10 @@
 //! Hits to linear colours: a file per shader, or a row.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a kernel is not compiled for its instruction set"
+)]
+
 mod blend;
 mod crossings;
 mod depth_cue;
@@ -12,9 +17,11 @@ mod lambert;
 mod light_rig;
 mod lit;
 mod matcap;
+mod matte;
 mod occlusion;
 mod path;
 mod phong;
+mod rows;
 mod shadow;
 mod vertex;
 mod whitted;
@@ -37,7 +44,7 @@ pub use xray::Xray;
 use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Side, Value, kinds};
 use crate::sampling::Draws;
-use crate::scene::{Background, Light, Scene, SurfaceInteraction};
+use crate::scene::{Background, Light, Scene, SurfaceInteraction, know_geometry};
 use crate::shoot::{Cpu, Engine};
 
 /// The colour that a ray sees. Replaceable: any function of the right form is one.
@@ -407,6 +414,7 @@ impl Shading<'_> {
                 colors[k] = self.seen_behind(ray.direction);
             }
         }
+        know_geometry(self.engine.instruction_set(), &points.surfaces);
         let mut found = vec![Color::ZERO; met.len()];
         let mut covered = vec![1.0; met.len()];
         (self.shader).color(self, &points, &mut found, &mut covered);

@@ -1,11 +1,13 @@
 //! Ambient occlusion: how much of the sky a point sees (Zhukov, Iones and Kronin, "An Ambient Light Illumination Model", Rendering
 //! Techniques '98), by the cosine of its directions.
 
+use super::rows::Places;
 use super::shadow::ShadowRays;
 use super::{Points, Shading};
-use crate::geometry::{Color, DVec2, DVec3, Domain, Ray, settings};
-use crate::sampling::{Draws, TangentFrame, warp};
-use crate::scene::SurfaceInteraction;
+use crate::geometry::rows::{ROW, Vectors};
+use crate::geometry::{Color, Domain, Ray, settings};
+use crate::sampling::{TangentFrame, warp};
+use crate::simd::{self, Kernel, Lanes};
 
 settings! {
     /// The settings of ambient occlusion.
@@ -22,27 +24,46 @@ pub(super) fn shade(
     points: &Points<'_>,
     colors: &mut [Color],
 ) {
+    let set = shading.engine.instruction_set();
     let mut rays = ShadowRays::with_capacity(colors.len());
-    for (k, (surface, draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
-        if let Some(ray) = sky_ray(surface, *draws, settings.reach) {
-            rays.push(ray, k, Color::ONE);
+    for first in (0..points.surfaces.len()).step_by(ROW) {
+        let surfaces = &points.surfaces[first..points.surfaces.len().min(first + ROW)];
+        let (mut places, mut normals) = (Places::NONE, Vectors::ZERO);
+        for (surface, &draws) in surfaces.iter().zip(&points.draws[first..]) {
+            let k = places.push(surface.position(), draws);
+            // On the side that is seen.
+            normals.set(k, surface.side() * surface.normal());
+        }
+        let towards = simd::run_here(set, DrawSky(&places, &normals));
+        for (k, surface) in surfaces.iter().enumerate() {
+            let direction = towards.get(k);
+            // Not where there is no normal.
+            if direction.is_finite() {
+                let ray = Ray::new(places.position.get(k), direction);
+                let ray = (ray.up_to(settings.reach), surface.departure());
+                rays.push(ray, first + k, Color::ONE);
+            }
         }
     }
     colors.fill(Color::ZERO);
     rays.add_to(colors, shading, true);
 }
 
-/// A ray from a surface to the sky, on the side that is seen; `None` where there is no normal.
-fn sky_ray(
-    surface: &SurfaceInteraction<'_>,
-    mut draws: Draws,
-    reach: f64,
-) -> Option<(Ray, crate::geometry::RayFilter)> {
-    let normal = surface.side() * surface.normal();
-    let u: DVec2 = draws.two();
-    let towards: DVec3 = TangentFrame::around(normal).world(warp::cosine_hemisphere(u));
-    towards.is_finite().then(|| {
-        let (ray, filter) = surface.leave(towards);
-        (ray.up_to(reach), filter)
-    })
+/// A direction around the normal at each point, by the cosine.
+struct DrawSky<'a>(&'a Places, &'a Vectors);
+
+impl Kernel for DrawSky<'_> {
+    type Output = Vectors;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> Vectors {
+        let Self(places, normals) = self;
+        let u = places.draw(None);
+        let mut towards = Vectors::ZERO;
+        for k in 0..places.len() {
+            let local = warp::cosine_hemisphere(u.get(k));
+            towards.set(k, TangentFrame::around(normals.get(k)).world(local));
+        }
+        towards
+    }
 }

@@ -11,6 +11,7 @@
 
 use super::blend::{Found, found};
 use super::found::{BsdfRay, light_found};
+use super::matte::Sorted;
 use super::vertex::{Vertex, Way, add_direct_light, first_vertices, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, Ray, RayFilter, settings};
@@ -38,7 +39,8 @@ pub(super) fn shade(
         for vertex in &mut vertices {
             vertex.finds_lights = true;
         }
-        add_direct_light(shading, &vertices, (true, f64::INFINITY), colors);
+        let sorted = Sorted::new(&vertices);
+        add_direct_light(shading, &sorted, (true, f64::INFINITY), colors);
         let roulette = depth >= settings.roulette;
         let mut drawn: Vec<Drawn> = vertices
             .iter_mut()

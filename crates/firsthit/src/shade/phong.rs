@@ -50,19 +50,19 @@ pub(super) fn shade_blinn(
 }
 
 /// The cosine between the viewer and the direction in which a mirror would send the light.
-fn mirrored(point: &Lit<'_>, light: &Incoming) -> f64 {
+fn mirrored(point: &Lit, light: &Incoming) -> f64 {
     let mirrored = 2.0 * light.cosine * point.normal - light.towards;
     mirrored.dot(point.viewer())
 }
 
 /// The cosine between the normal and the one that a mirror would have to send the light to the viewer.
-fn halfway(point: &Lit<'_>, light: &Incoming) -> f64 {
+fn halfway(point: &Lit, light: &Incoming) -> f64 {
     let halfway: DVec3 = unit(light.towards + point.viewer());
     halfway.dot(point.normal)
 }
 
 fn shade_by(
-    highlight: fn(&Lit<'_>, &Incoming) -> f64,
+    highlight: fn(&Lit, &Incoming) -> f64,
     settings: &Phong,
     shading: &Shading<'_>,
     points: &Points<'_>,
@@ -85,15 +85,15 @@ fn shade_by(
 /// A matte part and a highlight, which is a power of some cosine.
 struct Glossy<'a> {
     settings: &'a Phong,
-    highlight: fn(&Lit<'_>, &Incoming) -> f64,
+    highlight: fn(&Lit, &Incoming) -> f64,
 }
 
 impl Reflection for Glossy<'_> {
-    fn ambient(&self, point: &Lit<'_>) -> Color {
+    fn ambient(&self, point: &Lit) -> Color {
         self.settings.ambient * point.color
     }
 
-    fn reflected(&self, point: &Lit<'_>, light: &Incoming) -> Color {
+    fn reflected(&self, point: &Lit, light: &Incoming) -> Color {
         let matte = self.settings.diffuse * light.cosine * point.color;
         let cosine = (self.highlight)(point, light);
         // Written so that a NaN fails: the light comes from where the ray goes to.

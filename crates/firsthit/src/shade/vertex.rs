@@ -1,5 +1,6 @@
 //! Vertices of light paths, and next-event estimation: the light that arrives there straight from sampled lights.
 
+use super::matte::{MatteVertex, Sorted};
 use super::shadow::ShadowRays;
 use super::{Points, Shading, stream};
 use crate::geometry::{Color, DVec3, Ray, RayFilter, is_light, unit};
@@ -33,15 +34,24 @@ pub(super) struct Vertex {
 /// The vertices that the camera sees; each sum begins with the emission of its surface.
 pub(super) fn first_vertices(points: &Points<'_>, sums: &mut [Color]) -> Vec<Vertex> {
     let mut vertices = Vec::with_capacity(sums.len());
-    for (k, (surface, draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
-        sums[k] = if surface.is_unlit() {
-            surface.color()
-        } else {
-            vertices.extend(Vertex::new(surface, k, *draws, Way::of_camera(surface)));
-            surface.emitted()
-        };
+    for (k, (surface, &draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
+        vertices.extend(first_vertex(surface, (k, draws), &mut sums[k]));
     }
     vertices
+}
+
+/// The vertex that the camera sees where it meets a surface, if light changes its colour.
+pub(super) fn first_vertex(
+    surface: &SurfaceInteraction<'_>,
+    (number, draws): (usize, Draws),
+    sum: &mut Color,
+) -> Option<Vertex> {
+    if surface.is_unlit() {
+        *sum = surface.color();
+        return None;
+    }
+    *sum = surface.emitted();
+    Vertex::new(surface, number, draws, Way::of_camera(surface))
 }
 
 /// The way of a ray that meets a surface.
@@ -89,6 +99,22 @@ impl Vertex {
             absorption,
             is_specular_path: true,
             eta_scale: 1.0,
+        })
+    }
+
+    /// The same as one of a row, if it can be.
+    pub(super) fn matte(&self) -> Option<MatteVertex> {
+        let surface = self.bsdf.lambertian();
+        let surface = surface.filter(|_| self.absorption == Color::ZERO)?;
+        Some(MatteVertex {
+            position: self.position,
+            surface,
+            filter: self.filter,
+            throughput: self.throughput,
+            sum: self.sum,
+            draws: self.draws,
+            finds_lights: self.finds_lights,
+            occlusion: self.occlusion,
         })
     }
 
@@ -141,6 +167,7 @@ impl Vertex {
 
 /// The weight of a sample that was drawn with one probability density and could have been drawn with another one (Veach and Guibas, "Optimally Combining
 /// Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995: the power heuristic, with the power of two).
+#[inline(always)]
 pub(super) fn power_heuristic(own: f64, other: f64) -> f64 {
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
@@ -159,19 +186,20 @@ pub(super) fn transmittance(absorption: Color, length: f64) -> Color {
 /// Next-event estimation: adds the light of one sample of each light, one of the emissive surfaces, and one of the environment.
 pub(super) fn add_direct_light(
     shading: &Shading<'_>,
-    vertices: &[Vertex],
+    sorted: &Sorted<'_>,
     (shadows, reach): (bool, f64),
     sums: &mut [Color],
 ) {
-    let mut rays = ShadowRays::with_capacity(vertices.len());
+    let set = shading.engine.instruction_set();
+    let mut rays = ShadowRays::with_capacity(sorted.count());
     // Each light has numbers of its own, so that it brings the same whatever other lights there are.
     for light in shading.scene.lights() {
-        let (key, light) = (light.key(), light.prepared());
-        for vertex in vertices {
-            if vertex.bsdf.is_diffuse() && light.is_behind(vertex.bsdf.geometric()) {
-                continue;
-            }
-            let u = vertex.draws.split(key).two();
+        let (stream, light) = (light.key(), light.prepared());
+        for row in &sorted.rows {
+            row.push_light(set, (&light, stream), &mut rays);
+        }
+        for vertex in &sorted.others {
+            let u = vertex.draws.split(stream).two();
             let drawn = light.sample(vertex.position, u);
             let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));
             if let Some((drawn, light)) = seen {
@@ -182,7 +210,10 @@ pub(super) fn add_direct_light(
     }
     let emitters = shading.scene.emitters();
     if !emitters.is_empty() {
-        for vertex in vertices {
+        for row in &sorted.rows {
+            row.push_emitters(set, shading, &mut rays);
+        }
+        for vertex in &sorted.others {
             let u = vertex.draws.split(stream::EMITTERS).three();
             let drawn = emitters.sample(shading.scene, vertex.position, u);
             let Some((arriving, surface)) = drawn else {
@@ -201,7 +232,10 @@ pub(super) fn add_direct_light(
         .environment()
         .filter(|environment| environment.is_drawn());
     if let Some(environment) = drawn {
-        for vertex in vertices {
+        for row in &sorted.rows {
+            row.push_environment((environment, reach), &mut rays);
+        }
+        for vertex in &sorted.others {
             let u = vertex.draws.split(stream::ENVIRONMENT).two();
             let Some(arriving) = environment.sample(u) else {
                 continue;

@@ -213,6 +213,7 @@ impl Surface for Cone {
         self.along(Scalar, &ray.into()).crossings(ray)
     }
 
+    #[inline(always)]
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
         match primitive {
             1 => -self.axis,
@@ -231,6 +232,7 @@ impl Surface for Cone {
         }
     }
 
+    #[inline(always)]
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
         let at = point - self.bottom;
         let z = at.dot(self.axis);

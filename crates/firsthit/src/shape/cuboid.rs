@@ -99,6 +99,7 @@ impl Surface for Cuboid {
         self.inside(Scalar, &ray.into()).crossings(ray)
     }
 
+    #[inline(always)]
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
         let faces = [
             DVec3::NEG_X,
@@ -115,6 +116,7 @@ impl Surface for Cuboid {
             .unwrap_or(DVec3::NAN)
     }
 
+    #[inline(always)]
     fn onto(&self, mut point: DVec3, primitive: i32) -> DVec3 {
         let Bounds { low, high } = self.bounds;
         if let Ok(face) = usize::try_from(primitive)

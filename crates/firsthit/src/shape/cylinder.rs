@@ -73,10 +73,12 @@ impl Surface for Cylinder {
         self.cone.crossings(ray)
     }
 
+    #[inline(always)]
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.cone.normal(point, primitive)
     }
 
+    #[inline(always)]
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.cone.onto(point, primitive)
     }

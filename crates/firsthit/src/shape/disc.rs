@@ -91,10 +91,12 @@ impl Surface for Disc {
         self.first(Scalar, &ray).single()
     }
 
+    #[inline(always)]
     fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.plane.normal(point, primitive)
     }
 
+    #[inline(always)]
     fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
         self.plane.onto(point, primitive)
     }

@@ -25,7 +25,7 @@ use std::sync::Arc;
 use super::attribute::check_indices;
 use super::{Attribute, Positions, Property};
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, moderation, unit};
+use crate::geometry::{Bounds, DVec2, DVec3, moderation, unit};
 use crate::memory::Storage;
 
 /// Triangles over shared vertices. Immutable; objects share it through an [`Arc`].
@@ -204,11 +204,22 @@ impl Mesh {
     /// The triangle's own normal, counter-clockwise front, of length one; NaN if it has no area.
     #[inline]
     pub fn normal(&self, triangle: usize) -> DVec3 {
-        let [a, b, c] = self.corners(triangle);
-        // Not edges of length one: their rounding would give collinear corners an area.
-        let [ab, ac] = [b - a, c - a].map(|edge| moderation(edge) * edge);
-        unit(ab.cross(ac))
+        normal_of(self.corners(triangle))
     }
+}
+
+/// The normal of a triangle with these corners; see [`Mesh::normal`].
+#[inline(always)]
+pub(crate) fn normal_of([a, b, c]: [DVec3; 3]) -> DVec3 {
+    // Not edges of length one: their rounding would give collinear corners an area.
+    let (ab, ac) = (b - a, c - a);
+    unit((moderation(ab) * ab).cross(moderation(ac) * ac))
+}
+
+/// The point of a triangle with these corners where the corners 1 and 2 have these weights.
+#[inline(always)]
+pub(crate) fn point_of([a, b, c]: [DVec3; 3], weights: DVec2) -> DVec3 {
+    a + (weights.x * (b - a) + weights.y * (c - a))
 }
 
 /// The box around the corners of all triangles, in one pass; `None` if a corner is not there or not finite.

@@ -12,7 +12,7 @@ mod cuboid;
 mod cylinder;
 mod disc;
 mod interval;
-mod mesh;
+pub(crate) mod mesh;
 mod nearest;
 mod plane;
 mod positions;

@@ -81,10 +81,12 @@ impl Surface for Plane {
         self.first(Scalar, &ray).single()
     }
 
+    #[inline(always)]
     fn normal(&self, _point: DVec3, _primitive: i32) -> DVec3 {
         self.normal
     }
 
+    #[inline(always)]
     fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
         point - (point - self.point).dot(self.normal) * self.normal
     }

@@ -113,10 +113,12 @@ impl Surface for Sphere {
         self.inside(Scalar, &ray.into()).crossings(ray)
     }
 
+    #[inline(always)]
     fn normal(&self, point: DVec3, _primitive: i32) -> DVec3 {
         unit(point - self.center)
     }
 
+    #[inline(always)]
     fn onto(&self, point: DVec3, _primitive: i32) -> DVec3 {
         self.center + self.radius * unit(point - self.center)
     }

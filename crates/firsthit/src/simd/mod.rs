@@ -79,7 +79,13 @@ pub(crate) fn run<K>(set: InstructionSet, kernel: K) -> K::Output
 where
     K: Kernel<Output: Send> + Send,
 {
-    with_stack(|| match set {
+    with_stack(|| run_here(set, kernel))
+}
+
+/// The same on the caller's stack, for a kernel whose frame is small even where it is not optimised.
+#[inline]
+pub(crate) fn run_here<K: Kernel>(set: InstructionSet, kernel: K) -> K::Output {
+    match set {
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx512 => avx512::run(kernel),
         #[cfg(target_arch = "x86_64")]
@@ -95,7 +101,7 @@ where
         _ => simd128::run(kernel),
         #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
         _ => portable::run(kernel),
-    })
+    }
 }
 
 #[cfg(test)]

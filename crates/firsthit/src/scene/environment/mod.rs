@@ -96,6 +96,21 @@ impl Environment {
         }
     }
 
+    /// The sky where it is one of two hemispheres, or the same everywhere.
+    pub(crate) fn hemispheres(&self) -> Option<Hemispheres> {
+        match self.kind {
+            EnvironmentKind::Hemispheres { above, below, up } => Some(Hemispheres {
+                colors: [above, below].map(|color| self.strength * color),
+                up,
+            }),
+            EnvironmentKind::Uniform(color) => Some(Hemispheres {
+                colors: [self.strength * color; 2],
+                up: DVec3::Y,
+            }),
+            _ => None,
+        }
+    }
+
     /// Light from a direction in the world that a point of the unit square stands for, bright ones more often. `None` where surfaces choose
     /// directions as well: where the radiance is nearly the same from everywhere.
     ///
@@ -139,21 +154,43 @@ impl Environment {
     }
 }
 
+/// One radiance from above the horizon, and another from below.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hemispheres {
+    /// Above, and below.
+    colors: [Color; 2],
+    /// Of any length but zero.
+    up: DVec3,
+}
+
+impl Hemispheres {
+    /// See [`Environment::radiance`].
+    #[inline(always)]
+    pub(crate) fn radiance(&self, direction: DVec3) -> Color {
+        let Self {
+            colors: [above, below],
+            up,
+        } = *self;
+        // The sign alone counts: lengths do not.
+        let height = (moderation(direction) * direction).dot(moderation(up) * up);
+        if height > 0.0 {
+            above
+        } else if height <= 0.0 {
+            below
+        } else {
+            Color::ZERO
+        }
+    }
+}
+
 impl EnvironmentKind {
     fn radiance(&self, direction: DVec3) -> Color {
         let height = |up: DVec3| unit(direction).dot(unit(up));
         match *self {
             Self::Uniform(color) => color,
             Self::Hemispheres { above, below, up } => {
-                // The sign alone counts: lengths do not.
-                let height = (moderation(direction) * direction).dot(moderation(up) * up);
-                if height > 0.0 {
-                    above
-                } else if height <= 0.0 {
-                    below
-                } else {
-                    Color::ZERO
-                }
+                let colors = [above, below];
+                Hemispheres { colors, up }.radiance(direction)
             }
             Self::Gradient {
                 horizon,

@@ -47,14 +47,8 @@ pub(crate) struct Sun {
 }
 
 impl Sun {
-    pub(super) fn is_behind(&self, normal: DVec3) -> bool {
-        // By the height: next to 0 the cosine would lose half of the digits.
-        let sine = (self.height * (2.0 - self.height)).sqrt();
-        // More than rounding below the horizon. A sun of half a turn is above every horizon in part.
-        self.height < 1.0 && self.frame.z.dot(normal) < -(sine + 1e-9)
-    }
-
-    pub(super) fn sample(&self, u: DVec2) -> LightSample {
+    #[inline(always)]
+    pub(crate) fn sample(&self, u: DVec2) -> LightSample {
         let distance = f64::INFINITY;
         if self.height <= 0.0 {
             return LightSample {
@@ -97,41 +91,5 @@ impl LightSource for DirectionalLight {
     fn scaled(mut self, factor: f64) -> Self {
         self.color *= factor;
         self
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sampling::Draws;
-
-    /// Of a sun that is behind a surface no sample is above its horizon; and one that is not is seen in part.
-    #[test]
-    fn suns_are_behind_surfaces_with_all_of_their_disc() {
-        for angle_degrees in [0.0, 1e-7, 0.53, 60.0, 120.0, 179.0, 180.0] {
-            let light = DirectionalLight {
-                direction: DVec3::new(0.3, -0.5, -1.2),
-                color: Color::ONE,
-                angle_degrees,
-            };
-            let sun = light.prepared();
-            let mut behind = 0;
-            for turn in 0..=180 {
-                let (sine, cosine) = libm::sincos(f64::from(turn).to_radians());
-                let normal = cosine * sun.frame.z + sine * sun.frame.x;
-                let mut numbers = (0..512).map(|sample| Draws::new(7, sample).two());
-                let is_above = |u: DVec2| sun.sample(u).towards.dot(normal) > 0.0;
-                let is_seen = numbers.any(is_above);
-                let is_behind = sun.is_behind(normal);
-                assert!(!(is_behind && is_seen), "{angle_degrees} {turn}");
-                behind += u32::from(is_behind);
-            }
-            // From a quarter of a turn and half of the sun on.
-            let expected = (90.0 - 0.5 * angle_degrees).max(0.0);
-            assert!(
-                (f64::from(behind) - expected).abs() <= 1.0,
-                "{angle_degrees} {behind}"
-            );
-        }
     }
 }

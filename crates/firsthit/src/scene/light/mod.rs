@@ -9,6 +9,7 @@ mod sphere;
 mod spot;
 
 pub use directional::DirectionalLight;
+pub(crate) use directional::Sun;
 pub use disc::DiscLight;
 pub use point::PointLight;
 pub use rectangle::RectangleLight;
@@ -35,8 +36,13 @@ pub struct LightSample {
 
 impl LightSample {
     /// Where a ray to the light ends, from the point that the sample was drawn for.
+    #[inline(always)]
     pub(crate) fn ray_end(&self, at: DVec3) -> f64 {
-        end_of(&Ray::new(at, self.towards), self.distance)
+        if self.distance == f64::INFINITY {
+            self.distance
+        } else {
+            end_of(&Ray::new(at, self.towards), self.distance)
+        }
     }
 }
 
@@ -72,7 +78,7 @@ pub struct LightHit {
 /// A light for many points.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum PreparedLight {
-    Sun(directional::Sun),
+    Sun(Sun),
     Other(Light),
 }
 
@@ -90,14 +96,6 @@ impl PreparedLight {
         match self {
             Self::Sun(sun) => Some(sun.sample(u)),
             Self::Other(_) => None,
-        }
-    }
-
-    /// Whether all of its light is known to come from behind a surface with this normal of length one.
-    pub(crate) fn is_behind(&self, normal: DVec3) -> bool {
-        match self {
-            Self::Sun(sun) => sun.is_behind(normal),
-            Self::Other(_) => false,
         }
     }
 }

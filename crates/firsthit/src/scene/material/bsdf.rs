@@ -4,6 +4,7 @@ mod coat;
 mod dielectric;
 mod frame;
 mod fresnel;
+mod lambertian;
 mod layered;
 mod lobes;
 mod microfacet;
@@ -15,13 +16,13 @@ use std::f64::consts::PI;
 
 pub(super) use coat::coat_share;
 pub(super) use frame::Frame;
+pub(crate) use lambertian::Lambertian;
 pub(super) use layered::Layers;
 
 use layered::Layered;
 
 use crate::geometry::{Color, DVec2, DVec3, is_light, unit};
-use crate::sampling::{TangentFrame, warp};
-use crate::scene::SurfaceInteraction;
+use crate::scene::{Material, SurfaceInteraction};
 
 /// The bidirectional scattering distribution function at a point of a surface, for the ray that sees it.
 ///
@@ -73,6 +74,21 @@ impl BsdfSample {
 }
 
 impl SurfaceInteraction<'_> {
+    /// The scattering where that is all that the surface does to light: it is matte, has no maps, and emits nothing. NaN normals where it
+    /// has none.
+    #[inline]
+    pub(crate) fn plain_matte(&self) -> Option<Lambertian> {
+        if !self.material().is_none_or(Material::is_plain) {
+            return None;
+        }
+        let side = self.side();
+        Some(Lambertian {
+            normal: side * unit(self.shading_normal()),
+            geometric: side * self.normal(),
+            albedo: self.color(),
+        })
+    }
+
     /// The surface's scattering distribution for the ray; `None` where it has no normal.
     pub fn bsdf(&self) -> Option<Bsdf> {
         let normal = self.normal();
@@ -118,6 +134,13 @@ impl Bsdf {
         Self::even(frame, color)
     }
 
+    /// The same on a face with another normal.
+    #[cfg(test)]
+    pub(crate) fn over(mut self, geometric: DVec3) -> Self {
+        self.frame.geometric = geometric;
+        self
+    }
+
     /// The same where a frame says.
     pub(super) fn even(frame: Frame, color: Color) -> Self {
         Self::new(frame, Kind::Matte(color))
@@ -142,7 +165,7 @@ impl Bsdf {
     /// the normal. So it is the cosine for a white matte surface. What a mirror shows is not in it: see [`branches`](Self::branches).
     pub fn value(&self, towards: DVec3) -> Color {
         match &self.kind {
-            Kind::Matte(color) => *color * self.frame.cosine(towards),
+            Kind::Matte(color) => Lambertian::new(&self.frame, *color).value(towards),
             Kind::Layered(layered) => PI * layered.value(&self.frame, towards),
         }
     }
@@ -150,10 +173,7 @@ impl Bsdf {
     /// The probability density with which [`sample`](Self::sample) draws a direction, per steradian. Single directions have none.
     pub fn pdf(&self, towards: DVec3) -> f64 {
         match &self.kind {
-            Kind::Matte(_) if towards.dot(self.frame.geometric) > 0.0 => {
-                towards.dot(self.frame.normal).max(0.0) / PI
-            }
-            Kind::Matte(_) => 0.0,
+            Kind::Matte(color) => Lambertian::new(&self.frame, *color).pdf(towards),
             Kind::Layered(layered) => layered.pdf(&self.frame, towards),
         }
     }
@@ -162,15 +182,7 @@ impl Bsdf {
     pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
         match &self.kind {
             Kind::Matte(color) => {
-                let local = warp::cosine_hemisphere(DVec2::new(u[0], u[1]));
-                let towards = TangentFrame::around(self.frame.normal).world(local);
-                let cosine = towards.dot(self.frame.normal);
-                let value = self.frame.cosine(towards);
-                (value > 0.0).then(|| BsdfSample {
-                    towards,
-                    weight: *color * (value / cosine),
-                    pdf: Some(cosine / PI),
-                })
+                Lambertian::new(&self.frame, *color).sample(DVec2::new(u[0], u[1]))
             }
             Kind::Layered(layered) => layered.sample(&self.frame, u),
         }
@@ -189,6 +201,14 @@ impl Bsdf {
     /// Whether light is scattered evenly in all directions.
     pub fn is_diffuse(&self) -> bool {
         matches!(self.kind, Kind::Matte(_))
+    }
+
+    /// The scattering by itself where it is that of a matte surface.
+    pub(crate) fn lambertian(&self) -> Option<Lambertian> {
+        match self.kind {
+            Kind::Matte(color) => Some(Lambertian::new(&self.frame, color)),
+            Kind::Layered(_) => None,
+        }
     }
 
     /// How much of the light from all around reaches the surface, as far as a map says so.

@@ -9,6 +9,7 @@ mod model;
 
 use std::sync::Arc;
 
+pub(crate) use bsdf::Lambertian;
 pub use bsdf::{Bsdf, BsdfSample};
 pub use glass::Glass;
 pub use maps::{MapRole, Maps};
@@ -91,6 +92,16 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Whether it does nothing to light but scatter it evenly, as its colour says.
+    pub(in crate::scene) fn is_plain(&self) -> bool {
+        let has = |role| self.maps.get(role).is_some();
+        matches!(self.model, Model::Matte(_))
+            && self.emission == Color::ZERO
+            && !self.unlit
+            && !has(MapRole::Normal)
+            && !has(MapRole::Occlusion)
+    }
+
     /// Matte, opaque, of one linear colour.
     pub fn colored(color: Color) -> Self {
         Self {

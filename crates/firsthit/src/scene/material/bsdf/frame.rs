@@ -18,16 +18,7 @@ impl Frame {
     /// How much of light counts that reaches the surface on the side that is seen: less than all near the edge of its light. Zero for
     /// light from behind.
     pub(super) fn share(&self, towards: DVec3) -> f64 {
-        let (smooth, flat) = (towards.dot(self.normal), towards.dot(self.geometric));
-        if !(smooth > 0.0 && flat > 0.0) {
-            return 0.0;
-        }
-        softened(smooth, flat, self.normal.dot(self.geometric))
-    }
-
-    /// The cosine to the shading normal of light on the side that is seen, as far as it counts.
-    pub(super) fn cosine(&self, towards: DVec3) -> f64 {
-        towards.dot(self.normal).max(0.0) * self.share(towards)
+        share(self.normal, self.geometric, towards)
     }
 
     /// Bends the shading normal so that the mirror direction is above the face (Keller and others, "The Iray Light Transport Simulation and
@@ -54,6 +45,23 @@ impl Frame {
         let normal = unit(out + raised);
         Self { normal, ..self }
     }
+}
+
+/// See [`Frame::share`].
+#[inline(always)]
+fn share(normal: DVec3, geometric: DVec3, towards: DVec3) -> f64 {
+    let (smooth, flat) = (towards.dot(normal), towards.dot(geometric));
+    if smooth > 0.0 && flat > 0.0 {
+        softened(smooth, flat, normal.dot(geometric))
+    } else {
+        0.0
+    }
+}
+
+/// The cosine to the shading normal of light on the side that is seen, as far as it counts.
+#[inline(always)]
+pub(super) fn cosine(normal: DVec3, geometric: DVec3, towards: DVec3) -> f64 {
+    towards.dot(normal).max(0.0) * share(normal, geometric, towards)
 }
 
 #[cfg(test)]

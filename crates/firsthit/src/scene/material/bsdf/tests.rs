@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::*;
 use crate::sampling::Draws;
+use crate::sampling::warp;
 
 /// No metal, roughness 0.5, white.
 fn plastic() -> Layers {

@@ -1,0 +1,78 @@
+//! Numbers of many points side by side, an array for each: a loop over them is one over the lanes of an instruction set, if all that it
+//! calls is inlined. Loops of few steps: the compiler makes lanes of these alone.
+
+use super::{DVec2, DVec3};
+
+/// How many points go together: few enough that all their numbers stay in the nearest cache.
+pub(crate) const ROW: usize = 64;
+
+/// A number for each.
+pub(crate) struct Numbers([f64; ROW]);
+
+impl Numbers {
+    /// The same for all.
+    pub(crate) const fn all(x: f64) -> Self {
+        Self([x; ROW])
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, k: usize) -> f64 {
+        self.0[k]
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, k: usize, x: f64) {
+        self.0[k] = x;
+    }
+}
+
+/// A point of the plane for each.
+pub(crate) struct Points2 {
+    x: Numbers,
+    y: Numbers,
+}
+
+impl Points2 {
+    pub(crate) const ZERO: Self = Self {
+        x: Numbers::all(0.0),
+        y: Numbers::all(0.0),
+    };
+
+    #[inline(always)]
+    pub(crate) fn get(&self, k: usize) -> DVec2 {
+        DVec2::new(self.x.get(k), self.y.get(k))
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, k: usize, v: DVec2) {
+        self.x.set(k, v.x);
+        self.y.set(k, v.y);
+    }
+}
+
+/// A vector for each.
+pub(crate) struct Vectors {
+    x: Numbers,
+    y: Numbers,
+    z: Numbers,
+}
+
+impl Vectors {
+    pub(crate) const ZERO: Self = Self {
+        x: Numbers::all(0.0),
+        y: Numbers::all(0.0),
+        z: Numbers::all(0.0),
+    };
+
+    #[inline(always)]
+    pub(crate) fn get(&self, k: usize) -> DVec3 {
+        DVec3::new(self.x.get(k), self.y.get(k), self.z.get(k))
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, k: usize, v: DVec3) {
+        self.x.set(k, v.x);
+        self.y.set(k, v.y);
+        self.z.set(k, v.z);
+    }
+}

@@ -1,0 +1,170 @@
+//! Light for many points side by side; see [`geometry::rows`](crate::geometry::rows).
+
+use crate::geometry::rows::{Numbers, Points2, ROW, Vectors};
+use crate::geometry::{Color, DVec2, DVec3};
+use crate::sampling::Draws;
+use crate::scene::{Environment, Hemispheres, Light, LightSample, Sun};
+
+/// Points where light falls, and the numbers to draw for each.
+pub(super) struct Places {
+    count: usize,
+    pub(super) position: Vectors,
+    draws: [Draws; ROW],
+}
+
+impl Places {
+    pub(super) const NONE: Self = Self {
+        count: 0,
+        position: Vectors::ZERO,
+        draws: [Draws::new(0, 0); ROW],
+    };
+
+    /// Adds one to a row that is not full, and returns its number.
+    #[inline]
+    pub(super) fn push(&mut self, position: DVec3, draws: Draws) -> usize {
+        let k = self.count;
+        self.position.set(k, position);
+        self.draws[k] = draws;
+        self.count += 1;
+        k
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.count == ROW
+    }
+
+    /// How many there are; that they are at most [`ROW`] is said where the compiler sees it.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.count.min(ROW)
+    }
+
+    /// The numbers of one, of a stream.
+    pub(super) fn draws(&self, k: usize, stream: u64) -> Draws {
+        self.draws[k].split(stream)
+    }
+
+    /// Two numbers for each, of a stream or else of its own.
+    #[inline(always)]
+    pub(super) fn draw(&self, stream: Option<u64>) -> Points2 {
+        let mut u = Points2::ZERO;
+        for k in 0..self.len() {
+            let mut draws = match stream {
+                Some(stream) => self.draws[k].split(stream),
+                None => self.draws[k],
+            };
+            u.set(k, draws.two());
+        }
+        u
+    }
+
+    /// A sample of a light for each, with the numbers of the light's stream.
+    #[inline(always)]
+    pub(super) fn draw_light<S: DrawnLight>(&self, light: &S, stream: u64) -> LightSamples {
+        let u = self.draw(Some(stream));
+        let mut samples = LightSamples::NONE;
+        for k in 0..self.len() {
+            let at = self.position.get(k);
+            if let Some(sample) = light.sample(at, u.get(k)) {
+                samples.set(k, &sample, at);
+            }
+        }
+        samples
+    }
+}
+
+/// For each point a [`LightSample`].
+pub(super) struct LightSamples {
+    pub(super) towards: Vectors,
+    /// Where a ray to the light ends.
+    pub(super) end: Numbers,
+    /// Black for no sample.
+    pub(super) light: Vectors,
+    /// Infinity for a light without a size.
+    pub(super) pdf: Numbers,
+}
+
+impl LightSamples {
+    pub(super) const NONE: Self = Self {
+        towards: Vectors::ZERO,
+        end: Numbers::all(0.0),
+        light: Vectors::ZERO,
+        pdf: Numbers::all(f64::INFINITY),
+    };
+
+    /// Sets the sample that was drawn for a point.
+    #[inline(always)]
+    pub(super) fn set(&mut self, k: usize, sample: &LightSample, at: DVec3) {
+        self.towards.set(k, sample.towards);
+        self.end.set(k, sample.ray_end(at));
+        self.light.set(k, sample.light);
+        self.pdf.set(k, sample.pdf.unwrap_or(f64::INFINITY));
+    }
+}
+
+/// For each point a direction, where a ray that way ends, and the light that it brings if nothing blocks it; black for no ray.
+pub(super) struct Arriving {
+    pub(super) towards: Vectors,
+    pub(super) end: Numbers,
+    pub(super) light: Vectors,
+}
+
+impl Arriving {
+    pub(super) const NONE: Self = Self {
+        towards: Vectors::ZERO,
+        end: Numbers::all(f64::INFINITY),
+        light: Vectors::ZERO,
+    };
+}
+
+/// A light to draw from.
+pub(super) trait DrawnLight {
+    /// See [`Light::sample`].
+    fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample>;
+}
+
+impl DrawnLight for Sun {
+    #[inline(always)]
+    fn sample(&self, _at: DVec3, u: DVec2) -> Option<LightSample> {
+        Some(Sun::sample(self, u))
+    }
+}
+
+impl DrawnLight for Light {
+    #[inline(always)]
+    fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
+        Light::sample(self, at, u)
+    }
+}
+
+/// What an environment shows.
+pub(super) trait Sky {
+    /// See [`Environment::radiance`].
+    fn radiance(&self, direction: DVec3) -> Color;
+    /// See [`Environment::pdf`].
+    fn pdf(&self, direction: DVec3) -> f64;
+}
+
+impl Sky for Hemispheres {
+    #[inline(always)]
+    fn radiance(&self, direction: DVec3) -> Color {
+        Hemispheres::radiance(self, direction)
+    }
+
+    #[inline(always)]
+    fn pdf(&self, _direction: DVec3) -> f64 {
+        0.0
+    }
+}
+
+impl Sky for Environment {
+    #[inline(always)]
+    fn radiance(&self, direction: DVec3) -> Color {
+        Environment::radiance(self, direction)
+    }
+
+    #[inline(always)]
+    fn pdf(&self, direction: DVec3) -> f64 {
+        Environment::pdf(self, direction)
+    }
+}
