@@ -48,6 +48,18 @@ pub(crate) fn zeroed<T: Zeroable>(count: usize) -> Result<Vec<T>> {
     Ok(vec)
 }
 
+/// Makes a vector so long; its memory is used again where that is enough.
+pub(crate) fn fit<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()> {
+    if count <= values.capacity() {
+        values.resize(count, T::zeroed());
+        return Ok(());
+    }
+    // What is there goes first: there may not be room for both.
+    *values = Vec::new();
+    *values = zeroed(count)?;
+    Ok(())
+}
+
 /// An empty vector with room for `count` elements, in large pages where that is worth it. Unlike the others here it
 /// is for what has been asked for before: the process ends where there is no memory.
 pub(crate) fn room<T>(count: usize) -> Vec<T> {

@@ -2,6 +2,7 @@
 
 mod accumulation;
 mod appearance;
+mod batch;
 mod legend;
 mod mattes;
 mod region;
@@ -222,8 +223,10 @@ impl<'a> Picture<'a> {
                     break;
                 }
             }
-            sink(slab.take_frame()?)?;
-            last = Some(slab);
+            let frame = slab.take_frame()?;
+            let has_more = first.saturating_add(height) < region.rows.end;
+            last = has_more.then_some(slab);
+            sink(frame)?;
         }
         Ok(())
     }

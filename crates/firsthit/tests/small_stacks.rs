@@ -3,10 +3,12 @@
 
 use std::sync::Arc;
 
+use firsthit::scene::DirectionalLight;
+use firsthit::shade::Ground;
 use firsthit::shoot::{Any, Cpu, Engine, First, trace_with};
 use firsthit::{
-    Camera, DVec3, InstructionSet, Mesh, Object, Positions, Ray, Scene, Shader, Shading, Sphere,
-    render,
+    Camera, DVec3, InstructionSet, Light, Mesh, Object, Positions, Ray, Scene, Shader, Shading,
+    Sphere, render,
 };
 
 const STACK_BYTES: usize = 256 << 10;
@@ -27,7 +29,12 @@ fn sheet() -> Mesh {
 /// Every way into the kernels, through one mesh and through several objects.
 fn ask_everything(set: InstructionSet) {
     let mesh = Arc::new(sheet());
-    let ball = Object::new(Sphere::new(DVec3::new(5.0, 0.0, 0.0), 0.5).unwrap());
+    let ball = Object::new(Sphere::new(DVec3::new(0.2, -0.3, 0.5), 0.3).unwrap());
+    let sun = Light::from(DirectionalLight {
+        direction: DVec3::new(0.2, 0.1, -1.0),
+        color: DVec3::ONE,
+        angle_degrees: 10.0,
+    });
     let alone = Scene::new(vec![Object::new(Arc::clone(&mesh))]).unwrap();
     let beside = Scene::new(vec![Object::new(mesh), ball]).unwrap();
     let eye = DVec3::new(0.3, -2.0, 3.0);
@@ -38,6 +45,7 @@ fn ask_everything(set: InstructionSet) {
         .map(|k| pixel(k * 7919 % camera.pixels()))
         .collect();
     for scene in [alone, beside] {
+        let scene = scene.with_lights(vec![sun]);
         let engine = Cpu::with(set);
         let middle = pixel(20 * 60 + 30);
         assert!(engine.first_hit(&scene, &middle).t < 5.0);
@@ -53,13 +61,16 @@ fn ask_everything(set: InstructionSet) {
                     .contains(&true)
             );
         }
-        let shade = Shading {
-            background: firsthit::Background::default(),
-            ..Shader::default().on(&scene)
-        };
         let color = firsthit::channel::kind("color").unwrap();
-        let frame = render(&scene, &camera, &shade, &[color], 2, &()).unwrap();
-        assert_eq!(frame.shape(), &[40, 60]);
+        for name in ["lambert", "phong", "direct", "path", "ao"] {
+            let shade = Shading {
+                engine: &engine,
+                ground: Ground::under(&scene, DVec3::Z),
+                ..Shader::named(name).unwrap().on(&scene)
+            };
+            let frame = render(&scene, &camera, &shade, &[color], 2, &()).unwrap();
+            assert_eq!(frame.shape(), &[40, 60]);
+        }
     }
 }
 

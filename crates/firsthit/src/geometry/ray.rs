@@ -29,7 +29,7 @@ impl Ray {
     pub(crate) const FARTHEST: f64 = 1e150;
 
     /// The ray from its origin on, without an end.
-    #[inline]
+    #[inline(always)]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self {
             origin,
@@ -48,13 +48,13 @@ impl Ray {
     }
 
     /// The same ray, ending at `t_max` (which still counts).
-    #[inline]
+    #[inline(always)]
     pub fn up_to(self, t_max: f64) -> Self {
         Self { t_max, ..self }
     }
 
     /// The point at the parameter `t`.
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }

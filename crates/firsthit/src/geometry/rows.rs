@@ -1,5 +1,5 @@
-//! Numbers of many points side by side, an array for each: a loop over them is one over the lanes of an instruction set, if all that it
-//! calls is inlined. Loops of few steps: the compiler makes lanes of these alone.
+//! Structures of arrays: the numbers of many points, a row for each number. The compiler turns a loop over a row into lanes of the
+//! instruction set if everything that the loop calls is inlined and the loop is short. So a computation is split into several loops.
 
 use super::{DVec2, DVec3};
 

@@ -87,6 +87,7 @@ impl Transform {
     }
 
     /// Whether this is exactly the identity.
+    #[inline(always)]
     pub fn is_identity(&self) -> bool {
         self.is_identity
     }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, luminance, single, srgb_encode};
 use crate::image::{Channel, Data, Description, Display, Frame, Unit};
-use crate::memory::zeroed;
+use crate::memory::{self, zeroed};
 use crate::shade::Shade;
 
 /// What is known of each pixel of a part of a picture. Sums are in the order of the samples, so it does not matter how many are
@@ -176,16 +176,10 @@ impl Accumulation {
     }
 }
 
-/// Makes all zeros of a vector, as many as given; in its memory where that is enough.
-fn reset<T: Zeroable + Copy>(values: &mut Vec<T>, count: usize) -> Result<()> {
-    if count <= values.capacity() {
-        values.clear();
-        values.resize(count, T::zeroed());
-    } else {
-        *values = Vec::new();
-        *values = zeroed(count)?;
-    }
-    Ok(())
+/// Makes a vector `count` zeros. Its memory is used again where it is enough.
+fn reset<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()> {
+    values.clear();
+    memory::fit(values, count)
 }
 
 /// How bright a colour is: where what is behind shows through, over white, so that shadows count that alpha alone has.

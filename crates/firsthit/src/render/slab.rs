@@ -12,24 +12,19 @@ use rayon::prelude::*;
 
 use super::Picture;
 use super::accumulation::{ALPHA, Accumulation, Activity};
+use super::batch::{Batch, Block, split};
 use super::mattes::Mattes;
 use super::region::{Part, Region};
 use crate::channel::{self, Kind, Shots};
 use crate::edge::Lines;
 use crate::error::{Error, Result};
-use crate::geometry::{Color, DVec3, Filtered, Hit, Ray, RayFilter, Rays, Side, single};
+use crate::geometry::{Color, Filtered, RayFilter, Rays, single};
 use crate::image::{Channel, ColorBar, Data, Frame};
 use crate::memory::zeroed;
-use crate::scene::{Background, Scene};
-use crate::shade::{AmbientOcclusion, Samples, Shade, Shader, Shading};
-use crate::shoot::{First, Hits, Prefetcher, trace_into};
+use crate::scene::Background;
+use crate::shade::{AmbientOcclusion, Shader, Shading};
+use crate::shoot::{First, Hits, trace_into};
 use crate::watch::Watch;
-
-/// How many pixels are shaded at a time: enough that their shadow rays go together, few enough for slow shaders.
-const SHADED: usize = 256;
-
-/// The side of the squares in whose order they are: rays from sixteen neighbours on all sides go together better than from a row.
-const SQUARE: usize = 4;
 
 /// See [the module](self).
 pub(super) struct Slab<'a> {
@@ -62,7 +57,14 @@ impl<'a> Slab<'a> {
 
     /// Another part of the picture, in the same memory: memory that is new takes the system longer to give than rays take to fill it.
     pub(super) fn next(self, part: (Region, Option<&Lines>), watch: &dyn Watch) -> Result<Self> {
-        Self::in_memory((self.hits, self.known), self.picture, part, watch)
+        // All else goes first: there may not be room for both.
+        let Self {
+            picture,
+            hits,
+            known,
+            ..
+        } = self;
+        Self::in_memory((hits, known), picture, part, watch)
     }
 
     fn in_memory(
@@ -179,7 +181,6 @@ impl<'a> Slab<'a> {
     fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
         let width = part.region.columns.len();
-        let band = SQUARE * width;
         let Picture {
             scene, shade, cull, ..
         } = *self.picture;
@@ -190,26 +191,24 @@ impl<'a> Slab<'a> {
             counts,
             ..
         } = &mut self.known;
-        let rest = squares
-            .par_chunks_mut(band)
-            .zip(counts.par_chunks_mut(band));
-        let bands = sums.par_chunks_mut(band).zip(rest).enumerate();
-        bands.try_for_each_init(Batch::new, |batch, (number, (sums, (squares, counts)))| {
-            let first = number * band;
-            for block in Block::all(sums.len(), width) {
-                if watch.is_stopped() {
-                    return Err(Error::Interrupted);
-                }
-                watch.advance(block.len() as u64);
-                let goes_on = |k: usize| activity.is_none_or(|activity| activity.has(first + k));
-                if !batch.read((scene, part), hits, (first, block), goes_on) {
-                    continue;
-                }
-                let (places, colors, coverage) = batch.shade((shade, cull), sample);
-                for ((&k, color), covered) in places.iter().zip(colors).zip(coverage) {
-                    let pixel = (&mut sums[k], &mut squares[k], &mut counts[k]);
-                    Accumulation::add(pixel, (*color, *covered), is_transparent);
-                }
+        let blocks = Block::all(sums.len(), width).into_par_iter();
+        let rest = split(squares, width)
+            .into_par_iter()
+            .zip(split(counts, width));
+        let blocks = blocks.zip(split(sums, width).into_par_iter().zip(rest));
+        blocks.try_for_each_init(Batch::new, |batch, (block, (sums, (squares, counts)))| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            watch.advance(block.len() as u64);
+            let goes_on = |k: usize| activity.is_none_or(|activity| activity.has(k));
+            if !batch.read((scene, part), hits, block, goes_on) {
+                return Ok(());
+            }
+            let (pixels, colors, coverage) = batch.shade((shade, cull), sample);
+            for ((&[row, k], color), covered) in pixels.iter().zip(colors).zip(coverage) {
+                let pixel = (&mut sums[row][k], &mut squares[row][k], &mut counts[row][k]);
+                Accumulation::add(pixel, (*color, *covered), is_transparent);
             }
             Ok(())
         })
@@ -223,19 +222,17 @@ impl<'a> Slab<'a> {
             return Ok(());
         };
         let width = part.region.columns.len();
-        let band = SQUARE * width;
-        let bands = sums.par_chunks_mut(band).enumerate();
-        bands.try_for_each_init(Batch::new, |batch, (number, sums)| {
-            for block in Block::all(sums.len(), width) {
-                if watch.is_stopped() {
-                    return Err(Error::Interrupted);
-                }
-                watch.advance(block.len() as u64);
-                batch.read((scene, part), hits, (number * band, block), |_| true);
-                let (places, colors, _) = batch.shade((shading, cull), sample);
-                for (&k, color) in places.iter().zip(colors) {
-                    sums[k] += color.x;
-                }
+        let blocks = Block::all(sums.len(), width).into_par_iter();
+        let blocks = blocks.zip(split(sums, width));
+        blocks.try_for_each_init(Batch::new, |batch, (block, sums)| {
+            if watch.is_stopped() {
+                return Err(Error::Interrupted);
+            }
+            watch.advance(block.len() as u64);
+            batch.read((scene, part), hits, block, |_| true);
+            let (pixels, colors, _) = batch.shade((shading, cull), sample);
+            for (&[row, k], color) in pixels.iter().zip(colors) {
+                sums[row][k] += color.x;
             }
             Ok(())
         })
@@ -338,138 +335,5 @@ impl<'a> Slab<'a> {
             *out = single(sum / f64::from(self.samples.max(1)));
         }
         Ok(Data::Float32(means))
-    }
-}
-
-/// Pixels of a band of rows that are shaded at a time: some of its columns.
-#[derive(Clone, Copy)]
-struct Block {
-    /// The pixels of a row of the picture's part.
-    width: usize,
-    rows: usize,
-    /// The first of its columns, and that after the last.
-    columns: [usize; 2],
-}
-
-impl Block {
-    /// All those of a band of so many pixels, from the left to the right.
-    fn all(pixels: usize, width: usize) -> impl Iterator<Item = Self> {
-        let rows = pixels / width;
-        let step = SHADED / rows;
-        (0..width).step_by(step).map(move |first| Self {
-            width,
-            rows,
-            columns: [first, width.min(first + step)],
-        })
-    }
-
-    fn len(self) -> usize {
-        let [first, end] = self.columns;
-        self.rows * (end - first)
-    }
-
-    /// Rows and columns of its pixels within it, square by square.
-    fn pixels(self) -> impl Iterator<Item = [usize; 2]> {
-        let width = self.columns[1] - self.columns[0];
-        (0..width).step_by(SQUARE).flat_map(move |left| {
-            let columns = left..width.min(left + SQUARE);
-            (0..self.rows).flat_map(move |row| columns.clone().map(move |column| [row, column]))
-        })
-    }
-}
-
-/// Some hundred hits that are shaded at a time, and their colours. It is used again and again.
-struct Batch {
-    rays: Box<[Ray; SHADED]>,
-    hits: Box<[Hit; SHADED]>,
-    pixels: [u64; SHADED],
-    /// Which pixel of the band each is of.
-    places: [usize; SHADED],
-    /// Rays and numbers of all pixels of a block, row by row, and where among them those of each are.
-    read: Box<[Ray; SHADED]>,
-    numbers: [u64; SHADED],
-    read_at: [usize; SHADED],
-    colors: [Color; SHADED],
-    coverage: [f64; SHADED],
-    count: usize,
-}
-
-impl Batch {
-    fn new() -> Self {
-        Self {
-            rays: Box::new([Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED]),
-            hits: Box::new([Hit::MISS; SHADED]),
-            pixels: [0; SHADED],
-            places: [0; SHADED],
-            read: Box::new([Ray::new(DVec3::ZERO, DVec3::ZERO); SHADED]),
-            numbers: [0; SHADED],
-            read_at: [0; SHADED],
-            colors: [Color::ZERO; SHADED],
-            coverage: [0.0; SHADED],
-            count: 0,
-        }
-    }
-
-    /// Takes those of a block's pixels that go on, in a band that begins with the pixel `first` of the part. Their triangles are on their
-    /// way to the caches afterwards. Returns whether there are any.
-    fn read(
-        &mut self,
-        (scene, part): (&Scene, &Part<'_>),
-        hits: &Hits,
-        (first, block): (usize, Block),
-        goes_on: impl Fn(usize) -> bool,
-    ) -> bool {
-        let [left, right] = block.columns;
-        let columns = right - left;
-        let mut going = 0;
-        for [row, column] in block.pixels() {
-            let place = row * block.width + left + column;
-            if goes_on(place) {
-                self.places[going] = place;
-                self.read_at[going] = row * columns + column;
-                going += 1;
-            }
-        }
-        self.count = going;
-        if going == 0 {
-            return false;
-        }
-        for row in 0..block.rows {
-            let start = first + row * block.width + left;
-            let of_row = row * columns..(row + 1) * columns;
-            part.read(start, &mut self.read[of_row.clone()]);
-            part.number(start, &mut self.numbers[of_row]);
-            let mut prefetcher = Prefetcher::new(scene, hits, start, columns);
-            (0..columns).for_each(|k| prefetcher.advance(k));
-        }
-        for k in 0..going {
-            self.rays[k] = self.read[self.read_at[k]];
-            self.pixels[k] = self.numbers[self.read_at[k]];
-            self.hits[k] = hits.get(first + self.places[k]);
-        }
-        true
-    }
-
-    /// The pixels of all, their colours and coverage.
-    fn shade(
-        &mut self,
-        (shade, cull): (&dyn Shade, Option<Side>),
-        sample: u32,
-    ) -> (&[usize], &[Color], &[f64]) {
-        let count = self.count;
-        let samples = Samples {
-            rays: &self.rays[..count],
-            hits: &self.hits[..count],
-            pixels: &self.pixels[..count],
-            sample,
-            cull,
-        };
-        let (colors, coverage) = (&mut self.colors[..count], &mut self.coverage[..count]);
-        colors.fill(Color::ZERO);
-        for (covered, hit) in coverage.iter_mut().zip(samples.hits) {
-            *covered = f64::from(u8::from(!hit.is_miss()));
-        }
-        shade.shade_all(&samples, colors, coverage);
-        (&self.places[..count], colors, coverage)
     }
 }

@@ -5,14 +5,14 @@ mod rows;
 
 use std::cell::OnceCell;
 
-pub(crate) use rows::know_geometry;
+pub(crate) use rows::compute_geometry;
 
 use super::{Colored, MapRole, Material, Object, Scene};
 use crate::geometry::{Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId, moderation};
 use crate::shape::{Mesh, Shape, Surface, mesh};
 
 /// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything else is computed when it is
-/// asked for.
+/// asked for, or before, for many at a time.
 ///
 /// ```
 /// use firsthit::{DVec3, Object, Ray, Scene, Sphere, shoot};

@@ -50,7 +50,7 @@ use build::mesh_trees;
 pub(crate) use duplicates::Duplicates;
 pub(crate) use emitters::Emitters;
 pub(crate) use environment::Hemispheres;
-pub(crate) use interaction::know_geometry;
+pub(crate) use interaction::compute_geometry;
 pub(crate) use light::{PreparedLight, Sun, form_factor};
 pub(crate) use material::Lambertian;
 #[cfg(feature = "fhs")]

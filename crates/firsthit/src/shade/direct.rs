@@ -12,13 +12,12 @@
 
 use super::blend::found;
 use super::found::{BsdfRay, light_found};
-use super::matte::{MatteVertex, Sorted, push};
+use super::matte::{MatteVertex, SortedVertices, push};
 use super::shadow::ShadowRays;
-use super::vertex::{Vertex, add_direct_light, first_vertex, power_heuristic};
+use super::vertex::{Vertex, add_direct_light, first_vertex};
 use super::{Points, Shading};
 use crate::geometry::rows::ROW;
 use crate::geometry::{Color, Domain, settings};
-use crate::scene::BsdfSample;
 
 settings! {
     /// The settings of the shader for direct light.
@@ -37,7 +36,8 @@ pub(super) fn shade(
     colors: &mut [Color],
 ) {
     let emitters = shading.scene.emitters();
-    let may_find_emitters = emitters.has_any() || emitters.has_others();
+    // Surfaces that emit are found by BSDF-sampled rays, without shadows those alone that are not drawn.
+    let may_find_emitters = settings.shadows && emitters.has_any() || emitters.has_others();
     let mut rows = Vec::with_capacity(points.surfaces.len().div_ceil(ROW));
     let mut vertices = Vec::new();
     for (k, (surface, &draws)) in points.surfaces.iter().zip(&points.draws).enumerate() {
@@ -61,10 +61,10 @@ pub(super) fn shade(
     }
     let limits = (settings.shadows, settings.reach);
     if may_find_emitters {
-        add_direct_light(shading, &Sorted::new(&vertices), limits, colors);
+        add_direct_light(shading, &SortedVertices::new(&vertices), limits, colors);
     } else {
         let others = vertices.iter().collect();
-        let sorted = Sorted { rows, others };
+        let sorted = SortedVertices { rows, others };
         add_direct_light(shading, &sorted, limits, colors);
         add_environment(settings, shading, &sorted, colors);
     }
@@ -75,7 +75,7 @@ pub(super) fn shade(
 fn add_environment(
     settings: &Direct,
     shading: &Shading<'_>,
-    sorted: &Sorted<'_>,
+    sorted: &SortedVertices<'_>,
     colors: &mut [Color],
 ) {
     let Some(environment) = shading.scene.environment() else {
@@ -89,51 +89,25 @@ fn add_environment(
     rays.add_to(colors, shading, true);
 }
 
-/// Adds the light that a BSDF-sampled ray of each vertex meets.
+/// Adds all light that a BSDF-sampled ray of each vertex meets.
 fn add_bsdf_rays(
     settings: &Direct,
     shading: &Shading<'_>,
     vertices: &[Vertex],
     colors: &mut [Color],
 ) {
-    let environment = shading.scene.environment();
-    let has_others = shading.scene.emitters().has_others();
-    let mut shadow_rays = ShadowRays::default();
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
     let (mut drawn, mut draws) = (Vec::new(), Vec::new());
     for vertex in vertices {
-        // Other surfaces that emit are found by these rays alone, with shadows or without.
-        let searches = vertex.finds_lights || has_others || !vertex.bsdf.is_diffuse();
-        if environment.is_none() && !searches {
-            continue;
-        }
         let mut own_draws = vertex.draws;
-        let Some(scattered) = vertex.bsdf.sample(own_draws.three()) else {
-            continue;
-        };
-        let BsdfSample {
-            towards,
-            weight,
-            pdf,
-        } = scattered;
-        let (ray, filter) = vertex.ray(towards);
-        if searches {
+        if let Some(scattered) = vertex.bsdf.sample(own_draws.three()) {
+            let (ray, filter) = vertex.ray(scattered.towards);
             rays.push(ray);
             filters.push(filter);
             drawn.push((vertex, scattered));
             draws.push(own_draws);
-        } else if let Some(environment) = environment {
-            let others = environment.pdf(towards);
-            let share = pdf.map_or(1.0, |own| power_heuristic(own, others));
-            let light = share
-                * vertex.occlusion
-                * vertex.throughput
-                * weight
-                * environment.radiance(towards);
-            shadow_rays.push((ray.up_to(settings.reach), filter), vertex.sum, light);
         }
     }
-    shadow_rays.add_to(colors, shading, true);
     let all_found = found(shading, &rays, &filters, &mut draws);
     for ((ray, (vertex, scattered)), met) in rays.iter().zip(&drawn).zip(&all_found) {
         let bsdf_ray = BsdfRay {

@@ -1,19 +1,22 @@
 //! A shadow catcher: a ground that only shadows are seen of.
 
+mod rows;
+
 use std::f64::consts::PI;
 
+use rows::{DrawLight, SampleSky, cosine, rows};
+
 use super::light_rig::taken_by_white;
-use super::rows::{Arriving, DrawnLight, LightSamples, Places, Sky};
+use super::rows::{Arriving, ShadingPoints};
 use super::shadow::ShadowRays;
 use super::vertex::power_heuristic;
 use super::{Shading, stream};
-use crate::geometry::rows::ROW;
 use crate::geometry::{
     Bounds, Color, DVec2, DVec3, Hit, Ray, RayFilter, SurfaceId, is_light, unit,
 };
-use crate::sampling::{Draws, TangentFrame, warp};
+use crate::sampling::Draws;
 use crate::scene::{Environment, EnvironmentKind, Light, LightSample, PreparedLight, Scene};
-use crate::simd::{self, Kernel, Lanes};
+use crate::simd;
 
 /// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else sees the background through it,
 /// darkened by the share of light that things keep from it.
@@ -130,7 +133,7 @@ impl Shadows {
         let mut rays = BlockedRays::with_capacity(self.blocking, points.len());
         let set = shading.engine.instruction_set();
         for light in shading.scene.lights() {
-            let (stream, prepared) = (light.key(), light.prepared());
+            let (key, prepared) = (light.key(), light.prepared());
             // A sun is the same everywhere, and has a closed form.
             let everywhere = matches!(light, Light::Directional(_))
                 .then(|| taken_by_white(light, (DVec3::ZERO, up), 1));
@@ -151,7 +154,7 @@ impl Shadows {
                         DrawLight {
                             places,
                             light,
-                            stream,
+                            stream: key,
                             up,
                             blocking,
                         },
@@ -161,7 +164,7 @@ impl Shadows {
                         DrawLight {
                             places,
                             light,
-                            stream,
+                            stream: key,
                             up,
                             blocking,
                         },
@@ -219,7 +222,7 @@ impl Shadows {
             let arriving = match environment.hemispheres() {
                 Some(sky) => simd::run_here(
                     set,
-                    Scatter {
+                    SampleSky {
                         places,
                         sky: &sky,
                         up,
@@ -228,7 +231,7 @@ impl Shadows {
                 ),
                 None => simd::run_here(
                     set,
-                    Scatter {
+                    SampleSky {
                         places,
                         sky: environment,
                         up,
@@ -341,116 +344,6 @@ fn taken_of(arriving: &LightSample, up: DVec3) -> Color {
     cosine(arriving.towards, up) * arriving.light
 }
 
-/// The cosine of a direction of any length to the ground's normal.
-#[inline(always)]
-fn cosine(towards: DVec3, up: DVec3) -> f64 {
-    unit(towards).dot(up).max(0.0)
-}
-
-/// Those points that are wanted, in rows, and their numbers.
-fn rows(points: &[Point], is_wanted: impl Fn(&Point) -> bool) -> Vec<(Places, Vec<usize>)> {
-    let mut rows = Vec::with_capacity(points.len().div_ceil(ROW));
-    for (index, point) in points.iter().enumerate() {
-        if !is_wanted(point) {
-            continue;
-        }
-        if rows
-            .last()
-            .is_none_or(|(places, _): &(Places, _)| places.is_full())
-        {
-            rows.push((Places::NONE, Vec::with_capacity(ROW)));
-        }
-        if let Some((places, indices)) = rows.last_mut() {
-            places.push(point.position, point.draws);
-            indices.push(index);
-        }
-    }
-    rows
-}
-
-/// A sample of a light for each point, and what the ground takes of it; black where nothing can block it.
-struct DrawLight<'a, S> {
-    places: &'a Places,
-    light: &'a S,
-    stream: u64,
-    up: DVec3,
-    blocking: Option<BlockerBounds>,
-}
-
-impl<S: DrawnLight> Kernel for DrawLight<'_, S> {
-    type Output = Arriving;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) -> Arriving {
-        let Self { places, up, .. } = self;
-        let LightSamples {
-            towards,
-            end,
-            mut light,
-            ..
-        } = places.draw_light(self.light, self.stream);
-        for k in 0..places.len() {
-            light.set(k, cosine(towards.get(k), up) * light.get(k));
-        }
-        let mut arriving = Arriving {
-            towards,
-            end,
-            light,
-        };
-        leave_out(self.blocking, places, &mut arriving);
-        arriving
-    }
-}
-
-/// A direction by the cosine for each point, and what the environment brings from there; black where nothing can block it.
-struct Scatter<'a, S> {
-    places: &'a Places,
-    sky: &'a S,
-    up: DVec3,
-    blocking: Option<BlockerBounds>,
-}
-
-impl<S: Sky> Kernel for Scatter<'_, S> {
-    type Output = Arriving;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, _: L) -> Arriving {
-        let Self {
-            places, sky, up, ..
-        } = self;
-        let mut arriving = Arriving::NONE;
-        let frame = TangentFrame::around(up);
-        let u = places.draw(None);
-        for k in 0..places.len() {
-            let local = warp::cosine_hemisphere(u.get(k));
-            arriving.towards.set(k, frame.world(local));
-        }
-        for k in 0..places.len() {
-            let towards = arriving.towards.get(k);
-            let own = towards.dot(up).max(0.0) / PI;
-            let share = power_heuristic(own, sky.pdf(towards));
-            arriving.light.set(k, share * sky.radiance(towards));
-        }
-        leave_out(self.blocking, places, &mut arriving);
-        arriving
-    }
-}
-
-/// Makes light black that nothing can block.
-#[inline(always)]
-fn leave_out(blocking: Option<BlockerBounds>, places: &Places, arriving: &mut Arriving) {
-    let Some(blocking) = blocking else { return };
-    for k in 0..places.len() {
-        let (origin, direction) = (places.position.get(k), arriving.towards.get(k));
-        let light = if blocking.is_passed_by(origin, direction) {
-            Color::ZERO
-        } else {
-            arriving.light.get(k)
-        };
-        arriving.light.set(k, light);
-    }
-}
-
 /// The side of the grid of a light's points over which its light is summed: more where a light is seen large, and its points are at different
 /// distances. What the ground takes is off by less than a hundredth.
 fn side(light: &Light, point: &Point) -> u32 {
@@ -499,12 +392,17 @@ impl BlockedRays {
     }
 
     /// Those of a row of points, whose numbers are given.
-    fn push_row(&mut self, places: &Places, indices: &[usize], arriving: &Arriving) {
+    fn push_row(&mut self, places: &ShadingPoints, indices: &[usize], arriving: &Arriving) {
         for (k, &index) in indices.iter().enumerate() {
             let light = arriving.light.get(k);
-            if light != Color::ZERO {
-                let ray = Ray::new(places.position.get(k), arriving.towards.get(k));
-                self.push_ray(ray.up_to(arriving.end.get(k)), None, index, || light);
+            if light == Color::ZERO {
+                continue;
+            }
+            let ray = arriving.ray(k, places.position.get(k));
+            // Those that pass the ball by are black already.
+            let may_be_blocked = |blocking: BlockerBounds| blocking.bounds.may_be_met(&ray, 0.0);
+            if self.blocking.is_none_or(may_be_blocked) {
+                self.add(ray, None, index, light);
             }
         }
     }
@@ -520,7 +418,10 @@ impl BlockedRays {
         if !self.blocking.is_none_or(may_be_blocked) {
             return;
         }
-        let brought = brought();
+        self.add(ray, end, index, brought());
+    }
+
+    fn add(&mut self, ray: Ray, end: Option<SurfaceId>, index: usize, brought: Color) {
         if is_light(brought) {
             let mut filter = RayFilter::NONE;
             filter.skip[1] = end;

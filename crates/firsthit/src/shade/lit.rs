@@ -3,9 +3,9 @@
 
 use super::rows::Arriving;
 use super::shadow::ShadowRays;
-use super::{Points, Shading};
+use super::{Points, Shading, seen_normal};
 use crate::geometry::rows::{ROW, Vectors};
-use crate::geometry::{Color, DVec2, DVec3, Ray, unit};
+use crate::geometry::{Color, DVec2, DVec3, unit};
 use crate::scene::{LightSample, PreparedLight, SurfaceInteraction, softened};
 use crate::simd::{self, Kernel, Lanes};
 
@@ -139,18 +139,11 @@ pub(super) struct Incoming {
 impl Lit {
     #[inline]
     fn new(surface: &SurfaceInteraction<'_>, flat: bool) -> Self {
-        let side = surface.side();
-        let geometric = side * surface.normal();
-        let normal = if flat {
-            geometric
-        } else {
-            side * surface.shading_normal()
-        };
         Self {
             color: surface.color(),
-            normal,
+            normal: seen_normal(surface, flat),
             position: surface.position(),
-            geometric,
+            geometric: seen_normal(surface, true),
             direction: surface.ray().direction,
         }
     }
@@ -237,8 +230,7 @@ impl LitRow {
         for (k, &point) in self.numbers[..self.count].iter().enumerate() {
             let light = arriving.light.get(k);
             if light != Color::ZERO {
-                let ray = Ray::new(self.position.get(k), arriving.towards.get(k));
-                let ray = ray.up_to(arriving.end.get(k));
+                let ray = arriving.ray(k, self.position.get(k));
                 rays.push((ray, surfaces[point].departure()), point, light);
             }
         }
@@ -261,8 +253,11 @@ impl<S: Source, R: Reflection> Kernel for Reflect<'_, S, R> {
                 continue;
             };
             let (incoming, is_lit) = point.incoming(&sample, towards);
-            let reflected = reflection.reflected(&point, &incoming);
-            let light = if is_lit { reflected } else { Color::ZERO };
+            let light = if is_lit {
+                reflection.reflected(&point, &incoming)
+            } else {
+                Color::ZERO
+            };
             arriving.towards.set(k, sample.towards);
             arriving.end.set(k, sample.ray_end(point.position));
             arriving.light.set(k, light);

@@ -3,7 +3,7 @@
 //! A step is a loop in a kernel, so it is compiled for each instruction set, and the compiler makes lanes of it. What it calls is what shades
 //! a single point, so both come to the same bits.
 
-use super::rows::{Arriving, DrawnLight, LightSamples, Places, Sky};
+use super::rows::{Arriving, DrawnLight, LightSamples, ShadingPoints, Sky};
 use super::shadow::ShadowRays;
 use super::vertex::{Vertex, power_heuristic};
 use super::{Shading, stream};
@@ -15,7 +15,7 @@ use crate::simd::{self, InstructionSet, Kernel, Lanes};
 
 /// Vertices on matte surfaces, in a medium that absorbs nothing.
 pub(super) struct MatteRow {
-    places: Places,
+    points: ShadingPoints,
     normal: Vectors,
     geometric: Vectors,
     albedo: Vectors,
@@ -62,12 +62,12 @@ impl MatteVertex {
 
 /// Vertices, those on matte surfaces in rows.
 #[derive(Default)]
-pub(super) struct Sorted<'a> {
+pub(super) struct SortedVertices<'a> {
     pub(super) rows: Vec<MatteRow>,
     pub(super) others: Vec<&'a Vertex>,
 }
 
-impl<'a> Sorted<'a> {
+impl<'a> SortedVertices<'a> {
     /// Sorts vertices.
     pub(super) fn new(vertices: &'a [Vertex]) -> Self {
         let mut sorted = Self::default();
@@ -80,16 +80,17 @@ impl<'a> Sorted<'a> {
         sorted
     }
 
-    /// How many there are, about.
+    /// How many there are.
     pub(super) fn count(&self) -> usize {
-        ROW * self.rows.len() + self.others.len()
+        let in_rows: usize = self.rows.iter().map(|row| row.points.len()).sum();
+        in_rows + self.others.len()
     }
 }
 
 /// Adds a vertex to the last row, or to a new one.
 #[inline]
 pub(super) fn push(rows: &mut Vec<MatteRow>, vertex: &MatteVertex) {
-    if rows.last().is_none_or(|row| row.places.is_full()) {
+    if rows.last().is_none_or(|row| row.points.is_full()) {
         rows.push(MatteRow {
             filters: Vec::with_capacity(ROW),
             sums: Vec::with_capacity(ROW),
@@ -103,7 +104,7 @@ pub(super) fn push(rows: &mut Vec<MatteRow>, vertex: &MatteVertex) {
 
 impl MatteRow {
     const EMPTY: Self = Self {
-        places: Places::NONE,
+        points: ShadingPoints::NONE,
         normal: Vectors::ZERO,
         geometric: Vectors::ZERO,
         albedo: Vectors::ZERO,
@@ -116,7 +117,7 @@ impl MatteRow {
 
     #[inline]
     fn push(&mut self, vertex: &MatteVertex) {
-        let k = self.places.push(vertex.position, vertex.draws);
+        let k = self.points.push(vertex.position, vertex.draws);
         self.normal.set(k, vertex.surface.normal);
         self.geometric.set(k, vertex.surface.geometric);
         self.albedo.set(k, vertex.surface.albedo);
@@ -160,9 +161,9 @@ impl MatteRow {
     ) {
         let mut samples = LightSamples::NONE;
         let mut ends = [None; ROW];
-        for (k, end) in ends.iter_mut().enumerate().take(self.places.len()) {
-            let at = self.places.position.get(k);
-            let u = self.places.draws(k, stream::EMITTERS).three();
+        for (k, end) in ends.iter_mut().enumerate().take(self.points.len()) {
+            let at = self.points.position.get(k);
+            let u = self.points.draws(k, stream::EMITTERS).three();
             let drawn = shading.scene.emitters().sample(shading.scene, at, u);
             if let Some((sample, surface)) = drawn {
                 samples.set(k, &sample, at);
@@ -170,7 +171,7 @@ impl MatteRow {
             }
         }
         let arriving = simd::run_here(set, Reflect { row: self, samples });
-        for (k, end) in ends.into_iter().enumerate().take(self.places.len()) {
+        for (k, end) in ends.into_iter().enumerate().take(self.points.len()) {
             let mut filter = self.filters[k];
             filter.skip[1] = end;
             self.push_ray(k, filter, &arriving, rays);
@@ -183,8 +184,8 @@ impl MatteRow {
         (environment, reach): (&Environment, f64),
         rays: &mut ShadowRays,
     ) {
-        for k in 0..self.places.len() {
-            let u = self.places.draws(k, stream::ENVIRONMENT).two();
+        for k in 0..self.points.len() {
+            let u = self.points.draws(k, stream::ENVIRONMENT).two();
             let Some(sample) = environment.sample(u) else {
                 continue;
             };
@@ -192,7 +193,7 @@ impl MatteRow {
             let scattered = self.throughput.get(k) * surface.value(towards);
             let share = (sample.pdf).map_or(1.0, |pdf| power_heuristic(pdf, surface.pdf(towards)));
             let light = self.occlusion.get(k) * (share * (scattered * sample.light));
-            let ray = Ray::new(self.places.position.get(k), towards).up_to(reach);
+            let ray = Ray::new(self.points.position.get(k), towards).up_to(reach);
             rays.push((ray, self.filters[k]), self.sums[k], light);
         }
     }
@@ -227,15 +228,14 @@ impl MatteRow {
     }
 
     fn push_rays(&self, arriving: &Arriving, rays: &mut ShadowRays) {
-        for k in 0..self.places.len() {
+        for k in 0..self.points.len() {
             self.push_ray(k, self.filters[k], arriving, rays);
         }
     }
 
     #[inline]
     fn push_ray(&self, k: usize, filter: RayFilter, arriving: &Arriving, rays: &mut ShadowRays) {
-        let ray = Ray::new(self.places.position.get(k), arriving.towards.get(k));
-        let ray = ray.up_to(arriving.end.get(k));
+        let ray = arriving.ray(k, self.points.position.get(k));
         rays.push((ray, filter), self.sums[k], arriving.light.get(k));
     }
 
@@ -248,11 +248,11 @@ impl MatteRow {
             mut light,
             pdf,
         } = samples;
-        for k in 0..self.places.len() {
+        for k in 0..self.points.len() {
             let scattered = self.throughput.get(k) * self.surface(k).value(unit(towards.get(k)));
             light.set(k, scattered * light.get(k));
         }
-        for k in 0..self.places.len() {
+        for k in 0..self.points.len() {
             // Of a light without a size the share is 1, since its density is infinite.
             let own = self.surface(k).pdf(unit(towards.get(k)));
             let share = if self.finds_lights[k] {
@@ -282,7 +282,7 @@ impl<S: DrawnLight> Kernel for DrawLight<'_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
-        let samples = self.row.places.draw_light(self.light, self.stream);
+        let samples = self.row.points.draw_light(self.light, self.stream);
         self.row.reflect(samples)
     }
 }
@@ -320,15 +320,15 @@ impl<S: Sky> Kernel for Scatter<'_, S> {
             ..Arriving::NONE
         };
         let mut pdf = Numbers::all(1.0);
-        let u = row.places.draw(None);
-        for k in 0..row.places.len() {
+        let u = row.points.draw(None);
+        for k in 0..row.points.len() {
             let drawn = row.surface(k).sample(u.get(k));
             let drawn = drawn.unwrap_or(NO_DIRECTION);
             arriving.towards.set(k, drawn.towards);
             arriving.light.set(k, drawn.weight);
             pdf.set(k, drawn.pdf.unwrap_or(1.0));
         }
-        for k in 0..row.places.len() {
+        for k in 0..row.points.len() {
             let (towards, weight) = (arriving.towards.get(k), arriving.light.get(k));
             let share = power_heuristic(pdf.get(k), sky.pdf(towards));
             let scattered = share * row.occlusion.get(k) * row.throughput.get(k) * weight;

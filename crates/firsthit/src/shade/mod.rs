@@ -44,7 +44,7 @@ pub use xray::Xray;
 use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Side, Value, kinds};
 use crate::sampling::Draws;
-use crate::scene::{Background, Light, Scene, SurfaceInteraction, know_geometry};
+use crate::scene::{Background, Light, Scene, SurfaceInteraction, compute_geometry};
 use crate::shoot::{Cpu, Engine};
 
 /// The colour that a ray sees. Replaceable: any function of the right form is one.
@@ -234,6 +234,11 @@ impl Shader {
         )
     }
 
+    /// Whether it looks at where surfaces are and how they lie; others ask about crossings of their own.
+    fn takes_geometry(&self) -> bool {
+        !matches!(self, Self::Unlit(()) | Self::Xray(_) | Self::Ghost(_))
+    }
+
     /// Whether surfaces show light of the environment.
     pub fn takes_environment(&self) -> bool {
         matches!(self, Self::Direct(_) | Self::Path(_) | Self::Whitted(_))
@@ -414,7 +419,9 @@ impl Shading<'_> {
                 colors[k] = self.seen_behind(ray.direction);
             }
         }
-        know_geometry(self.engine.instruction_set(), &points.surfaces);
+        if self.shader.takes_geometry() {
+            compute_geometry(self.engine.instruction_set(), &points.surfaces);
+        }
         let mut found = vec![Color::ZERO; met.len()];
         let mut covered = vec![1.0; met.len()];
         (self.shader).color(self, &points, &mut found, &mut covered);

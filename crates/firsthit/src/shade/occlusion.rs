@@ -1,9 +1,9 @@
 //! Ambient occlusion: how much of the sky a point sees (Zhukov, Iones and Kronin, "An Ambient Light Illumination Model", Rendering
 //! Techniques '98), by the cosine of its directions.
 
-use super::rows::Places;
+use super::rows::ShadingPoints;
 use super::shadow::ShadowRays;
-use super::{Points, Shading};
+use super::{Points, Shading, seen_normal};
 use crate::geometry::rows::{ROW, Vectors};
 use crate::geometry::{Color, Domain, Ray, settings};
 use crate::sampling::{TangentFrame, warp};
@@ -28,11 +28,10 @@ pub(super) fn shade(
     let mut rays = ShadowRays::with_capacity(colors.len());
     for first in (0..points.surfaces.len()).step_by(ROW) {
         let surfaces = &points.surfaces[first..points.surfaces.len().min(first + ROW)];
-        let (mut places, mut normals) = (Places::NONE, Vectors::ZERO);
+        let (mut places, mut normals) = (ShadingPoints::NONE, Vectors::ZERO);
         for (surface, &draws) in surfaces.iter().zip(&points.draws[first..]) {
             let k = places.push(surface.position(), draws);
-            // On the side that is seen.
-            normals.set(k, surface.side() * surface.normal());
+            normals.set(k, seen_normal(surface, true));
         }
         let towards = simd::run_here(set, DrawSky(&places, &normals));
         for (k, surface) in surfaces.iter().enumerate() {
@@ -50,7 +49,7 @@ pub(super) fn shade(
 }
 
 /// A direction around the normal at each point, by the cosine.
-struct DrawSky<'a>(&'a Places, &'a Vectors);
+struct DrawSky<'a>(&'a ShadingPoints, &'a Vectors);
 
 impl Kernel for DrawSky<'_> {
     type Output = Vectors;

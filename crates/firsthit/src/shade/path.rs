@@ -11,7 +11,7 @@
 
 use super::blend::{Found, found};
 use super::found::{BsdfRay, light_found};
-use super::matte::Sorted;
+use super::matte::SortedVertices;
 use super::vertex::{Vertex, Way, add_direct_light, first_vertices, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, Ray, RayFilter, settings};
@@ -39,7 +39,7 @@ pub(super) fn shade(
         for vertex in &mut vertices {
             vertex.finds_lights = true;
         }
-        let sorted = Sorted::new(&vertices);
+        let sorted = SortedVertices::new(&vertices);
         add_direct_light(shading, &sorted, (true, f64::INFINITY), colors);
         let roulette = depth >= settings.roulette;
         let mut drawn: Vec<Drawn> = vertices

@@ -1,18 +1,18 @@
 //! Light for many points side by side; see [`geometry::rows`](crate::geometry::rows).
 
 use crate::geometry::rows::{Numbers, Points2, ROW, Vectors};
-use crate::geometry::{Color, DVec2, DVec3};
+use crate::geometry::{Color, DVec2, DVec3, Ray};
 use crate::sampling::Draws;
 use crate::scene::{Environment, Hemispheres, Light, LightSample, Sun};
 
 /// Points where light falls, and the numbers to draw for each.
-pub(super) struct Places {
+pub(super) struct ShadingPoints {
     count: usize,
     pub(super) position: Vectors,
     draws: [Draws; ROW],
 }
 
-impl Places {
+impl ShadingPoints {
     pub(super) const NONE: Self = Self {
         count: 0,
         position: Vectors::ZERO,
@@ -115,6 +115,12 @@ impl Arriving {
         end: Numbers::all(f64::INFINITY),
         light: Vectors::ZERO,
     };
+
+    /// The ray of a point.
+    #[inline(always)]
+    pub(super) fn ray(&self, k: usize, origin: DVec3) -> Ray {
+        Ray::new(origin, self.towards.get(k)).up_to(self.end.get(k))
+    }
 }
 
 /// A light to draw from.

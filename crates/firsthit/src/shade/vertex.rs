@@ -1,6 +1,6 @@
 //! Vertices of light paths, and next-event estimation: the light that arrives there straight from sampled lights.
 
-use super::matte::{MatteVertex, Sorted};
+use super::matte::{MatteVertex, SortedVertices};
 use super::shadow::ShadowRays;
 use super::{Points, Shading, stream};
 use crate::geometry::{Color, DVec3, Ray, RayFilter, is_light, unit};
@@ -186,7 +186,7 @@ pub(super) fn transmittance(absorption: Color, length: f64) -> Color {
 /// Next-event estimation: adds the light of one sample of each light, one of the emissive surfaces, and one of the environment.
 pub(super) fn add_direct_light(
     shading: &Shading<'_>,
-    sorted: &Sorted<'_>,
+    sorted: &SortedVertices<'_>,
     (shadows, reach): (bool, f64),
     sums: &mut [Color],
 ) {
@@ -194,12 +194,12 @@ pub(super) fn add_direct_light(
     let mut rays = ShadowRays::with_capacity(sorted.count());
     // Each light has numbers of its own, so that it brings the same whatever other lights there are.
     for light in shading.scene.lights() {
-        let (stream, light) = (light.key(), light.prepared());
+        let (key, light) = (light.key(), light.prepared());
         for row in &sorted.rows {
-            row.push_light(set, (&light, stream), &mut rays);
+            row.push_light(set, (&light, key), &mut rays);
         }
         for vertex in &sorted.others {
-            let u = vertex.draws.split(stream).two();
+            let u = vertex.draws.split(key).two();
             let drawn = light.sample(vertex.position, u);
             let seen = drawn.and_then(|drawn| Some((drawn, vertex.seen(&drawn)?)));
             if let Some((drawn, light)) = seen {

@@ -83,6 +83,7 @@ impl Cone {
     }
 
     /// How much the radius grows along the axis.
+    #[inline(always)]
     fn slope(&self) -> f64 {
         (self.top_radius - self.bottom_radius) / self.height
     }

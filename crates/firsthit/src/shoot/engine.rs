@@ -41,7 +41,7 @@ pub trait Engine: Debug + Sync {
         watch: &dyn Watch,
     ) -> Result<()>;
 
-    /// The instruction set for what is computed beside: only times depend on it.
+    /// The instruction set that shaders compute with; by default that of [`Cpu::shared`]. Answers do not depend on it.
     fn instruction_set(&self) -> InstructionSet {
         Cpu::shared().0
     }

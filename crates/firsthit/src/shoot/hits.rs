@@ -1,11 +1,9 @@
 //! What many rays met.
 
-use bytemuck::Zeroable;
-
 use crate::error::Result;
 use crate::geometry::summary::summary;
 use crate::geometry::{DVec2, Hit};
-use crate::memory;
+use crate::memory::fit;
 
 /// What many rays met, an array for each quantity; see [`Hit`] for their meaning.
 ///
@@ -81,18 +79,6 @@ impl Hits {
             barycentric: self.barycentric[index],
         }
     }
-}
-
-/// Makes a vector so long; its memory is used again where that is enough.
-pub(super) fn fit<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()> {
-    if count <= values.capacity() {
-        values.resize(count, T::zeroed());
-        return Ok(());
-    }
-    // What is there goes first: there may not be room for both.
-    *values = Vec::new();
-    *values = memory::zeroed(count)?;
-    Ok(())
 }
 
 /// Where hits go: [`Hits`] in memory of the caller's, all of one length.

@@ -1,4 +1,4 @@
-//! Neighbouring rays that meet shapes, eight at a time: all but the first rays of a picture's tiles.
+//! Neighbouring rays that meet shapes, eight at a time. (A picture's own rays go by tiles: see `shapes.rs`.)
 //!
 //! 1. List what sixteen neighbours may meet, by a box around them all ([`Beam`]).
 //! 2. Of the shapes of the list, intersect each with eight rays at a time. A ray that leaves a convex shape outwards does not meet it again.
@@ -325,10 +325,9 @@ impl Eight {
             };
         }
         let inwards = match object.shape() {
-            Shape::Mesh(_) => return leaving,
+            // Of flat shapes nobody asks.
+            Shape::Mesh(_) | Shape::Plane(_) | Shape::Disc(_) => return leaving,
             Shape::Sphere(sphere) => on!(sphere),
-            Shape::Plane(plane) => on!(plane),
-            Shape::Disc(disc) => on!(disc),
             Shape::Box(cuboid) => on!(cuboid),
             Shape::Cylinder(cylinder) => on!(cylinder.cone()),
             Shape::Cone(cone) => on!(cone),

@@ -1,8 +1,9 @@
 //! What can be asked about rays, and where the answers go.
 
 use super::all::{AllAnswers, AllHits};
-use super::hits::{HitSlices, Hits, fit};
+use super::hits::{HitSlices, Hits};
 use crate::error::Result;
+use crate::memory::fit;
 
 /// A question about rays, with an answer for each: [`First`], [`Any`], [`Count`] or [`All`].
 ///

@@ -11,8 +11,8 @@ use crate::simd::{self, InstructionSet, Kernel, Lanes};
 /// Fewer surfaces are not worth a row.
 const FEW: usize = 8;
 
-/// Finds out where surfaces are and how they lie, many at a time: each would do so by itself when it is asked.
-pub(crate) fn know_geometry(set: InstructionSet, surfaces: &[SurfaceInteraction<'_>]) {
+/// Computes where surfaces are and how they lie, many at a time: each would do so by itself when it is asked.
+pub(crate) fn compute_geometry(set: InstructionSet, surfaces: &[SurfaceInteraction<'_>]) {
     let (mut of_meshes, mut of_shapes) = (Vec::new(), Vec::new());
     for surfaces in surfaces.chunks(ROW) {
         of_meshes.clear();
@@ -24,19 +24,19 @@ pub(crate) fn know_geometry(set: InstructionSet, surfaces: &[SurfaceInteraction<
             }
         }
         if of_meshes.len() >= FEW {
-            know_of_meshes(set, &of_meshes);
+            compute_of_meshes(set, &of_meshes);
         }
         of_shapes.sort_by_key(|surface| surface.hit.object);
         for same in of_shapes.chunk_by(|a, b| a.hit.object == b.hit.object) {
             if same.len() >= FEW {
-                know_of_shape(set, same);
+                compute_of_shape(set, same);
             }
         }
     }
 }
 
 /// The same for a row of surfaces of meshes.
-fn know_of_meshes(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
+fn compute_of_meshes(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
     let mut triangles = Triangles::NONE;
     for surface in surfaces {
         if let Some((mesh, triangle)) = surface.mesh {
@@ -50,11 +50,11 @@ fn know_of_meshes(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
 }
 
 /// The same for a row of surfaces of one object, which is no mesh.
-fn know_of_shape(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
+fn compute_of_shape(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
     let Some(first) = surfaces.first() else {
         return;
     };
-    let mut hits = Hits::NONE;
+    let mut hits = ShapeHits::NONE;
     for surface in surfaces {
         hits.push(surface);
     }
@@ -126,7 +126,7 @@ impl Kernel for &Triangles {
 }
 
 /// Rays that met a shape.
-struct Hits {
+struct ShapeHits {
     count: usize,
     origin: Vectors,
     direction: Vectors,
@@ -134,7 +134,7 @@ struct Hits {
     primitive: [i32; ROW],
 }
 
-impl Hits {
+impl ShapeHits {
     const NONE: Self = Self {
         count: 0,
         origin: Vectors::ZERO,
@@ -184,7 +184,7 @@ impl Hits {
 struct OnShape<'a, S> {
     shape: &'a S,
     transform: &'a Transform,
-    hits: &'a Hits,
+    hits: &'a ShapeHits,
 }
 
 impl<S: Surface> Kernel for OnShape<'_, S> {
@@ -301,7 +301,7 @@ mod tests {
             .filter(|set| set.is_available())
         {
             let together = surfaces();
-            know_geometry(set, &together);
+            compute_geometry(set, &together);
             let known = together.iter().filter(|it| it.geometry.get().is_some());
             // Rows of an object that has few hits are left.
             assert!(2 * known.count() > together.len(), "{set:?}");

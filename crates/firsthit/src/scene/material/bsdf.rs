@@ -74,19 +74,26 @@ impl BsdfSample {
 }
 
 impl SurfaceInteraction<'_> {
-    /// The scattering where that is all that the surface does to light: it is matte, has no maps, and emits nothing. NaN normals where it
-    /// has none.
+    /// The scattering where that is all that the surface does to light: it is matte, has neither a normal map nor an
+    /// occlusion map, and emits nothing. The normals are NaN where it has none.
     #[inline]
     pub(crate) fn plain_matte(&self) -> Option<Lambertian> {
-        if !self.material().is_none_or(Material::is_plain) {
+        if !self.material().is_none_or(Material::is_plain_matte) {
             return None;
         }
-        let side = self.side();
+        let [normal, geometric] = self.seen_normals();
         Some(Lambertian {
-            normal: side * unit(self.shading_normal()),
-            geometric: side * self.normal(),
+            normal,
+            geometric,
             albedo: self.color(),
         })
+    }
+
+    /// The shading normal, of length one, and that of the face, both on the side that is seen.
+    #[inline]
+    fn seen_normals(&self) -> [DVec3; 2] {
+        let side = self.side();
+        [side * unit(self.shading_normal()), side * self.normal()]
     }
 
     /// The surface's scattering distribution for the ray; `None` where it has no normal.
@@ -96,9 +103,10 @@ impl SurfaceInteraction<'_> {
             return None;
         }
         let side = self.side();
+        let [normal, geometric] = self.seen_normals();
         let frame = Frame {
-            normal: side * unit(self.shading_normal()),
-            geometric: side * normal,
+            normal,
+            geometric,
             out: -unit(self.ray().direction),
         };
         let bsdf = match self.material() {

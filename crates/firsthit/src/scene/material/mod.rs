@@ -93,7 +93,7 @@ impl Default for Material {
 
 impl Material {
     /// Whether it does nothing to light but scatter it evenly, as its colour says.
-    pub(in crate::scene) fn is_plain(&self) -> bool {
+    pub(in crate::scene) fn is_plain_matte(&self) -> bool {
         let has = |role| self.maps.get(role).is_some();
         matches!(self.model, Model::Matte(_))
             && self.emission == Color::ZERO
