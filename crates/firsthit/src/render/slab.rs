@@ -55,7 +55,7 @@ impl<'a> Slab<'a> {
         Self::in_memory(memory, picture, part, watch)
     }
 
-    /// Another part of the picture, in the same memory: memory that is new takes the system longer to give than rays take to fill it.
+    /// Another part of the picture, in the same memory.
     pub(super) fn next(self, part: (Region, Option<&Lines>), watch: &dyn Watch) -> Result<Self> {
         // All else goes first: there may not be room for both.
         let Self {
