@@ -4,7 +4,7 @@ mod rows;
 
 use std::f64::consts::PI;
 
-use rows::{DrawLight, SampleSky, cosine, rows};
+use rows::{Receiver, cosine, rows};
 
 use super::light_rig::taken_by_white;
 use super::rows::{Arriving, ShadingPoints};
@@ -15,8 +15,7 @@ use crate::geometry::{
     Bounds, Color, DVec2, DVec3, Hit, Ray, RayFilter, SurfaceId, is_light, unit,
 };
 use crate::sampling::Draws;
-use crate::scene::{Environment, EnvironmentKind, Light, LightSample, PreparedLight, Scene};
-use crate::simd;
+use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
 
 /// A shadow catcher: a level plane of which only shadows are seen. A ray that meets nothing else sees the background through it,
 /// darkened by the share of light that things keep from it.
@@ -132,6 +131,10 @@ impl Shadows {
     fn add_lights(&mut self, shading: &Shading<'_>, up: DVec3, points: &[Point]) {
         let mut rays = BlockedRays::with_capacity(self.blocking, points.len());
         let set = shading.engine.instruction_set();
+        let ground = Receiver {
+            up,
+            blocking: self.blocking,
+        };
         for light in shading.scene.lights() {
             let (key, prepared) = (light.key(), light.prepared());
             // A sun is the same everywhere, and has a closed form.
@@ -146,31 +149,9 @@ impl Shadows {
                 self.full[index] += everywhere.unwrap_or_else(here);
             }
             let is_clear = |point: &Point| cone.is_some_and(|cone| cone.is_clear(point.position));
-            for (places, indices) in rows(points, |point| !is_clear(point)) {
-                let (places, blocking) = (&places, self.blocking);
-                let arriving = match &prepared {
-                    PreparedLight::Sun(light) => simd::run_here(
-                        set,
-                        DrawLight {
-                            places,
-                            light,
-                            stream: key,
-                            up,
-                            blocking,
-                        },
-                    ),
-                    PreparedLight::Other(light) => simd::run_here(
-                        set,
-                        DrawLight {
-                            places,
-                            light,
-                            stream: key,
-                            up,
-                            blocking,
-                        },
-                    ),
-                };
-                rays.push_row(places, &indices, &arriving);
+            for (row, indices) in rows(points, |point| !is_clear(point)) {
+                let arriving = ground.draw_light(set, &row, (&prepared, key));
+                rays.push_row(&row, &indices, &arriving);
             }
             rays.add_to(&mut self.missing, shading);
         }
@@ -216,30 +197,14 @@ impl Shadows {
         for sum in &mut self.full {
             *sum += full;
         }
-        let (set, blocking) = (shading.engine.instruction_set(), self.blocking);
-        for (places, indices) in rows(points, |_| true) {
-            let places = &places;
-            let arriving = match environment.hemispheres() {
-                Some(sky) => simd::run_here(
-                    set,
-                    SampleSky {
-                        places,
-                        sky: &sky,
-                        up,
-                        blocking,
-                    },
-                ),
-                None => simd::run_here(
-                    set,
-                    SampleSky {
-                        places,
-                        sky: environment,
-                        up,
-                        blocking,
-                    },
-                ),
-            };
-            rays.push_row(places, &indices, &arriving);
+        let set = shading.engine.instruction_set();
+        let ground = Receiver {
+            up,
+            blocking: self.blocking,
+        };
+        for (row, indices) in rows(points, |_| true) {
+            let arriving = ground.sample_sky(set, &row, environment);
+            rays.push_row(&row, &indices, &arriving);
         }
         if environment.is_drawn() {
             for (index, point) in points.iter().enumerate() {
@@ -392,13 +357,13 @@ impl BlockedRays {
     }
 
     /// Those of a row of points, whose numbers are given.
-    fn push_row(&mut self, places: &ShadingPoints, indices: &[usize], arriving: &Arriving) {
+    fn push_row(&mut self, row: &ShadingPoints, indices: &[usize], arriving: &Arriving) {
         for (k, &index) in indices.iter().enumerate() {
             let light = arriving.light.get(k);
             if light == Color::ZERO {
                 continue;
             }
-            let ray = arriving.ray(k, places.position.get(k));
+            let ray = arriving.ray(k, row.position.get(k));
             // Those that pass the ball by are black already.
             let may_be_blocked = |blocking: BlockerBounds| blocking.bounds.may_be_met(&ray, 0.0);
             if self.blocking.is_none_or(may_be_blocked) {

@@ -1,7 +1,7 @@
 //! Matte surfaces, row by row: each step of their direct light is done for many points at a time.
 //!
-//! A step is a loop in a kernel, so it is compiled for each instruction set, and the compiler makes lanes of it. What it calls is what shades
-//! a single point, so both come to the same bits.
+//! A step is a loop in a kernel, so it is compiled for each instruction set, and the compiler makes lanes of it. The loop calls the functions
+//! that shade a single point, so both come to the same bits.
 
 use super::rows::{Arriving, DrawnLight, LightSamples, ShadingPoints, Sky};
 use super::shadow::ShadowRays;
@@ -144,10 +144,9 @@ impl MatteRow {
         (light, stream): (&PreparedLight, u64),
         rays: &mut ShadowRays,
     ) {
-        let row = self;
         let arriving = match light {
-            PreparedLight::Sun(light) => simd::run_here(set, DrawLight { row, light, stream }),
-            PreparedLight::Other(light) => simd::run_here(set, DrawLight { row, light, stream }),
+            PreparedLight::Sun(sun) => simd::run_here(set, DrawLight(self, sun, stream)),
+            PreparedLight::Other(light) => simd::run_here(set, DrawLight(self, light, stream)),
         };
         self.push_rays(&arriving, rays);
     }
@@ -170,7 +169,7 @@ impl MatteRow {
                 *end = Some(surface);
             }
         }
-        let arriving = simd::run_here(set, Reflect { row: self, samples });
+        let arriving = simd::run_here(set, Reflect(self, samples));
         for (k, end) in ends.into_iter().enumerate().take(self.points.len()) {
             let mut filter = self.filters[k];
             filter.skip[1] = end;
@@ -205,24 +204,9 @@ impl MatteRow {
         (environment, reach): (&Environment, f64),
         rays: &mut ShadowRays,
     ) {
-        let row = self;
-        let arriving = match environment.hemispheres() {
-            Some(sky) => simd::run_here(
-                set,
-                Scatter {
-                    row,
-                    sky: &sky,
-                    reach,
-                },
-            ),
-            None => simd::run_here(
-                set,
-                Scatter {
-                    row,
-                    sky: environment,
-                    reach,
-                },
-            ),
+        let arriving = match &environment.hemispheres() {
+            Some(sky) => simd::run_here(set, Scatter(self, sky, reach)),
+            None => simd::run_here(set, Scatter(self, environment, reach)),
         };
         self.push_rays(&arriving, rays);
     }
@@ -271,50 +255,40 @@ impl MatteRow {
 }
 
 /// A sample of a light for each vertex, and what the surface reflects of it.
-struct DrawLight<'a, S> {
-    row: &'a MatteRow,
-    light: &'a S,
-    stream: u64,
-}
+struct DrawLight<'a, S>(&'a MatteRow, &'a S, u64);
 
 impl<S: DrawnLight> Kernel for DrawLight<'_, S> {
     type Output = Arriving;
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
-        let samples = self.row.points.draw_light(self.light, self.stream);
-        self.row.reflect(samples)
+        let Self(row, light, stream) = self;
+        row.reflect(row.points.draw_light(light, stream))
     }
 }
 
 /// What the surfaces reflect of light that was drawn.
-struct Reflect<'a> {
-    row: &'a MatteRow,
-    samples: LightSamples,
-}
+struct Reflect<'a>(&'a MatteRow, LightSamples);
 
 impl Kernel for Reflect<'_> {
     type Output = Arriving;
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
-        self.row.reflect(self.samples)
+        let Self(row, samples) = self;
+        row.reflect(samples)
     }
 }
 
 /// A direction that each surface draws, and what the environment brings from there.
-struct Scatter<'a, S> {
-    row: &'a MatteRow,
-    sky: &'a S,
-    reach: f64,
-}
+struct Scatter<'a, S>(&'a MatteRow, &'a S, f64);
 
 impl<S: Sky> Kernel for Scatter<'_, S> {
     type Output = Arriving;
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
-        let Self { row, sky, reach } = self;
+        let Self(row, sky, reach) = self;
         let mut arriving = Arriving {
             end: Numbers::all(reach),
             ..Arriving::NONE
@@ -450,10 +424,8 @@ mod tests {
                 Some((sample.towards, light))
             };
             let of_row = |row: &MatteRow| match &prepared {
-                PreparedLight::Sun(light) => simd::run_here(set, DrawLight { row, light, stream }),
-                PreparedLight::Other(light) => {
-                    simd::run_here(set, DrawLight { row, light, stream })
-                }
+                PreparedLight::Sun(sun) => simd::run_here(set, DrawLight(row, sun, stream)),
+                PreparedLight::Other(light) => simd::run_here(set, DrawLight(row, light, stream)),
             };
             assert!(compare(of_row, single) > 40, "{light:?}");
         }
@@ -483,14 +455,8 @@ mod tests {
             };
             let sky = environment.hemispheres().unwrap();
             let reach = 3.0;
-            let fast = |row: &MatteRow| {
-                let sky = &sky;
-                simd::run_here(set, Scatter { row, sky, reach })
-            };
-            let plain = |row: &MatteRow| {
-                let sky = &environment;
-                simd::run_here(set, Scatter { row, sky, reach })
-            };
+            let fast = |row: &MatteRow| simd::run_here(set, Scatter(row, &sky, reach));
+            let plain = |row: &MatteRow| simd::run_here(set, Scatter(row, &environment, reach));
             assert!(compare(fast, single) > 100);
             assert!(compare(plain, single) > 100);
         }

@@ -22,6 +22,7 @@ mod occlusion;
 mod path;
 mod phong;
 mod rows;
+mod shading;
 mod shadow;
 mod vertex;
 mod whitted;
@@ -37,15 +38,14 @@ pub use matcap::Matcap;
 pub use occlusion::AmbientOcclusion;
 pub use path::Path;
 pub use phong::Phong;
+pub use shading::Shading;
 pub use whitted::Whitted;
 pub use xray::Xray;
 
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Side, Value, kinds};
 use crate::sampling::Draws;
-use crate::scene::{Background, Light, Scene, SurfaceInteraction, compute_geometry};
-use crate::shoot::{Cpu, Engine};
+use crate::scene::{Background, Scene, SurfaceInteraction};
+use crate::shoot::Cpu;
 
 /// The colour that a ray sees. Replaceable: any function of the right form is one.
 ///
@@ -352,156 +352,5 @@ impl Shader {
 impl Default for Shader {
     fn default() -> Self {
         Self::Lambert(Lambert::default())
-    }
-}
-
-/// A [`Shader`] at work: with the scene that it looks at, and what misses see.
-///
-/// ```
-/// use firsthit::{Background, Color, DVec3, Hit, Scene, Shade, Shader, Shading};
-///
-/// let scene = Scene::new(vec![])?;
-/// let white = Background::Uniform(Color::ONE);
-/// let shading = Shading { background: white, ..Shader::default().on(&scene) };
-/// let color = shading.shade(f64::INFINITY, DVec3::ZERO, DVec3::X, &Hit::MISS);
-/// assert_eq!(color, Color::ONE);
-/// # Ok::<(), firsthit::Error>(())
-/// ```
-#[derive(Debug, Clone)]
-pub struct Shading<'a> {
-    /// Where to look up what was hit.
-    pub scene: &'a Scene,
-    /// How hits get their colour.
-    pub shader: Shader,
-    /// Which way is up for who looks, of any length but zero: the camera's, or the scene's.
-    pub upwards: DVec3,
-    /// What misses see, unless that is the scene's environment.
-    pub background: Background,
-    /// The ground that shadows fall on.
-    pub ground: Option<Ground>,
-    /// What finds the hits of its own rays, such as those towards lights.
-    pub engine: &'a dyn Engine,
-}
-
-impl Shading<'_> {
-    /// What a miss sees.
-    fn seen_behind(&self, direction: DVec3) -> Color {
-        match self
-            .scene
-            .environment()
-            .filter(|environment| environment.is_seen)
-        {
-            Some(environment) => environment.radiance(direction),
-            None => self.background.color(direction),
-        }
-    }
-}
-
-impl Shading<'_> {
-    /// Colours of rays by what they met, as if that were opaque, and of misses.
-    fn shade_hits(
-        &self,
-        (rays, hits, draws): (&[Ray], &[Hit], &[Draws]),
-        colors: &mut [Color],
-        coverage: &mut [f64],
-    ) {
-        let mut met = Vec::with_capacity(rays.len());
-        let mut points = Points {
-            surfaces: Vec::with_capacity(rays.len()),
-            draws: Vec::with_capacity(rays.len()),
-        };
-        for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
-            if let Some(surface) = self.scene.interaction(ray, hit) {
-                met.push(k);
-                points.surfaces.push(surface);
-                points.draws.push(draws[k]);
-            } else {
-                colors[k] = self.seen_behind(ray.direction);
-            }
-        }
-        if self.shader.takes_geometry() {
-            compute_geometry(self.engine.instruction_set(), &points.surfaces);
-        }
-        let mut found = vec![Color::ZERO; met.len()];
-        let mut covered = vec![1.0; met.len()];
-        (self.shader).color(self, &points, &mut found, &mut covered);
-        for ((k, color), covered) in met.into_iter().zip(found).zip(covered) {
-            colors[k] = color;
-            coverage[k] = covered;
-        }
-        if let Some(ground) = &self.ground {
-            ground.shade(self, (rays, hits, draws), colors, coverage);
-        }
-    }
-}
-
-impl Shade for Shading<'_> {
-    fn is_transparent(&self) -> bool {
-        let is_seen = self
-            .scene
-            .environment()
-            .is_some_and(|environment| environment.is_seen);
-        self.background == Background::Transparent && !is_seen
-    }
-
-    fn is_random(&self) -> bool {
-        self.shader.is_random() || self.ground.is_some()
-    }
-
-    fn has_negative_noise(&self) -> bool {
-        self.ground.is_some() && !self.scene.lights().iter().any(Light::has_negative_color)
-    }
-
-    #[cfg(feature = "frame")]
-    fn recipe(&self) -> Option<Recipe> {
-        let mut digest = Digest::default();
-        digest.word("firsthit shading 4");
-        digest.word(self.shader.name());
-        for (_, value) in self.shader.settings() {
-            value.digest(&mut digest);
-        }
-        self.scene.digest_light(&mut digest);
-        self.background.digest(&mut digest);
-        digest.vector(self.upwards);
-        digest.vector(self.scene.up());
-        let environment = self.scene.environment();
-        digest.word(match environment.map(|environment| environment.is_seen) {
-            None => "no environment",
-            Some(true) => "seen",
-            Some(false) => "unseen",
-        });
-        if let Some(Ground { point, up }) = self.ground {
-            digest.word("ground");
-            digest.vector(point);
-            digest.vector(up);
-        }
-        self.scene.digest_coloring(&mut digest);
-        Some(Recipe {
-            shader: self.shader.name(),
-            settings: self.shader.settings(),
-            digest: digest.name(),
-        })
-    }
-
-    fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color {
-        let hit = Hit { t, ..*o };
-        let samples = Samples {
-            rays: &[Ray::new(p, u_r)],
-            hits: &[hit],
-            pixels: &[0],
-            sample: 0,
-            cull: None,
-        };
-        let mut color = [Color::ZERO];
-        self.shade_all(&samples, &mut color, &mut [0.0]);
-        color[0]
-    }
-
-    fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], coverage: &mut [f64]) {
-        let draws: Vec<Draws> = (0..samples.rays.len()).map(|k| samples.draws(k)).collect();
-        self.shade_hits((samples.rays, samples.hits, &draws), colors, coverage);
-        if self.scene.has_translucent() && !self.shader.sees_through() {
-            blend::compose(self, samples, colors, coverage);
-        }
     }
 }

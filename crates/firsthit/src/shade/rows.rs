@@ -5,7 +5,7 @@ use crate::geometry::{Color, DVec2, DVec3, Ray};
 use crate::sampling::Draws;
 use crate::scene::{Environment, Hemispheres, Light, LightSample, Sun};
 
-/// Points where light falls, and the numbers to draw for each.
+/// Points to shade, and the random numbers of each.
 pub(super) struct ShadingPoints {
     count: usize,
     pub(super) position: Vectors,
@@ -33,18 +33,18 @@ impl ShadingPoints {
         self.count == ROW
     }
 
-    /// How many there are; that they are at most [`ROW`] is said where the compiler sees it.
+    /// How many there are. The minimum tells the compiler that they are at most [`ROW`].
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.count.min(ROW)
     }
 
-    /// The numbers of one, of a stream.
+    /// The random numbers of one point, from a stream.
     pub(super) fn draws(&self, k: usize, stream: u64) -> Draws {
         self.draws[k].split(stream)
     }
 
-    /// Two numbers for each, of a stream or else of its own.
+    /// Two random numbers for each point, from a stream or else from its own.
     #[inline(always)]
     pub(super) fn draw(&self, stream: Option<u64>) -> Points2 {
         let mut u = Points2::ZERO;
@@ -58,7 +58,7 @@ impl ShadingPoints {
         u
     }
 
-    /// A sample of a light for each, with the numbers of the light's stream.
+    /// A sample of a light for each point, with the random numbers of the light's stream.
     #[inline(always)]
     pub(super) fn draw_light<S: DrawnLight>(&self, light: &S, stream: u64) -> LightSamples {
         let u = self.draw(Some(stream));
@@ -143,7 +143,7 @@ impl DrawnLight for Light {
     }
 }
 
-/// What an environment shows.
+/// Light from all around.
 pub(super) trait Sky {
     /// See [`Environment::radiance`].
     fn radiance(&self, direction: DVec3) -> Color;

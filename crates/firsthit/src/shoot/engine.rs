@@ -4,9 +4,10 @@ use std::fmt::Debug;
 use std::sync::OnceLock;
 
 use super::all::trace_all;
-use super::batch::{Single, fill_batch, trace_array};
+use super::batch::{fill_batch, trace_array};
 use super::query::Answers;
 use super::ray_query::{AnyHit, FilteredSink, FirstHit, RayQuery};
+use super::single::Single;
 use super::tiles::trace_hits;
 use crate::accel::InstructionSet;
 use crate::error::Result;

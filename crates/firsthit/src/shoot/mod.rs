@@ -24,6 +24,7 @@ mod ray_state;
 mod scaled_ray;
 mod scene_walk;
 mod shapes;
+mod single;
 mod tiles;
 mod visible;
 

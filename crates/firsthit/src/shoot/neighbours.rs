@@ -159,7 +159,7 @@ impl<Q: RayQuery> MeetShapes<'_, '_, '_, Q> {
         }
     }
 
-    /// The rays; those that are special meet the shapes at once.
+    /// Loads the rays. Those that cannot go in lanes meet the shapes at once, one by one.
     #[inline(always)]
     fn load(&mut self) -> Eight {
         let mut eight = Eight {
@@ -208,7 +208,7 @@ impl<Q: RayQuery> MeetShapes<'_, '_, '_, Q> {
         eight
     }
 
-    /// The rays that meet all of an object, a bit each. Those that leave it meet it alone.
+    /// A bit for each ray that may meet every part of an object. Rays that leave the object meet it here, one by one.
     #[inline(always)]
     fn lanes_at<L: Lanes>(
         &mut self,
@@ -243,7 +243,7 @@ impl<Q: RayQuery> MeetShapes<'_, '_, '_, Q> {
     }
 }
 
-/// Which of eight rays go into a shape that they leave, as [`filter::crossings`] has it: a loop that the compiler makes lanes of.
+/// Tells which of eight rays go into a shape that they leave, by the test of [`filter::crossings`]. The compiler makes lanes of the loop.
 struct GoInwards<'r, S> {
     shape: &'r S,
     transform: &'r Transform,

@@ -6,9 +6,10 @@ use super::{BlockerBounds, Point};
 use crate::geometry::rows::ROW;
 use crate::geometry::{Color, DVec3, unit};
 use crate::sampling::{TangentFrame, warp};
+use crate::scene::{Environment, PreparedLight};
 use crate::shade::rows::{Arriving, DrawnLight, LightSamples, ShadingPoints, Sky};
 use crate::shade::vertex::power_heuristic;
-use crate::simd::{Kernel, Lanes};
+use crate::simd::{self, InstructionSet, Kernel, Lanes};
 
 /// The cosine of a direction of any length to the ground's normal.
 #[inline(always)]
@@ -28,101 +29,122 @@ pub(super) fn rows(
         }
         if rows
             .last()
-            .is_none_or(|(places, _): &(ShadingPoints, _)| places.is_full())
+            .is_none_or(|(row, _): &(ShadingPoints, _)| row.is_full())
         {
             rows.push((ShadingPoints::NONE, Vec::with_capacity(ROW)));
         }
-        if let Some((places, indices)) = rows.last_mut() {
-            places.push(point.position, point.draws);
+        if let Some((row, indices)) = rows.last_mut() {
+            row.push(point.position, point.draws);
             indices.push(index);
         }
     }
     rows
 }
 
-/// A sample of a light for each point, and what the ground takes of it; black where nothing can block it.
-pub(super) struct DrawLight<'a, S> {
-    pub(super) places: &'a ShadingPoints,
-    pub(super) light: &'a S,
-    pub(super) stream: u64,
+/// A ground that takes light, and what may block that.
+#[derive(Clone, Copy)]
+pub(super) struct Receiver {
     pub(super) up: DVec3,
     pub(super) blocking: Option<BlockerBounds>,
 }
+
+impl Receiver {
+    /// A sample of a light for each point, with the numbers of the light's stream, and what the ground takes of it. It is black where
+    /// nothing can block it.
+    pub(super) fn draw_light(
+        self,
+        set: InstructionSet,
+        row: &ShadingPoints,
+        (light, stream): (&PreparedLight, u64),
+    ) -> Arriving {
+        match light {
+            PreparedLight::Sun(sun) => simd::run_here(set, DrawLight(self, row, sun, stream)),
+            PreparedLight::Other(light) => simd::run_here(set, DrawLight(self, row, light, stream)),
+        }
+    }
+
+    /// A direction by the cosine for each point, and what the environment brings from there. It is black where nothing can block it.
+    pub(super) fn sample_sky(
+        self,
+        set: InstructionSet,
+        row: &ShadingPoints,
+        environment: &Environment,
+    ) -> Arriving {
+        match &environment.hemispheres() {
+            Some(sky) => simd::run_here(set, SampleSky(self, row, sky)),
+            None => simd::run_here(set, SampleSky(self, row, environment)),
+        }
+    }
+
+    /// Makes light black that nothing can block.
+    #[inline(always)]
+    fn blacken_unblocked(self, row: &ShadingPoints, arriving: &mut Arriving) {
+        let Some(blocking) = self.blocking else {
+            return;
+        };
+        for k in 0..row.len() {
+            let (origin, direction) = (row.position.get(k), arriving.towards.get(k));
+            let light = if blocking.is_passed_by(origin, direction) {
+                Color::ZERO
+            } else {
+                arriving.light.get(k)
+            };
+            arriving.light.set(k, light);
+        }
+    }
+}
+
+/// See [`Receiver::draw_light`].
+struct DrawLight<'a, S>(Receiver, &'a ShadingPoints, &'a S, u64);
 
 impl<S: DrawnLight> Kernel for DrawLight<'_, S> {
     type Output = Arriving;
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
-        let Self { places, up, .. } = self;
+        let Self(ground, row, light, stream) = self;
         let LightSamples {
             towards,
             end,
             mut light,
             ..
-        } = places.draw_light(self.light, self.stream);
-        for k in 0..places.len() {
-            light.set(k, cosine(towards.get(k), up) * light.get(k));
+        } = row.draw_light(light, stream);
+        for k in 0..row.len() {
+            light.set(k, cosine(towards.get(k), ground.up) * light.get(k));
         }
         let mut arriving = Arriving {
             towards,
             end,
             light,
         };
-        blacken_unblocked(self.blocking, places, &mut arriving);
+        ground.blacken_unblocked(row, &mut arriving);
         arriving
     }
 }
 
-/// A direction by the cosine for each point, and what the environment brings from there; black where nothing can block it.
-pub(super) struct SampleSky<'a, S> {
-    pub(super) places: &'a ShadingPoints,
-    pub(super) sky: &'a S,
-    pub(super) up: DVec3,
-    pub(super) blocking: Option<BlockerBounds>,
-}
+/// See [`Receiver::sample_sky`].
+struct SampleSky<'a, S>(Receiver, &'a ShadingPoints, &'a S);
 
 impl<S: Sky> Kernel for SampleSky<'_, S> {
     type Output = Arriving;
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
-        let Self {
-            places, sky, up, ..
-        } = self;
+        let Self(ground, row, sky) = self;
         let mut arriving = Arriving::NONE;
-        let frame = TangentFrame::around(up);
-        let u = places.draw(None);
-        for k in 0..places.len() {
+        let frame = TangentFrame::around(ground.up);
+        let u = row.draw(None);
+        for k in 0..row.len() {
             let local = warp::cosine_hemisphere(u.get(k));
             arriving.towards.set(k, frame.world(local));
         }
-        for k in 0..places.len() {
+        for k in 0..row.len() {
             let towards = arriving.towards.get(k);
-            let own = towards.dot(up).max(0.0) / PI;
+            let own = towards.dot(ground.up).max(0.0) / PI;
             let share = power_heuristic(own, sky.pdf(towards));
             arriving.light.set(k, share * sky.radiance(towards));
         }
-        blacken_unblocked(self.blocking, places, &mut arriving);
+        ground.blacken_unblocked(row, &mut arriving);
         arriving
-    }
-}
-
-/// Makes light black that nothing can block.
-#[inline(always)]
-fn blacken_unblocked(
-    blocking: Option<BlockerBounds>,
-    places: &ShadingPoints,
-    arriving: &mut Arriving,
-) {
-    let Some(blocking) = blocking else { return };
-    for k in 0..places.len() {
-        let (origin, direction) = (places.position.get(k), arriving.towards.get(k));
-        let light = if blocking.is_passed_by(origin, direction) {
-            Color::ZERO
-        } else {
-            arriving.light.get(k)
-        };
-        arriving.light.set(k, light);
     }
 }

@@ -16,11 +16,12 @@ use crate::accel::{
 use crate::geometry::{DVec3, Hit, PixelGrid, Ray};
 use crate::scene::Scene;
 use crate::shape::triangle::{EdgeRule, Shear};
-use crate::shoot::batch::{Memory, SingleRay};
+use crate::shoot::batch::Memory;
 use crate::shoot::hits::HitSlices;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
 use crate::shoot::scaled_ray::ScaledRay;
 use crate::shoot::shapes::{FirstOfShapes, rays_of_row};
+use crate::shoot::single::SingleRay;
 use crate::simd::{Kernel, Lanes, WIDE};
 
 /// See [the module](self).
