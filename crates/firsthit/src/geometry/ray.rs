@@ -117,6 +117,11 @@ pub trait Rays: Sync {
         }
     }
 
+    /// The rays themselves, if they stand in memory as an array. Then memory is asked for them before they are read.
+    fn array(&self) -> Option<&[Ray]> {
+        None
+    }
+
     /// Whether there are none.
     fn is_empty(&self) -> bool {
         self.len() == 0
@@ -212,6 +217,10 @@ impl<R: Rays + ?Sized> Rays for Filtered<'_, R> {
         self.rays.read(first, rays);
     }
 
+    fn array(&self) -> Option<&[Ray]> {
+        self.rays.array()
+    }
+
     fn grid(&self) -> Option<PixelGrid> {
         self.rays.grid()
     }
@@ -245,5 +254,9 @@ impl<R: AsRef<[Ray]> + Sync + ?Sized> Rays for R {
 
     fn read(&self, first: usize, rays: &mut [Ray]) {
         rays.copy_from_slice(&self.as_ref()[first..first + rays.len()]);
+    }
+
+    fn array(&self) -> Option<&[Ray]> {
+        Some(self.as_ref())
     }
 }

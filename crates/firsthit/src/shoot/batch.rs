@@ -113,6 +113,13 @@ impl Memory {
     pub(super) fn give_back(self) {
         MEMORY.set(Some(self));
     }
+
+    /// Makes room for what so many rays do not meet of their meshes.
+    fn hold_filters(&mut self, rays: usize) {
+        if self.in_meshes.len() < rays {
+            self.in_meshes.resize(rays, MeshFilter::NONE);
+        }
+    }
 }
 
 /// Many rays, from `first` on, as many as the sink is for.
@@ -153,19 +160,12 @@ impl<S: Sink> Batch<'_, S> {
         if memory.packets.len() < packets {
             memory.packets.resize(packets, Packet::default());
         }
-        let mut sixteen = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
-        for number in 0..packets {
-            let first = number * RAYS;
-            let length = (count - first).min(RAYS);
-            self.rays.read(self.first + first, &mut sixteen[..length]);
-            for (lane, ray) in sixteen.iter().enumerate() {
-                memory.packets[number].put(lane, ray);
-            }
-        }
+        self.read(&mut memory.packets[..packets]);
         for number in 0..packets {
             let packet = &mut memory.packets[number];
             let first = number * RAYS;
             let length = (count - first).min(RAYS);
+            self.prefetch(l, first, length);
             let mut plain = packet.enter(l, object.transform());
             let mut unseen = 0;
             if S::Query::IS_FILTERED {
@@ -210,6 +210,36 @@ impl<S: Sink> Batch<'_, S> {
         });
     }
 
+    /// Puts the rays into packets.
+    #[inline(always)]
+    fn read(&self, packets: &mut [Packet]) {
+        let count = self.sink.len();
+        let mut sixteen = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
+        for (packet, first) in packets.iter_mut().zip((0..count).step_by(RAYS)) {
+            let length = (count - first).min(RAYS);
+            self.rays.read(self.first + first, &mut sixteen[..length]);
+            for (lane, ray) in sixteen.iter().enumerate() {
+                packet.put(lane, ray);
+            }
+        }
+    }
+
+    /// Asks memory for rays of the next batch, which this thread mostly takes: those that stand there as these in this one.
+    #[inline(always)]
+    fn prefetch<L: Lanes>(&self, l: L, first: usize, count: usize) {
+        let first = self.first + self.sink.len() + first;
+        for ray in self
+            .rays
+            .array()
+            .unwrap_or(&[])
+            .iter()
+            .skip(first)
+            .take(count)
+        {
+            l.prefetch(ray);
+        }
+    }
+
     /// From object to object.
     #[inline(always)]
     fn through_scene<L: Lanes>(mut self, l: L, memory: &mut Memory) {
@@ -222,6 +252,7 @@ impl<S: Sink> Batch<'_, S> {
         for start in (0..count).step_by(RAYS) {
             let rays = &mut rays[..RAYS.min(count - start)];
             self.rays.read(self.first + start, rays);
+            self.prefetch(l, start, rays.len());
             let mut neighbours = Neighbours::new(rays, (self.rays, self.first + start));
             let listed = neighbours.meet_shapes(l, scene);
             let has_more = listed.is_none_or(|it| it.has_others() || S::Query::ALL);
@@ -244,14 +275,11 @@ impl<S: Sink> Batch<'_, S> {
                 }
             }
         }
-        let in_meshes = if S::Query::IS_FILTERED {
+        memory.hold_filters(if S::Query::IS_FILTERED {
             walks.len()
         } else {
             1
-        };
-        if memory.in_meshes.len() < in_meshes {
-            memory.in_meshes.resize(in_meshes, MeshFilter::NONE);
-        }
+        });
         let mut instances = Vec::with_capacity(walks.len());
         // The rays that may meet more.
         let mut left: Vec<usize> = (0..walks.len()).collect();

@@ -141,6 +141,10 @@ impl<R: Rays + ?Sized> Rays for Borrowed<'_, R> {
         self.0.read(first, rays);
     }
 
+    fn array(&self) -> Option<&[Ray]> {
+        self.0.array()
+    }
+
     fn grid(&self) -> Option<crate::geometry::PixelGrid> {
         self.0.grid()
     }
