@@ -15,7 +15,6 @@ use super::mesh_packet::{MeshRay, SettleExactly};
 use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
 use crate::accel::locate8::EightPairs;
-use crate::accel::rays::limits::Limits;
 use crate::geometry::{DVec2, DVec3, Ray};
 use crate::shape::Crossing;
 use crate::shape::triangle::{self, Doubtful, EdgeRule, TriangleHit};
@@ -239,7 +238,7 @@ impl Kernel for LocateWaiting {
 /// The state of a query for all crossings: see [the module](self).
 pub(crate) struct All {
     list: CrossingList,
-    limits: Limits,
+    limit: f32,
 }
 
 impl MeshQuery for All {
@@ -248,10 +247,10 @@ impl MeshQuery for All {
     const NONE: CrossingList = CrossingList::EMPTY;
 
     #[inline(always)]
-    fn new(limits: Limits) -> Self {
+    fn new(limit: f32) -> Self {
         Self {
             list: CrossingList::EMPTY,
-            limits,
+            limit,
         }
     }
 
@@ -264,13 +263,14 @@ impl MeshQuery for All {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        if high < self.limits.t_min_low {
+        let limits = &ray.limits;
+        if high < limits.t_min_low {
             return;
         }
         let in_leaf = &ray.tree.leaves[leaf as usize];
         let triangle = ray.tree.triangle(in_leaf, lane);
         let copies = ray.tree.copies_of(triangle);
-        if is_certain && low > self.limits.t_min_high && copies.is_empty() {
+        if is_certain && low > limits.t_min_high && copies.is_empty() {
             let corners = ray.corners(leaf, lane);
             let in_mesh = ray.packet.ray(ray.lane);
             self.list
@@ -331,6 +331,6 @@ impl Visitor for All {
 
     #[inline(always)]
     fn limit(&self) -> f32 {
-        self.limits.t_max_high
+        self.limit
     }
 }

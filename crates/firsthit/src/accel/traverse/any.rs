@@ -7,16 +7,20 @@
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
-use crate::accel::rays::limits::Limits;
+use crate::accel::meshlet::Meshlet;
 use crate::shape::Crossing;
-use crate::simd::{Lanes, set_bits};
+use crate::simd::{Kernel, Lanes, set_bits};
 
 /// The state of an any-hit query: see [the module](self).
+///
+/// It is one number, so that the state of sixteen is a copy of their limits.
 pub(crate) struct Any {
-    is_found: bool,
+    /// [`FOUND`] when something is met.
     limit: f32,
-    limits: Limits,
 }
+
+/// The limit that ends the traversal with an answer: below all that a query begins with.
+const FOUND: f32 = -2.0;
 
 impl MeshQuery for Any {
     type Found = bool;
@@ -24,12 +28,10 @@ impl MeshQuery for Any {
     const NONE: Self::Found = false;
 
     #[inline(always)]
-    fn new(limits: Limits) -> Self {
-        Self {
-            is_found: false,
-            limit: limits.t_max_high,
-            limits,
-        }
+    fn new(limit: f32) -> Self {
+        // Negative ones are alike: nothing is met.
+        let limit = if limit < -1.0 { -1.0 } else { limit };
+        Self { limit }
     }
 
     #[inline(always)]
@@ -41,21 +43,20 @@ impl MeshQuery for Any {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        if high < self.limits.t_min_low {
+        let limits = &ray.limits;
+        if high < limits.t_min_low {
             return;
         }
         let leaf = &ray.tree.leaves[leaf as usize];
-        let is_inside = is_certain && low > self.limits.t_min_high && high < self.limits.t_max_low;
-        if is_inside || ray.intersect(l, Self::EDGES, leaf, lane).is_some() {
-            self.is_found = true;
-            self.limit = -1.0;
+        let is_inside = is_certain && low > limits.t_min_high && high < limits.t_max_low;
+        if is_inside || l.call(ExactTest(ray, leaf, 1 << lane)) {
+            self.limit = FOUND;
         }
     }
 
     #[inline(always)]
     fn see<L: Lanes>(&mut self, _: L, _: &MeshRay<'_>, _: Crossing) {
-        self.is_found = true;
-        self.limit = -1.0;
+        self.limit = FOUND;
     }
 
     #[inline(always)]
@@ -65,7 +66,7 @@ impl MeshQuery for Any {
 
     #[inline(always)]
     fn finish<L: Lanes>(&self, _: L, _: &MeshRay<'_>) -> Self::Found {
-        self.is_found
+        self.limit == FOUND
     }
 
     #[inline(always)]
@@ -79,25 +80,39 @@ impl Visitor for Any {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
-        let inside = l.lt(l.splat(self.limits.t_min_high), candidates.low)
-            & l.lt(candidates.high, l.splat(self.limits.t_max_low));
+        let limits = &ray.limits;
+        let inside = l.lt(l.splat(limits.t_min_high), candidates.low)
+            & l.lt(candidates.high, l.splat(limits.t_max_low));
         let leaf = &ray.tree.leaves[leaf as usize];
-        let possible = candidates.possible & l.le(l.splat(self.limits.t_min_low), candidates.high);
-        debug_assert!(!self.is_found, "an answer is never taken back");
-        self.is_found = possible & candidates.certain & inside != 0;
-        for lane in set_bits(possible) {
-            if self.is_found {
-                break;
-            }
-            self.is_found = ray.intersect(l, Self::EDGES, leaf, lane).is_some();
-        }
-        if self.is_found {
-            self.limit = -1.0;
+        let possible = candidates.possible & l.le(l.splat(limits.t_min_low), candidates.high);
+        debug_assert!(self.limit != FOUND, "an answer is never taken back");
+        let is_certain = possible & candidates.certain & inside != 0;
+        if is_certain || possible != 0 && l.call(ExactTest(ray, leaf, possible)) {
+            self.limit = FOUND;
         }
     }
 
     #[inline(always)]
     fn limit(&self) -> f32 {
         self.limit
+    }
+}
+
+/// Whether a ray meets one of some triangles of a leaf, by the exact test. A function of its own: it is rarely called, and leaves
+/// the registers to what is.
+struct ExactTest<'a>(&'a MeshRay<'a>, &'a Meshlet, u16);
+
+impl Kernel for ExactTest<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> bool {
+        let Self(ray, leaf, triangles) = self;
+        for lane in set_bits(triangles) {
+            if ray.intersect(l, Any::EDGES, leaf, lane).is_some() {
+                return true;
+            }
+        }
+        false
     }
 }

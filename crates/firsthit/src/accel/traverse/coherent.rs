@@ -35,7 +35,7 @@ pub(super) fn coherent<L: Lanes, Q: MeshQuery>(
         return false;
     };
     let rays = packet.packet;
-    let mut queries: [Q; RAYS] = std::array::from_fn(|lane| Q::new(rays.limits(lane)));
+    let mut queries: [Q; RAYS] = std::array::from_fn(|lane| Q::new(rays.t_max_high[lane]));
     let is_done = frustum.run(l, stack, packet, &mut queries);
     finish_packet(l, (number, packet), (frustum.rays, is_done), &queries, sink);
     is_done

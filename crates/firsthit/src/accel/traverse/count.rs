@@ -9,7 +9,6 @@
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
-use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
@@ -17,7 +16,7 @@ use crate::simd::{Aligned, LANES, Lanes, set_bits};
 /// The state of a counting query: see [the module](self).
 pub(crate) struct Count {
     count: u32,
-    limits: Limits,
+    limit: f32,
 }
 
 impl MeshQuery for Count {
@@ -26,8 +25,8 @@ impl MeshQuery for Count {
     const NONE: u32 = 0;
 
     #[inline(always)]
-    fn new(limits: Limits) -> Self {
-        Self { count: 0, limits }
+    fn new(limit: f32) -> Self {
+        Self { count: 0, limit }
     }
 
     #[inline(always)]
@@ -39,11 +38,12 @@ impl MeshQuery for Count {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        if high < self.limits.t_min_low {
+        let limits = &ray.limits;
+        if high < limits.t_min_low {
             return;
         }
         let leaf = &ray.tree.leaves[leaf as usize];
-        let is_inside = is_certain && low > self.limits.t_min_high && high < self.limits.t_max_low;
+        let is_inside = is_certain && low > limits.t_min_high && high < limits.t_max_low;
         if is_inside || ray.intersect(l, Self::EDGES, leaf, lane).is_some() {
             let copies = ray.tree.copies_of(ray.tree.triangle(leaf, lane)).len();
             let times = u32::try_from(1 + copies).unwrap_or(u32::MAX);
@@ -90,6 +90,6 @@ impl Visitor for Count {
 
     #[inline(always)]
     fn limit(&self) -> f32 {
-        self.limits.t_max_high
+        self.limit
     }
 }

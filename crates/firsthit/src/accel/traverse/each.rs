@@ -6,7 +6,7 @@
 //! 4. Where that leaves open where the ray is, every triangle of the mesh is asked.
 
 use super::distant::Approach;
-use super::mesh_packet::MeshRay;
+use super::mesh_packet::{MeshPacket, MeshRay};
 use super::query::Visitor;
 use super::single::{Scratch, traverse};
 use crate::accel::filter::Candidates;
@@ -101,19 +101,14 @@ fn each_ahead<L: Lanes>(
     packet.put(0, ray);
     packet.prepare_blurred(l, tree, 1, off);
     if packet.alive != 0 {
+        let in_tree = MeshPacket::new(tree, mesh, packet).ray(0);
         let mut each = Each {
             call: visit,
             with_copies,
             t_max: ray.t_max,
-            limit: packet.limits(0).t_max_high,
+            limit: in_tree.limits.t_max_high,
         };
-        let ray = MeshRay {
-            tree,
-            mesh,
-            packet,
-            lane: 0,
-        };
-        traverse(l, stack, &ray, &mut each);
+        traverse(l, stack, &in_tree, &mut each);
     }
 }
 

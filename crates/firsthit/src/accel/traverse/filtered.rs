@@ -7,7 +7,6 @@
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
-use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
@@ -18,7 +17,6 @@ use crate::shape::triangle::MeshFilter;
 /// The state of a query for filtered rays: see [the module](self).
 pub(crate) struct FilteredQuery<Q> {
     query: Q,
-    limits: Limits,
 }
 
 impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
@@ -28,10 +26,9 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
     const NONE: Self::Found = Q::NONE;
 
     #[inline(always)]
-    fn new(limits: Limits) -> Self {
+    fn new(limit: f32) -> Self {
         Self {
-            query: Q::new(limits),
-            limits,
+            query: Q::new(limit),
         }
     }
 
@@ -44,7 +41,8 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        if high < self.limits.t_min_low || low > self.query.limit() {
+        let limits = &ray.limits;
+        if high < limits.t_min_low || low > self.query.limit() {
             return;
         }
         let tree = ray.tree;
@@ -53,7 +51,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
             let copies = tree.copies_of(triangle).iter().map(|&[_, copy]| copy);
             std::iter::once(triangle).chain(copies)
         };
-        let is_ahead = is_certain && low > self.limits.t_min_high;
+        let is_ahead = is_certain && low > limits.t_min_high;
         if is_ahead && ray.filter().meets_all_of(here) {
             return self
                 .query
@@ -94,7 +92,7 @@ impl<Q: MeshQuery> Visitor for FilteredQuery<Q> {
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
         let mut left = candidates.possible;
         if ray.filter().meets_everything() {
-            let ahead = l.lt(l.splat(self.limits.t_min_high), candidates.low);
+            let ahead = l.lt(l.splat(ray.limits.t_min_high), candidates.low);
             let settled = left & candidates.certain & ahead;
             left &= !settled;
             let settled = Candidates {

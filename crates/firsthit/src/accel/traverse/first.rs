@@ -8,7 +8,6 @@
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
-use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
@@ -45,7 +44,6 @@ impl Best {
 pub(crate) struct First {
     best: Best,
     limit: f32,
-    limits: Limits,
 }
 
 impl First {
@@ -65,11 +63,10 @@ impl MeshQuery for First {
     const NONE: Self::Found = None;
 
     #[inline(always)]
-    fn new(limits: Limits) -> Self {
+    fn new(limit: f32) -> Self {
         Self {
             best: Best::None,
-            limit: limits.t_max_high,
-            limits,
+            limit,
         }
     }
 
@@ -99,14 +96,15 @@ impl MeshQuery for First {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
+        let limits = &ray.limits;
         let (best_low, best_high) = match self.best {
-            Best::None => (self.limits.t_max_low, f32::INFINITY),
+            Best::None => (limits.t_max_low, f32::INFINITY),
             Best::Deferred { low, high, .. } | Best::Located { low, high, .. } => (low, high),
         };
-        if low > best_high || high < self.limits.t_min_low {
+        if low > best_high || high < limits.t_min_low {
             return;
         }
-        if is_certain && low > self.limits.t_min_high && high < best_low {
+        if is_certain && low > limits.t_min_high && high < best_low {
             self.best = Best::Deferred {
                 leaf,
                 lane,

@@ -236,10 +236,11 @@ impl Queue<'_, '_> {
 impl<'a, Q: MeshQuery> Slot<'a, Q> {
     #[inline(always)]
     fn new(packet: MeshPacket<'a>, number: usize, lane: usize) -> Self {
+        let ray = packet.ray(lane);
         Self {
-            ray: packet.ray(lane),
+            ray,
             packet: number,
-            query: Q::new(packet.packet.limits(lane)),
+            query: Q::new(ray.limits.t_max_high),
             next: 0,
             height: 0,
         }
@@ -269,7 +270,7 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     #[cold]
     #[inline(never)]
     fn start_again<L: Lanes>(&mut self, l: L, stack: &mut Stack) {
-        self.query = Q::new(self.ray.packet.limits(self.ray.lane));
+        self.query = Q::new(self.ray.limits.t_max_high);
         l.call(FromRoot {
             stack,
             ray: self.ray,

@@ -49,14 +49,14 @@ pub(super) fn masked<L: Lanes, Q: MeshQuery>(
     if around.is_wide(packet) {
         return false;
     }
-    let mut queries: [Q; RAYS] = from_fn(|lane| Q::new(all.limits(lane)));
+    let mut queries: [Q; RAYS] = from_fn(|lane| Q::new(all.t_max_high[lane]));
     let mut alive = rays;
     let (mut visits, mut visitors) = (0, 0);
     let mut is_done = true;
     stack.clear();
     stack.push(key(rays, 0));
     while alive != 0
-        && let Some(next) = stack.pop_any()
+        && let Some(next) = stack.pop()
     {
         let (here, index) = parts(next);
         let here = here & alive;

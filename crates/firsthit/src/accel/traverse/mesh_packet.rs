@@ -2,6 +2,7 @@
 
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
+use crate::accel::rays::limits::Limits;
 use crate::accel::rays::packet::{Packet, RAYS};
 use crate::geometry::{DVec3, Ray};
 use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, Shear, TriangleHit};
@@ -39,6 +40,7 @@ impl<'a> MeshPacket<'a> {
             mesh: self.mesh,
             packet: self.packet,
             lane,
+            limits: self.packet.limits(lane),
         }
     }
 }
@@ -50,6 +52,8 @@ pub(crate) struct MeshRay<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) packet: &'a Packet,
     pub(super) lane: usize,
+    /// Where it begins and ends.
+    pub(super) limits: Limits,
 }
 
 impl MeshRay<'_> {

@@ -6,7 +6,6 @@
 
 use super::mesh_packet::MeshRay;
 use crate::accel::filter::Candidates;
-use crate::accel::rays::limits::Limits;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
 use crate::simd::Lanes;
@@ -33,8 +32,9 @@ pub(crate) trait MeshQuery: Visitor {
     const IN_PACKETS_FILTERED: bool = false;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;
-    /// The query before the first leaf, with the ray's [limits](crate::accel::rays::packet::Packet::limits).
-    fn new(limits: Limits) -> Self;
+    /// The query before the first leaf, of a ray that ends at a depth of at most `limit`. A traversal makes one for each
+    /// ray: what it knows of its ray stays in the packet ([`MeshRay::limits`]).
+    fn new(limit: f32) -> Self;
     /// Sees a single candidate: the triangle in a lane of a leaf, which is met between two depths, if at all; for sure
     /// if `is_certain`.
     fn visit_one<L: Lanes>(

@@ -9,7 +9,7 @@
 //! IEEE Symposium on Interactive Ray Tracing 2008. It departs in the leaves, where float32 only rules out and float64
 //! decides.
 
-use super::mesh_packet::MeshRay;
+use super::mesh_packet::{MeshPacket, MeshRay};
 use super::query::{MeshQuery, Visitor};
 use super::stack::Stack;
 use crate::accel::filter::filter;
@@ -74,13 +74,8 @@ fn query_prepared<L: Lanes, Q: MeshQuery>(
     if packet.alive == 0 {
         return Q::NONE;
     }
-    let ray = MeshRay {
-        tree,
-        mesh,
-        packet,
-        lane: 0,
-    };
-    let mut query = Q::new(packet.limits(0));
+    let ray = MeshPacket::new(tree, mesh, packet).ray(0);
+    let mut query = Q::new(ray.limits.t_max_high);
     traverse(l, stack, &ray, &mut query);
     query.finish(l, &ray)
 }

@@ -15,9 +15,7 @@ pub(in crate::accel) struct Stack {
 pub(in crate::accel) const LEVELS: usize = SAH_DEPTH as usize + 33;
 /// A power of two: each level leaves up to 15 behind.
 const STACK: usize = 2048;
-/// In a higher stack [`Stack::pop_any`] takes the last entry, so what is above this belongs to one way down the tree.
-const MANY: usize = 256;
-const _: () = assert!(MANY + 15 * LEVELS < STACK);
+const _: () = assert!(15 * LEVELS + 1 < STACK);
 
 impl Stack {
     pub(in crate::accel) fn new() -> Self {
@@ -58,20 +56,10 @@ impl Stack {
         &self.entries[base.min(STACK)..self.height.min(STACK)]
     }
 
-    /// Takes any entry: the last but two, since its memory was prefetched earlier than that of the last; in a high
-    /// stack the last.
     #[inline(always)]
-    pub(in crate::accel) fn pop_any(&mut self) -> Option<u64> {
-        let last = self.height.checked_sub(1)?;
-        let at = if last < MANY {
-            last.saturating_sub(2)
-        } else {
-            last
-        };
-        let key = self.entries[at % STACK];
-        self.entries[at % STACK] = self.entries[last % STACK];
-        self.height = last;
-        Some(key)
+    pub(in crate::accel) fn pop(&mut self) -> Option<u64> {
+        self.height = self.height.checked_sub(1)?;
+        Some(self.entries[self.height % STACK])
     }
 
     /// Puts `key` among those from `base` on, the smallest on top.
@@ -119,7 +107,7 @@ mod tests {
         let mut highest = 0;
         // Only the start of an endless traversal: the stack is highest early on.
         for _ in 0..200_000 {
-            let level = stack.pop_any().unwrap();
+            let level = stack.pop().unwrap();
             if level < LEVELS as u64 {
                 for _ in 0..16 {
                     stack.push(level + 1);
@@ -127,6 +115,6 @@ mod tests {
             }
             highest = highest.max(stack.len());
         }
-        assert!(highest > MANY && highest < STACK, "{highest}");
+        assert!(highest > 15 * LEVELS && highest < STACK, "{highest}");
     }
 }
