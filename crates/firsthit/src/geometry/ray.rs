@@ -117,7 +117,8 @@ pub trait Rays: Sync {
         }
     }
 
-    /// The rays themselves, if they stand in memory as an array. Then memory is asked for them before they are read.
+    /// The rays as a slice, if they are one: its element `index` is what [`Rays::ray`] gives. A hint, with which rays are
+    /// prefetched. What reorders or changes rays returns `None`.
     fn array(&self) -> Option<&[Ray]> {
         None
     }

@@ -114,7 +114,7 @@ impl Memory {
         MEMORY.set(Some(self));
     }
 
-    /// Makes room for what so many rays do not meet of their meshes.
+    /// Makes room for the mesh filters of so many rays.
     fn hold_filters(&mut self, rays: usize) {
         if self.in_meshes.len() < rays {
             self.in_meshes.resize(rays, MeshFilter::NONE);
@@ -224,18 +224,15 @@ impl<S: Sink> Batch<'_, S> {
         }
     }
 
-    /// Asks memory for rays of the next batch, which this thread mostly takes: those that stand there as these in this one.
+    /// Prefetches rays of the next batch, which this thread mostly takes: `count`, at the same places as those from `start` on
+    /// in this one.
     #[inline(always)]
-    fn prefetch<L: Lanes>(&self, l: L, first: usize, count: usize) {
-        let first = self.first + self.sink.len() + first;
-        for ray in self
-            .rays
-            .array()
-            .unwrap_or(&[])
-            .iter()
-            .skip(first)
-            .take(count)
-        {
+    fn prefetch<L: Lanes>(&self, l: L, start: usize, count: usize) {
+        let Some(rays) = self.rays.array() else {
+            return;
+        };
+        let next = self.first + self.sink.len() + start;
+        for ray in rays.iter().skip(next).take(count) {
             l.prefetch(ray);
         }
     }

@@ -28,6 +28,26 @@ pub(crate) struct Limits {
     pub(in crate::accel) t_max_high: f32,
 }
 
+impl Limits {
+    /// Whether what ends at the depth `high` is before `t_min`, for certain.
+    #[inline(always)]
+    pub(in crate::accel) fn begin_after(&self, high: f32) -> bool {
+        high < self.t_min_low
+    }
+
+    /// Whether what begins at the depth `low` is beyond `t_min`, for certain.
+    #[inline(always)]
+    pub(in crate::accel) fn begin_before(&self, low: f32) -> bool {
+        low > self.t_min_high
+    }
+
+    /// Whether what is between two depths is between `t_min` and `t_max`, for certain.
+    #[inline(always)]
+    pub(in crate::accel) fn hold(&self, low: f32, high: f32) -> bool {
+        self.begin_before(low) && high < self.t_max_low
+    }
+}
+
 impl Packet {
     /// What `t_min` and `t_max` come to in depths.
     #[inline(always)]

@@ -263,14 +263,13 @@ impl MeshQuery for All {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        let limits = &ray.limits;
-        if high < limits.t_min_low {
+        if ray.limits.begin_after(high) {
             return;
         }
         let in_leaf = &ray.tree.leaves[leaf as usize];
         let triangle = ray.tree.triangle(in_leaf, lane);
         let copies = ray.tree.copies_of(triangle);
-        if is_certain && low > limits.t_min_high && copies.is_empty() {
+        if is_certain && ray.limits.begin_before(low) && copies.is_empty() {
             let corners = ray.corners(leaf, lane);
             let in_mesh = ray.packet.ray(ray.lane);
             self.list

@@ -11,16 +11,15 @@ use crate::accel::meshlet::Meshlet;
 use crate::shape::Crossing;
 use crate::simd::{Kernel, Lanes, set_bits};
 
-/// The state of an any-hit query: see [the module](self).
-///
-/// It is one number, so that the state of sixteen is a copy of their limits.
+/// The state of an any-hit query: see [the module](self). One number: to make sixteen is to copy the limits of a packet.
 pub(crate) struct Any {
-    /// [`FOUND`] when something is met.
     limit: f32,
 }
 
-/// The limit that ends the traversal with an answer: below all that a query begins with.
+/// The limit of a ray that has met something. No query begins with it.
 const FOUND: f32 = -2.0;
+/// Limits below this are raised to it: a ray with any of them meets nothing.
+const NOTHING: f32 = -1.0;
 
 impl MeshQuery for Any {
     type Found = bool;
@@ -29,9 +28,9 @@ impl MeshQuery for Any {
 
     #[inline(always)]
     fn new(limit: f32) -> Self {
-        // Negative ones are alike: nothing is met.
-        let limit = if limit < -1.0 { -1.0 } else { limit };
-        Self { limit }
+        Self {
+            limit: limit.max(NOTHING),
+        }
     }
 
     #[inline(always)]
@@ -43,13 +42,15 @@ impl MeshQuery for Any {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        let limits = &ray.limits;
-        if high < limits.t_min_low {
+        if ray.limits.begin_after(high) {
             return;
         }
-        let leaf = &ray.tree.leaves[leaf as usize];
-        let is_inside = is_certain && low > limits.t_min_high && high < limits.t_max_low;
-        if is_inside || l.call(ExactTest(ray, leaf, 1 << lane)) {
+        let one = MeetsOneOf {
+            ray,
+            leaf: &ray.tree.leaves[leaf as usize],
+            triangles: 1 << lane,
+        };
+        if is_certain && ray.limits.hold(low, high) || l.call(one) {
             self.limit = FOUND;
         }
     }
@@ -83,11 +84,17 @@ impl Visitor for Any {
         let limits = &ray.limits;
         let inside = l.lt(l.splat(limits.t_min_high), candidates.low)
             & l.lt(candidates.high, l.splat(limits.t_max_low));
-        let leaf = &ray.tree.leaves[leaf as usize];
         let possible = candidates.possible & l.le(l.splat(limits.t_min_low), candidates.high);
         debug_assert!(self.limit != FOUND, "an answer is never taken back");
-        let is_certain = possible & candidates.certain & inside != 0;
-        if is_certain || possible != 0 && l.call(ExactTest(ray, leaf, possible)) {
+        if possible == 0 {
+            return;
+        }
+        let some = MeetsOneOf {
+            ray,
+            leaf: &ray.tree.leaves[leaf as usize],
+            triangles: possible,
+        };
+        if possible & candidates.certain & inside != 0 || l.call(some) {
             self.limit = FOUND;
         }
     }
@@ -98,21 +105,112 @@ impl Visitor for Any {
     }
 }
 
-/// Whether a ray meets one of some triangles of a leaf, by the exact test. A function of its own: it is rarely called, and leaves
-/// the registers to what is.
-struct ExactTest<'a>(&'a MeshRay<'a>, &'a Meshlet, u16);
+/// Whether a ray meets one of some triangles of a leaf, by the exact test. A function of its own: it is rarely called, and
+/// inlined it would take registers from the traversal.
+struct MeetsOneOf<'a> {
+    ray: &'a MeshRay<'a>,
+    leaf: &'a Meshlet,
+    triangles: u16,
+}
 
-impl Kernel for ExactTest<'_> {
+impl Kernel for MeetsOneOf<'_> {
     type Output = bool;
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> bool {
-        let Self(ray, leaf, triangles) = self;
+        let Self {
+            ray,
+            leaf,
+            triangles,
+        } = self;
         for lane in set_bits(triangles) {
             if ray.intersect(l, Any::EDGES, leaf, lane).is_some() {
                 return true;
             }
         }
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::mesh_tree::MeshTree;
+    use crate::accel::rays::packet::{Packet, RAYS};
+    use crate::accel::traverse::dispatch::Dispatcher;
+    use crate::accel::traverse::mesh_packet::MeshPacket;
+    use crate::accel::traverse::query::Sink;
+    use crate::accel::traverse::single::traverse;
+    use crate::accel::traverse::stack::Stack;
+    use crate::geometry::{DVec3, Ray};
+    use crate::shape::{Mesh, Positions};
+    use crate::simd::{self, InstructionSet};
+
+    /// Rays that are sure to meet a mesh, but for the depths at which they end.
+    struct Ending<'a>(&'a MeshTree, &'a Mesh, [f32; RAYS]);
+
+    struct Answers([Option<bool>; RAYS]);
+
+    impl Sink<bool> for Answers {
+        fn put(&mut self, _: usize, lane: usize, found: bool) {
+            assert_eq!(self.0[lane].replace(found), None);
+        }
+    }
+
+    impl Kernel for Ending<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) {
+            let Self(tree, mesh, limits) = self;
+            // Neighbours, that go together; the same from all sides, that do not.
+            for spread in [0.001, 3.0] {
+                let mut packet = Packet::default();
+                for lane in 0..RAYS {
+                    let [x, y] = [lane % 4, lane / 4].map(|k| spread * (k as f64 - 1.4));
+                    let start = DVec3::new(x, y, 3.0);
+                    packet.put(lane, &Ray::new(start, DVec3::new(0.1, 0.2, 0.0) - start));
+                }
+                packet.prepare(l, tree, RAYS);
+                packet.t_max_high = limits;
+                let at_mesh = MeshPacket::new(tree, mesh, &packet);
+                let mut answers = Answers([None; RAYS]);
+                Dispatcher::new().run::<L, Any>(l, &mut [at_mesh], &mut answers);
+                for (lane, &limit) in limits.iter().enumerate() {
+                    let is_met = limit > 100.0;
+                    assert_eq!(answers.0[lane], Some(is_met), "{limit} {spread}");
+                    let ray = at_mesh.ray(lane);
+                    let mut query = Any::new(limit);
+                    traverse(l, &mut Stack::new(), &ray, &mut query);
+                    assert_eq!(query.finish(l, &ray), is_met, "{limit}");
+                }
+            }
+        }
+    }
+
+    /// No limit that a ray may begin with is taken for an answer.
+    #[test]
+    fn a_ray_that_ends_before_all_meets_nothing() {
+        let corners = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]];
+        let mesh = Mesh::new(Positions::Double(corners.to_vec().into()), vec![[0, 1, 2]]).unwrap();
+        let tree = MeshTree::build(&mesh);
+        let infinity = f32::INFINITY;
+        let mut limits = [infinity; RAYS];
+        let before = [
+            FOUND,
+            NOTHING,
+            -infinity,
+            -3.0,
+            -1.5,
+            -0.5,
+            -0.0,
+            f32::MIN,
+            f32::NAN,
+        ];
+        limits[..before.len()].copy_from_slice(&before);
+        let sets = InstructionSet::ALL.into_iter();
+        for set in sets.filter(|set| set.is_available()) {
+            simd::run(set, Ending(&tree, &mesh, limits));
+        }
     }
 }

@@ -38,12 +38,11 @@ impl MeshQuery for Count {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        let limits = &ray.limits;
-        if high < limits.t_min_low {
+        if ray.limits.begin_after(high) {
             return;
         }
         let leaf = &ray.tree.leaves[leaf as usize];
-        let is_inside = is_certain && low > limits.t_min_high && high < limits.t_max_low;
+        let is_inside = is_certain && ray.limits.hold(low, high);
         if is_inside || ray.intersect(l, Self::EDGES, leaf, lane).is_some() {
             let copies = ray.tree.copies_of(ray.tree.triangle(leaf, lane)).len();
             let times = u32::try_from(1 + copies).unwrap_or(u32::MAX);

@@ -41,8 +41,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
         (low, high): (f32, f32),
         is_certain: bool,
     ) {
-        let limits = &ray.limits;
-        if high < limits.t_min_low || low > self.query.limit() {
+        if ray.limits.begin_after(high) || low > self.query.limit() {
             return;
         }
         let tree = ray.tree;
@@ -51,7 +50,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
             let copies = tree.copies_of(triangle).iter().map(|&[_, copy]| copy);
             std::iter::once(triangle).chain(copies)
         };
-        let is_ahead = is_certain && low > limits.t_min_high;
+        let is_ahead = is_certain && ray.limits.begin_before(low);
         if is_ahead && ray.filter().meets_all_of(here) {
             return self
                 .query

@@ -101,10 +101,10 @@ impl MeshQuery for First {
             Best::None => (limits.t_max_low, f32::INFINITY),
             Best::Deferred { low, high, .. } | Best::Located { low, high, .. } => (low, high),
         };
-        if low > best_high || high < limits.t_min_low {
+        if low > best_high || limits.begin_after(high) {
             return;
         }
-        if is_certain && low > limits.t_min_high && high < best_low {
+        if is_certain && limits.begin_before(low) && high < best_low {
             self.best = Best::Deferred {
                 leaf,
                 lane,

@@ -221,6 +221,7 @@ mod tests {
     use crate::accel::mesh_tree::MeshTree;
     use crate::accel::traverse::any::Any;
     use crate::geometry::{DVec3, Ray};
+    use crate::shape::triangle::{EdgeRule, Shear};
     use crate::shape::{Mesh, Positions};
     use crate::simd::{self, InstructionSet, Kernel};
 
@@ -329,5 +330,86 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// Keeps the answers.
+    struct Answers([Option<bool>; RAYS]);
+
+    impl Sink<bool> for Answers {
+        fn put(&mut self, _: usize, lane: usize, found: bool) {
+            assert_eq!(self.0[lane].replace(found), None);
+        }
+    }
+
+    /// Rays so short that hardly two meet the same, among loose triangles.
+    struct Parting<'a>(&'a Mesh, &'a MeshTree);
+
+    impl Kernel for Parting<'_> {
+        type Output = [usize; 2];
+
+        /// How many rays have their answer, and how many are open since the packet gave up.
+        #[inline(always)]
+        fn run<L: Lanes>(self, l: L) -> [usize; 2] {
+            let Self(mesh, tree) = self;
+            let mut packet = Packet::default();
+            let ray = |lane: usize| {
+                let turn = lane as f64 * 0.4;
+                let (sin, cos) = libm::sincos(turn);
+                let outwards = DVec3::new(cos, sin, 0.3 * sin * cos);
+                let along = DVec3::new(-sin, cos, 0.5);
+                Ray::new(0.38 * outwards, along).up_to(0.08)
+            };
+            for lane in 0..RAYS {
+                packet.put(lane, &ray(lane));
+            }
+            packet.prepare(l, tree, RAYS);
+            let mut packet = MeshPacket::new(tree, mesh, &packet);
+            let mut answers = Answers([None; RAYS]);
+            let is_done = masked::<L, Any>(l, &mut Stack::new(), (0, &mut packet), &mut answers);
+            assert!(!is_done || packet.open == 0);
+            for (lane, answer) in answers.0.iter().enumerate() {
+                let is_open = packet.open >> lane & 1 == 1;
+                assert_eq!(answer.is_none(), is_open);
+                if answer.is_some() {
+                    let shear = Shear::new(&ray(lane));
+                    let hits = (0..mesh.triangles().len())
+                        .filter_map(|k| mesh.intersect_triangle(k, EdgeRule::Closed, &shear));
+                    let is_met = hits.into_iter().any(|hit| ray(lane).holds(hit.t));
+                    assert_eq!(*answer, Some(is_met));
+                }
+            }
+            let answered = answers.0.iter().flatten().count();
+            [answered, RAYS - answered]
+        }
+    }
+
+    #[test]
+    fn what_was_found_before_giving_up_is_kept() {
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut point = || DVec3::new(unit(), unit(), unit());
+        let mut has_both = false;
+        for size in [0.02, 0.04, 0.08, 0.16] {
+            let corners: Vec<[f64; 3]> = (0..12_000)
+                .flat_map(|_| {
+                    let middle = point();
+                    [middle, middle + size * point(), middle + size * point()].map(|p| p.to_array())
+                })
+                .collect();
+            let triangles = (0..12_000).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            let mesh = Mesh::new(Positions::Double(corners.into()), triangles).unwrap();
+            let tree = MeshTree::build(&mesh);
+            let sets = InstructionSet::ALL.into_iter();
+            for set in sets.filter(|set| set.is_available()) {
+                let [answered, open] = simd::run(set, Parting(&mesh, &tree));
+                has_both |= answered > 0 && open > 0;
+            }
+        }
+        assert!(has_both, "no packet gave up half done");
     }
 }

@@ -32,8 +32,8 @@ pub(crate) trait MeshQuery: Visitor {
     const IN_PACKETS_FILTERED: bool = false;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;
-    /// The query before the first leaf, of a ray that ends at a depth of at most `limit`. A traversal makes one for each
-    /// ray: what it knows of its ray stays in the packet ([`MeshRay::limits`]).
+    /// The query before the first leaf, for a ray that ends at a depth of at most `limit`. A packet makes sixteen at once, so
+    /// a query is small: the ray's other bounds are in [`MeshRay::limits`].
     fn new(limit: f32) -> Self;
     /// Sees a single candidate: the triangle in a lane of a leaf, which is met between two depths, if at all; for sure
     /// if `is_certain`.

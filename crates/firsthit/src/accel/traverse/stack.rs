@@ -13,7 +13,7 @@ pub(in crate::accel) struct Stack {
 /// A tree has no more levels than the binary one it is made from: `SAH_DEPTH`, then 31 halvings of at most 2^31 items,
 /// the leaf, and one to spare. A quick tree adds a level of lowest nodes to such a tree, which has far fewer items.
 pub(in crate::accel) const LEVELS: usize = SAH_DEPTH as usize + 33;
-/// A power of two: each level leaves up to 15 behind.
+/// A power of two. The last entry is always the next, so each level leaves up to 15 behind, and the lowest all 16.
 const STACK: usize = 2048;
 const _: () = assert!(15 * LEVELS + 1 < STACK);
 
@@ -105,16 +105,16 @@ mod tests {
         let mut stack = Stack::new();
         stack.push(0);
         let mut highest = 0;
-        // Only the start of an endless traversal: the stack is highest early on.
-        for _ in 0..200_000 {
-            let level = stack.pop().unwrap();
-            if level < LEVELS as u64 {
-                for _ in 0..16 {
-                    stack.push(level + 1);
-                }
+        // Only the way down: what is higher up is left behind.
+        for level in 0..LEVELS as u64 {
+            assert_eq!(stack.pop(), Some(level));
+            for _ in 0..16 {
+                stack.push_if(true, level + 1);
             }
             highest = highest.max(stack.len());
+            // What is not wanted is written too, and not kept.
+            stack.push_if(false, 0);
         }
-        assert!(highest > 15 * LEVELS && highest < STACK, "{highest}");
+        assert_eq!(highest, 15 * LEVELS + 1);
     }
 }

@@ -76,6 +76,10 @@ impl Rays for Later<'_> {
         self.rays.read(self.first + first, rays);
     }
 
+    fn array(&self) -> Option<&[Ray]> {
+        self.rays.array()?.get(self.first..)
+    }
+
     fn read_directions(&self, first: usize, directions: [&mut [f64]; 3]) {
         self.rays.read_directions(self.first + first, directions);
     }
