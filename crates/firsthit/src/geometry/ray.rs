@@ -117,8 +117,8 @@ pub trait Rays: Sync {
         }
     }
 
-    /// The rays as a slice, if they are one: its element `index` is what [`Rays::ray`] gives. A hint, with which rays are
-    /// prefetched. What reorders or changes rays returns `None`.
+    /// The rays as a slice, if they are one: its element `index` is that of [`Rays::ray`]. Rays are prefetched from it. A
+    /// view that reorders or changes rays returns `None`.
     fn array(&self) -> Option<&[Ray]> {
         None
     }

@@ -50,9 +50,7 @@ impl Shading<'_> {
             None => self.background.color(direction),
         }
     }
-}
 
-impl Shading<'_> {
     /// Colours of rays by what they met, as if that were opaque, and of misses.
     pub(super) fn shade_hits(
         &self,

@@ -272,11 +272,8 @@ impl<S: Sink> Batch<'_, S> {
                 }
             }
         }
-        memory.hold_filters(if S::Query::IS_FILTERED {
-            walks.len()
-        } else {
-            1
-        });
+        let is_filtered = S::Query::IS_FILTERED;
+        memory.hold_filters(if is_filtered { walks.len() } else { 1 });
         let mut instances = Vec::with_capacity(walks.len());
         // The rays that may meet more.
         let mut left: Vec<usize> = (0..walks.len()).collect();

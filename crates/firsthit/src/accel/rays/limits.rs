@@ -29,19 +29,19 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// Whether what ends at the depth `high` is before `t_min`, for certain.
+    /// Whether depths up to `high` are before `t_min`, for certain.
     #[inline(always)]
     pub(in crate::accel) fn begin_after(&self, high: f32) -> bool {
         high < self.t_min_low
     }
 
-    /// Whether what begins at the depth `low` is beyond `t_min`, for certain.
+    /// Whether depths from `low` on are beyond `t_min`, for certain.
     #[inline(always)]
     pub(in crate::accel) fn begin_before(&self, low: f32) -> bool {
         low > self.t_min_high
     }
 
-    /// Whether what is between two depths is between `t_min` and `t_max`, for certain.
+    /// Whether the depths from `low` to `high` are between `t_min` and `t_max`, for certain.
     #[inline(always)]
     pub(in crate::accel) fn hold(&self, low: f32, high: f32) -> bool {
         self.begin_before(low) && high < self.t_max_low

@@ -18,7 +18,7 @@ pub(crate) struct Any {
 
 /// The limit of a ray that has met something. No query begins with it.
 const FOUND: f32 = -2.0;
-/// Limits below this are raised to it: a ray with any of them meets nothing.
+/// Lower limits are raised to this. A ray with a negative limit meets nothing.
 const NOTHING: f32 = -1.0;
 
 impl MeshQuery for Any {
@@ -133,7 +133,7 @@ impl Kernel for MeetsOneOf<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::accel::mesh_tree::MeshTree;
     use crate::accel::rays::packet::{Packet, RAYS};
@@ -146,10 +146,8 @@ mod tests {
     use crate::shape::{Mesh, Positions};
     use crate::simd::{self, InstructionSet};
 
-    /// Rays that are sure to meet a mesh, but for the depths at which they end.
-    struct Ending<'a>(&'a MeshTree, &'a Mesh, [f32; RAYS]);
-
-    struct Answers([Option<bool>; RAYS]);
+    /// The answers of a packet; none is given twice.
+    pub(in super::super) struct Answers(pub(in super::super) [Option<bool>; RAYS]);
 
     impl Sink<bool> for Answers {
         fn put(&mut self, _: usize, lane: usize, found: bool) {
@@ -157,13 +155,16 @@ mod tests {
         }
     }
 
+    /// Rays towards a mesh, and the depths at which they end.
+    struct Ending<'a>(&'a MeshTree, &'a Mesh, [f32; RAYS]);
+
     impl Kernel for Ending<'_> {
         type Output = ();
 
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) {
             let Self(tree, mesh, limits) = self;
-            // Neighbours, that go together; the same from all sides, that do not.
+            // First neighbours, which go together; then rays from all sides, which do not.
             for spread in [0.001, 3.0] {
                 let mut packet = Packet::default();
                 for lane in 0..RAYS {

@@ -220,6 +220,7 @@ mod tests {
     use super::*;
     use crate::accel::mesh_tree::MeshTree;
     use crate::accel::traverse::any::Any;
+    use crate::accel::traverse::any::tests::Answers;
     use crate::geometry::{DVec3, Ray};
     use crate::shape::triangle::{EdgeRule, Shear};
     use crate::shape::{Mesh, Positions};
@@ -332,16 +333,7 @@ mod tests {
         }
     }
 
-    /// Keeps the answers.
-    struct Answers([Option<bool>; RAYS]);
-
-    impl Sink<bool> for Answers {
-        fn put(&mut self, _: usize, lane: usize, found: bool) {
-            assert_eq!(self.0[lane].replace(found), None);
-        }
-    }
-
-    /// Rays so short that hardly two meet the same, among loose triangles.
+    /// Short rays, each in a place of its own, among loose triangles.
     struct Parting<'a>(&'a Mesh, &'a MeshTree);
 
     impl Kernel for Parting<'_> {

@@ -56,6 +56,7 @@ impl Stack {
         &self.entries[base.min(STACK)..self.height.min(STACK)]
     }
 
+    /// Takes the last entry.
     #[inline(always)]
     pub(in crate::accel) fn pop(&mut self) -> Option<u64> {
         self.height = self.height.checked_sub(1)?;
@@ -105,14 +106,14 @@ mod tests {
         let mut stack = Stack::new();
         stack.push(0);
         let mut highest = 0;
-        // Only the way down: what is higher up is left behind.
+        // Only the way down: the entries of higher levels stay.
         for level in 0..LEVELS as u64 {
             assert_eq!(stack.pop(), Some(level));
             for _ in 0..16 {
                 stack.push_if(true, level + 1);
             }
             highest = highest.max(stack.len());
-            // What is not wanted is written too, and not kept.
+            // An unwanted entry is written, but not kept.
             stack.push_if(false, 0);
         }
         assert_eq!(highest, 15 * LEVELS + 1);
