@@ -15,8 +15,8 @@ use firsthit::scene::{DirectionalLight, PointLight};
 use firsthit::shade::{Hemisphere, Lambert, Matcap, Phong};
 use firsthit::shape::Attribute;
 use firsthit::{
-    Background, Color, DVec3, Light, Mesh, Object, Positions, Scene, Shade, Shader, Shading,
-    Sphere, example, shoot,
+    Background, Color, DAffine3, DVec3, Light, Mesh, Object, Positions, Scene, Shade, Shader,
+    Shading, Sphere, Transform, example, shoot,
 };
 
 const RED: Color = Color::new(0.8, 0.1, 0.05);
@@ -189,14 +189,46 @@ fn depth_cueing_is_linear_between_two_distances_for_every_shader_that_has_it() {
     assert!(count > 4, "{count}");
 }
 
-/// A triangle on the ground with normals that all lean by 0.6 to +x.
-fn leaning() -> Scene {
+/// A triangle on the ground with normals.
+fn with_normals(normals: [[f32; 3]; 3]) -> Object {
     let corners = vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]];
-    let normals = Attribute::per_vertex(vec![[0.6, 0.0, 0.8]; 3]);
     let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2]]).unwrap();
+    let normals = Attribute::per_vertex(normals.to_vec());
     let mesh = mesh.with_normals(normals).unwrap();
-    let ground = Object::new(Arc::new(mesh)).colored(RED);
-    Scene::new(vec![ground]).unwrap()
+    Object::new(Arc::new(mesh)).colored(RED)
+}
+
+/// The same with normals that all lean by 0.6 to +x.
+fn leaning() -> Scene {
+    Scene::new(vec![with_normals([[0.6, 0.0, 0.8]; 3])]).unwrap()
+}
+
+/// In the middle of the longest edge the mean of (0.6, 0, 0.8) and (-0.6, 0, 0.8) has length 0.8 and is the face's normal.
+#[test]
+fn smooth_normals_have_length_one_with_a_transform_and_without() {
+    let apart = [[0.6, 0.0, 0.8], [-0.6, 0.0, 0.8], [0.0, 0.0, 1.0]];
+    let by_two = apart.map(|normal| normal.map(|x: f32| 2.0 * x));
+    let lights = vec![sun(DVec3::Z)];
+    let (p, u_r) = (DVec3::new(0.0, -9.0, 1.0), DVec3::NEG_Z);
+    for name in Shader::NAMES {
+        let shader = Shader::named(name).unwrap();
+        let flat = Scene::new(vec![with_normals([[0.0, 0.0, 1.0]; 3])]).unwrap();
+        let flat = flat.with_lights(lights.clone());
+        let expected = seen(&flat, &shader, p, u_r);
+        for normals in [apart, by_two] {
+            let tiny = DAffine3::from_translation(DVec3::splat(1e-14));
+            let still = with_normals(normals);
+            let moved = still.clone().placed(Transform::new(tiny).unwrap());
+            for object in [still, moved] {
+                let scene = Scene::new(vec![object]).unwrap();
+                let color = seen(&scene.with_lights(lights.clone()), &shader, p, u_r);
+                assert!(
+                    (color - expected).length() < 1e-7,
+                    "{name}: {color} {expected}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

@@ -21,7 +21,7 @@ pub struct HitDetails<'a> {
     pub position: DVec3,
     /// The geometric normal.
     pub normal: DVec3,
-    /// The normal to shade with.
+    /// The normal to shade with, in the world, of length one.
     pub shading_normal: DVec3,
     /// Whether the front was met.
     pub is_front: bool,

@@ -132,7 +132,7 @@ impl Transform {
         self.world_from_object.transform_point3(point)
     }
 
-    /// An object-space normal in the world, of length one.
+    /// An object-space normal in the world, of length one if `normal` is. (Without a transform it is `normal` as it stands.)
     ///
     /// It goes by the inverse transpose, not by the cofactors: so a mirrored object keeps its outside.
     #[inline(always)]

@@ -8,7 +8,9 @@ use std::cell::OnceCell;
 pub(crate) use rows::compute_geometry;
 
 use super::{Colored, MapRole, Material, Object, Scene};
-use crate::geometry::{Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId, moderation};
+use crate::geometry::{
+    Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId, moderation, unit,
+};
 use crate::shape::{Mesh, Shape, Surface, mesh};
 
 /// A ray's hit on a surface. The object, the mesh and the material are looked up once; everything else is computed when it is
@@ -186,14 +188,14 @@ impl<'a> SurfaceInteraction<'a> {
         libm::atan2(normal.cross(way).length(), normal.dot(way).abs())
     }
 
-    /// The normal to shade with: interpolated where the mesh has normals at its vertices, on the same side as the geometric
-    /// normal, which it is everywhere else.
+    /// The normal to shade with, in the world, of length one: interpolated where the mesh has normals at its vertices, on the same
+    /// side as the geometric normal, which it is everywhere else.
     pub fn shading_normal(&self) -> DVec3 {
         let geometric = self.normal();
         let smooth = || {
             let (mesh, triangle) = self.mesh?;
             let smooth = mesh.shading_normal(triangle, self.hit.barycentric)?;
-            let smooth = self.object.transform().normal_in_world(smooth);
+            let smooth = unit(self.object.transform().normal_in_world(smooth));
             (smooth.is_finite() && smooth.dot(geometric) > 0.0).then_some(smooth)
         };
         smooth().unwrap_or(geometric)

@@ -92,7 +92,7 @@ impl SurfaceInteraction<'_> {
         let [red, green, blue, _] = self.mapped(role)?;
         let [x, y, z] = [red, green, blue].map(|share| 2.0 * share - 1.0);
         let map = self.material()?.maps.get(role)?;
-        let normal = unit(self.shading_normal());
+        let normal = self.shading_normal();
         let (tangent, bitangent) = self.tangents(map, normal)?;
         let turned = unit(scale * (x * tangent + y * bitangent) + z * normal);
         turned.is_finite().then_some(turned)

@@ -93,7 +93,7 @@ impl SurfaceInteraction<'_> {
     #[inline]
     fn seen_normals(&self) -> [DVec3; 2] {
         let side = self.side();
-        [side * unit(self.shading_normal()), side * self.normal()]
+        [side * self.shading_normal(), side * self.normal()]
     }
 
     /// The surface's scattering distribution for the ray; `None` where it has no normal.

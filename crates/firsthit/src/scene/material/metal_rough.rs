@@ -59,7 +59,7 @@ impl MetalRough {
             return 0.0;
         }
         let normal = surface.mapped_coat_normal(self.clearcoat_normal_scale, 1.0);
-        let normal = normal.unwrap_or_else(|| unit(surface.shading_normal()));
+        let normal = normal.unwrap_or_else(|| surface.shading_normal());
         coat_share(weight, unit(surface.ray().direction).dot(normal).abs())
     }
 

@@ -185,7 +185,7 @@ impl Mesh {
             .map_or(triangle, |faces| faces[triangle] as usize)
     }
 
-    /// The shading normal in object space, not of length one; `None` where the mesh has none.
+    /// The shading normal in object space, interpolated and not of length one; `None` where the mesh has none.
     pub fn shading_normal(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
         self.normals
             .as_ref()
