@@ -4,6 +4,9 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::simd::LANES;
 
+/// A leaf and a lane are one number of 32 bits ([`super::TriangleId`]).
+pub(super) const MOST_LEAVES: usize = (1 << 28) - 1;
+
 /// Triangles over vertices of their own, in the tree's space, as float32. Plain data: every byte of it has a meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]

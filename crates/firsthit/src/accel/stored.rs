@@ -7,12 +7,14 @@
 //! 2. No node is deeper than a traversal's stack allows.
 //! 3. Each child that is a leaf, each leaf's part of the order, each corner's vertex and each triangle of the order is there.
 //!
-//! Boxes and vertices are not checked: wrong ones make wrong answers and no more.
+//! 4. A leaf has a triangle, and its vertices are in the cube from -1 to 1, as rasterization takes for granted.
+//!
+//! Boxes are not checked: wrong ones make wrong answers and no more.
 
 use rayon::prelude::*;
 
 use super::mesh_tree::MeshTree;
-use super::meshlet::Meshlet;
+use super::meshlet::{MOST_LEAVES, Meshlet};
 use super::node::{LEAF, Node};
 use super::space::Space;
 use super::traverse::stack::LEVELS;
@@ -122,9 +124,6 @@ impl MeshTree {
     }
 }
 
-/// A leaf and a lane are one number of 32 bits ([`super::TriangleId`]).
-const MOST_LEAVES: usize = (1 << 28) - 1;
-
 /// See points 1 and 2 of [the module](self), and the first of 3.
 fn check_nodes(nodes: &[Node], leaves: usize) -> Result<(), &'static str> {
     const NO_ROOM: &str = "there is no memory to check a tree";
@@ -158,15 +157,18 @@ fn check_nodes(nodes: &[Node], leaves: usize) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Whether a leaf's triangles stand within an order of that length, and its corners are lanes.
+/// Whether a leaf has triangles, which stand within an order of that length, its corners are lanes, and its vertices in the cube.
 fn is_whole(leaf: &Meshlet, order: usize) -> bool {
     let count = leaf.filled.trailing_ones();
     let corners = leaf.corners.as_flattened();
     let largest = corners.iter().fold(0, |all, corner| all | corner);
-    u32::from(leaf.filled).checked_shr(count).unwrap_or(0) == 0
+    let vertices = leaf.vertices.as_flattened();
+    count > 0
+        && u32::from(leaf.filled).checked_shr(count).unwrap_or(0) == 0
         // A sum that 32 bits may not hold.
         && u64::from(leaf.first) + u64::from(count) <= order as u64
         && usize::from(largest) < LANES
+        && vertices.iter().fold(true, |all, x| all & (x.abs() <= 1.0))
 }
 
 #[cfg(test)]
@@ -266,6 +268,10 @@ mod tests {
         refused(&|_, leaves, order| leaves[3].first = u32::try_from(order.len()).unwrap());
         refused(&|_, leaves, _| leaves[3].first = u32::MAX);
         refused(&|_, leaves, _| leaves[3].filled = 5);
+        refused(&|_, leaves, _| leaves[3].filled = 0);
+        for wrong in [1.01, -2.0, 3e38, f32::INFINITY, f32::NAN] {
+            refused(&|_, leaves, _| leaves[3].vertices[2][15] = wrong);
+        }
         refused(&|_, leaves, _| leaves[3].corners[1][2] = 16);
         refused(&|_, _, order| order[7] = 2 * 29 * 29);
     }

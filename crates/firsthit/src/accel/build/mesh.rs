@@ -21,7 +21,7 @@ use super::collapse::{self, Wide};
 use super::quick;
 use super::weld::Sharing;
 use crate::accel::mesh_tree::MeshTree;
-use crate::accel::meshlet::Meshlet;
+use crate::accel::meshlet::{MOST_LEAVES, Meshlet};
 use crate::accel::node::{Node, WIDTH};
 use crate::accel::space::{CHUNK, Space};
 use crate::geometry::DVec3;
@@ -29,7 +29,7 @@ use crate::memory::{self, Storage};
 use crate::shape::Mesh;
 
 impl MeshTree {
-    /// The tree of a mesh that is empty or has a coordinate beyond 1e90 ([`Space::new`]).
+    /// The tree of a mesh that is empty, has a coordinate beyond 1e90 ([`Space::new`]) or needs more than [`MOST_LEAVES`].
     fn without_nodes(mesh: &Mesh) -> Self {
         Self {
             space: Space {
@@ -80,6 +80,9 @@ impl MeshTree {
             vertices,
             around: Box32::new(space.point(bounds.low), space.point(bounds.high)),
         });
+        if leaves.len() > MOST_LEAVES {
+            return Self::without_nodes(mesh);
+        }
         let mut tree = Self {
             is_exact: space.is_exact(mesh, &points),
             is_welded: sharing.is_welded,
