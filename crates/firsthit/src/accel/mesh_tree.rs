@@ -26,8 +26,8 @@ pub struct MeshTree {
     pub(super) leaves: Storage<Meshlet>,
     /// The triangles' indices, those of a leaf side by side.
     pub(super) order: Storage<u32>,
-    /// Pairs of the lowest of some triangles with the same corners, and another of them; sorted. Only the lowest is in
-    /// a leaf, since it wins every tie.
+    /// Pairs of the lowest of some triangles with the same corners, and another of them that is in no leaf; sorted. The lowest is
+    /// always in a leaf, since it wins every tie. In a quick tree others may be too, and are then in no pair.
     pub(super) copies: Storage<[u32; 2]>,
     /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
     pub(super) cost: f64,

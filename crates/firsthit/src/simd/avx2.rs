@@ -103,6 +103,18 @@ fn mask64(x: D) -> u8 {
     low as u8 | (high as u8) << 4
 }
 
+/// Four lanes of each in turns.
+#[inline(always)]
+fn interleave_half(a: __m256d, b: __m256d) -> D {
+    x86!({
+        let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+        [
+            _mm256_permute2f128_pd::<0x20>(even, odd),
+            _mm256_permute2f128_pd::<0x31>(even, odd),
+        ]
+    })
+}
+
 #[inline(always)]
 fn permute_half(table: F, places: __m256) -> __m256 {
     x86!({
@@ -378,16 +390,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn interleave64(self, a: D, b: D) -> [D; 2] {
-        let four = |a, b| {
-            x86!({
-                let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
-                [
-                    _mm256_permute2f128_pd::<0x20>(even, odd),
-                    _mm256_permute2f128_pd::<0x31>(even, odd),
-                ]
-            })
-        };
-        [four(a[0], b[0]), four(a[1], b[1])]
+        [interleave_half(a[0], b[0]), interleave_half(a[1], b[1])]
     }
     #[inline(always)]
     fn prefetch<T>(self, what: &T) {

@@ -75,8 +75,8 @@ impl InstructionSet {
         }
     }
 
-    /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `neon`,
-    /// `avx2` or `avx512`), or the fastest of this machine where that is not set or empty. The variable is read once.
+    /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `simd128`,
+    /// `neon`, `avx2` or `avx512`), or the fastest of this machine where that is not set or empty. The variable is read once.
     ///
     /// # Errors
     ///

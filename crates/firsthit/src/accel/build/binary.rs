@@ -42,7 +42,7 @@ pub(super) trait Primitives: Sync {
     /// Whether items can be a leaf; one always can.
     fn is_leaf(&self, items: &[Item]) -> bool;
     /// Leaves out items that lose every tie to another in the same place: puts the others in front and returns their
-    /// number. Called only where no plane separates the middles.
+    /// number. Called only for ranges that would be halved.
     fn distinct(&self, items: &mut [Item]) -> usize {
         items.len()
     }

@@ -33,8 +33,8 @@ impl Curve {
     pub(super) fn new(sharing: &Sharing<'_>, around: Box32) -> Self {
         let count = sharing.triangles.len();
         let index_bits = u32::BITS - u32::try_from(count).unwrap_or(u32::MAX).leading_zeros();
-        // Where the triangles are a surface, a cell of half that many bits would have about one; a few more are for what is
-        // not evenly spread.
+        // If the triangles form a surface, half as many bits as the index has give about one triangle a cell. Three more are for
+        // triangles that are not evenly spread.
         let bits = (index_bits / 2 + 3)
             .min((u64::BITS - index_bits) / 3)
             .min(MOST_BITS);
@@ -67,7 +67,7 @@ impl Curve {
         (key & ((1 << self.index_bits) - 1)) as u32
     }
 
-    /// How much the curve leaves between two keys: the number of bits of the cells' numbers from the highest on that differs.
+    /// How far apart two keys are on the curve: how many of the lowest bits of the cells' numbers include all that differ.
     /// 0 in one cell, and three more for each level of the octree above.
     #[inline]
     pub(super) fn gap(&self, a: u64, b: u64) -> u32 {

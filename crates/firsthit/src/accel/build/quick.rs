@@ -29,8 +29,7 @@ use crate::memory;
 
 /// How many triangles one task makes leaves of. A leaf ends with them, so this shows in the tree.
 const PART: usize = 16_384;
-/// How many such tasks there are between two times that their leaves are put together: what lies between stays in the
-/// caches.
+/// After so many tasks their leaves are joined, while these are still in the caches.
 const AT_ONCE: usize = 64;
 
 /// The parts of a tree, the same for any number of threads.
@@ -128,7 +127,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// What the curve leaves before a triangle; most before the first.
+    /// The [gap](Curve::gap) between a triangle and the one before it; the largest there is for the first.
     fn gap(&self, at: usize) -> u32 {
         let keys = self.curve.keys();
         let at = self.start + at;

@@ -17,11 +17,10 @@ use super::binned_sah::Box32;
 use super::weld::Sharing;
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
-use crate::accel::node::{LEAF, Node};
+use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::accel::space::Space;
 use crate::memory::{self, Storage};
 use crate::shape::Mesh;
-use crate::simd::LANES;
 
 /// How much more a ray may cost than when the tree was built.
 const WORST: f64 = 1.5;
@@ -61,7 +60,7 @@ impl MeshTree {
         let mut nodes = memory::copy(&self.nodes);
         // Children stand behind their parents.
         for k in (0..nodes.len()).rev() {
-            for child in 0..LANES {
+            for child in 0..WIDTH {
                 if let Some(around) = around_child(&nodes, &leaves, &nodes[k], child) {
                     nodes[k].set_child_box(child, around);
                 }
@@ -95,7 +94,7 @@ impl MeshTree {
 
 /// The boxes of the children that a node has.
 fn boxes(node: &Node) -> impl Iterator<Item = Box32> {
-    (0..LANES).filter_map(|child| node.child_box(child))
+    (0..WIDTH).filter_map(|child| node.child_box(child))
 }
 
 /// The box around what is now below a child; `None` for a child that is not there.
@@ -105,12 +104,7 @@ fn around_child(nodes: &[Node], leaves: &[Meshlet], node: &Node, child: usize) -
     if index & LEAF == 0 {
         return boxes(&nodes[index as usize]).reduce(Box32::union);
     }
-    // Unused lanes repeat a vertex.
-    let vertices = &leaves[(index & !LEAF) as usize].vertices;
-    let low = |values: &[f32; LANES]| values.iter().copied().fold(values[0], f32::min);
-    let high = |values: &[f32; LANES]| values.iter().copied().fold(values[0], f32::max);
-    let ends = vertices.each_ref();
-    Some(Box32::new(ends.map(low), ends.map(high)))
+    Some(leaves[(index & !LEAF) as usize].bounds())
 }
 
 /// Half the surfaces of a node's boxes.
@@ -140,7 +134,7 @@ mod tests {
 
     fn is_around(tree: &MeshTree) -> bool {
         tree.nodes.iter().all(|node| {
-            (0..LANES).all(|child| {
+            (0..WIDTH).all(|child| {
                 around_child(&tree.nodes, &tree.leaves, node, child).is_none_or(|inner| {
                     let own = node.child_box(child);
                     own.map(|own| own.union(inner)) == own

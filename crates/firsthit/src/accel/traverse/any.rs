@@ -11,14 +11,15 @@ use crate::accel::meshlet::Meshlet;
 use crate::shape::Crossing;
 use crate::simd::{Kernel, Lanes, set_bits};
 
-/// The state of an any-hit query: see [the module](self). One number: to make sixteen is to copy the limits of a packet.
+/// The state of an any-hit query: see [the module](self). It is one number, so making a
+/// packet's sixteen queries only copies the packet's limits.
 pub(crate) struct Any {
     limit: f32,
 }
 
 /// The limit of a ray that has met something. No query begins with it.
 const FOUND: f32 = -2.0;
-/// Lower limits are raised to this. A ray with a negative limit meets nothing.
+/// A limit below this is raised to it, so that none is taken for [`FOUND`]. A ray with a negative limit meets nothing.
 const NOTHING: f32 = -1.0;
 
 impl MeshQuery for Any {
