@@ -63,8 +63,8 @@ pub trait Shade: Sync {
 
     /// [`shade`](Self::shade) for many samples: a colour for each. A shader that shoots rays of its own is faster when it
     /// shoots them together; whoever makes pictures asks for a few hundred at a time. There are as many colours as samples, and as many
-    /// numbers of coverage, which are 1 for hits and 0 for misses and may be changed: a colour that is less than opaque is multiplied by
-    /// its coverage already.
+    /// numbers of coverage, which are 1 for hits and 0 for misses and may be changed. Colours are premultiplied by the coverage
+    /// (associated alpha).
     fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], _coverage: &mut [f64]) {
         for (k, (ray, color)) in samples.rays.iter().zip(colors).enumerate() {
             let hit = &samples.hits[k];
@@ -126,7 +126,7 @@ pub struct Samples<'a> {
     pub pixels: &'a [u64],
     /// Which sample of its pixel each ray is, from 0 on.
     pub sample: u32,
-    /// The side of surfaces that the rays pass through, and so do those that go on through translucent surfaces.
+    /// The side of surfaces that the rays pass through. Rays that go on behind translucent surfaces pass through it too.
     pub cull: Option<Side>,
 }
 
@@ -234,9 +234,22 @@ impl Shader {
         )
     }
 
-    /// Whether it looks at where surfaces are and how they lie; others ask about crossings of their own.
+    /// Whether it looks at where the surfaces that were hit are and how they lie. `unlit` does not; `xray` and `ghost` look at crossings
+    /// of their own.
     fn takes_geometry(&self) -> bool {
         !matches!(self, Self::Unlit(()) | Self::Xray(_) | Self::Ghost(_))
+    }
+
+    /// How many rays it sends from a hit, in a scene with so many lights; `None` where that depends on what they meet.
+    pub fn rays_of_hit(&self, lights: usize) -> Option<usize> {
+        match self {
+            Self::Hemisphere(_) | Self::Matcap(_) | Self::Unlit(()) | Self::Normal(()) => Some(0),
+            Self::AmbientOcclusion(_) => Some(1),
+            Self::Lambert(_) | Self::Phong(_) | Self::BlinnPhong(_) => Some(lights),
+            // And one to the sky.
+            Self::Direct(_) => Some(lights.saturating_add(1)),
+            Self::Path(_) | Self::Whitted(_) | Self::Xray(_) | Self::Ghost(_) => None,
+        }
     }
 
     /// Whether surfaces show light of the environment.

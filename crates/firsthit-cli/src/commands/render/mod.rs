@@ -12,7 +12,8 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
-use firsthit::render::{Appearance, check_state_file, world_up};
+use firsthit::render::{Appearance, RANDOM_SAMPLES, SAMPLES, check_state_file, world_up};
+use firsthit::shade::{Direct, Lambert, LightRig};
 use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
 use firsthit::{Camera, Scene, Shader};
@@ -50,33 +51,24 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
     }
     with_threads(&args.run, || {
         let settings = loading::settings(&args.load);
-        let build = |model: &World| args.trees.settings(rays(args, model));
+        let build = |model: &World| args.trees.settings(rays(args, model, asked.as_deref()));
         let loaded = loading::read_with(&args.file, &settings, build, args.light.color)?;
         rendered(args, loaded.picked(&args.pick)?, asked, interrupted)
     })
 }
 
-/// About how many rays a picture takes; `None` where nobody knows before its camera, its shader or its noise.
-fn rays(args: &RenderArgs, model: &World) -> Option<u64> {
-    /// Shaders that send no more than a ray to each light from what a camera's ray meets.
-    const FEW: [&str; 7] = [
-        "direct",
-        "lambert",
-        "phong",
-        "blinn-phong",
-        "matcap",
-        "unlit",
-        "normal",
-    ];
-    /// As many as there are by default at most.
-    const SAMPLES: u32 = 16;
-    let shader = args.light.shader.as_deref();
-    let shader = shader.or(model.shader.as_ref().map(Shader::name));
-    let goes_on = shader.is_some_and(|name| !FEW.contains(&name));
-    let has_occlusion = |name: &String| name.starts_with("ao");
-    let outputs = model.outputs.iter().flat_map(|output| &output.channels);
-    let mut channels = args.picture.channels.iter().chain(outputs);
-    if goes_on || args.picture.noise.is_some() || channels.any(has_occlusion) {
+/// About how many rays a picture takes; `None` where nobody knows before its camera, its shader or its noise. `asked` is what the command
+/// line says already of what goes where.
+fn rays(args: &RenderArgs, model: &World, asked: Option<&[Order]>) -> Option<u64> {
+    let made;
+    let orders = if let Some(orders) = asked {
+        orders
+    } else {
+        made = orders(args, &model.outputs).ok()?;
+        &made
+    };
+    let mut kinds = orders.iter().flat_map(|order| &order.kinds);
+    if args.picture.noise.is_some() || kinds.any(|kind| kind.name.starts_with("ao")) {
         return None;
     }
     let (columns, rows) = match args.camera.size {
@@ -84,14 +76,27 @@ fn rays(args: &RenderArgs, model: &World) -> Option<u64> {
         None if args.camera.colmap.is_some() => return None,
         None => of_file(&args.camera, model).ok()?.size(),
     };
-    let samples = args.picture.samples.or(model.samples).unwrap_or(SAMPLES);
     let pixels = (columns as u64).saturating_mul(rows as u64);
-    let of_sample = 1 + model.lights.len().max(1) as u64;
-    Some(
-        pixels
-            .saturating_mul(u64::from(samples))
-            .saturating_mul(of_sample),
-    )
+    if !orders.iter().any(needs_samples) {
+        return Some(pixels);
+    }
+    let rig = light::rig(&args.light).or(model.rig);
+    let shader = shader::shader(&args.light, model.shader.as_ref(), rig).ok()?;
+    let shader = shader.unwrap_or_else(|| match rig {
+        Some(LightRig::Shoulder) => Shader::Lambert(Lambert::default()),
+        _ => Shader::Direct(Direct::default()),
+    });
+    let of_hit = shader.rays_of_hit(model.lights.len().max(1))?;
+    let has_ground = light::ground(&args.light).or(model.ground);
+    let has_ground = has_ground.unwrap_or(rig.is_some_and(|rig| rig != LightRig::Shoulder));
+    let usual = if shader.is_random() || has_ground {
+        RANDOM_SAMPLES
+    } else {
+        SAMPLES
+    };
+    let samples = args.picture.samples.or(model.samples).unwrap_or(usual);
+    let of_pixel = u64::from(samples).saturating_mul(1 + of_hit as u64);
+    Some(pixels.saturating_mul(of_pixel))
 }
 
 /// Makes the picture. `asked` is what the command line says already of what goes where.
@@ -130,6 +135,7 @@ fn rendered(
     warn(&idle::options(args, &orders, &seen));
     if has_colors {
         warn(&light::turned_away(&args.light, &seen));
+        warn(light::unseen_ground(&args.light, &seen, &camera).as_slice());
         guessed.extend(seen.guessed.iter().map(|&what| what.to_owned()));
         if noise.is_some() && args.picture.samples.or(model.samples).is_none() {
             guessed.push(format!("up to {} samples (--samples)", seen.samples));
@@ -304,4 +310,60 @@ fn edges(args: &EdgeArgs, of_file: Option<Edges>) -> Option<Edges> {
         color: args.edge_color.unwrap_or(usual.color),
     };
     if is_asked { Some(asked) } else { of_file }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    /// About how many rays the options stand for, with 100 pixels and a file without lights.
+    fn rays_of(options: &str) -> Option<u64> {
+        #[derive(Parser)]
+        struct Options {
+            #[command(flatten)]
+            render: RenderArgs,
+        }
+        let words = format!("render a.ply --size 20x5 {options}");
+        let args = Options::parse_from(words.split_whitespace()).render;
+        rays(&args, &World::default(), None)
+    }
+
+    #[test]
+    fn rays_are_those_of_samples_that_a_picture_takes_and_of_its_light() {
+        for (options, expected) in [
+            ("", Some(100 * 16 * 3)),
+            ("--samples 1", Some(100 * 3)),
+            ("--channels z,normal -o z.exr", Some(100)),
+            ("--channels z -o z.exr --samples 9", Some(100)),
+            (
+                "--channels color,z -o a.exr --shader lambert",
+                Some(100 * 4 * 2),
+            ),
+            ("--light shoulder", Some(100 * 4 * 2)),
+            ("--ambient 0.1", Some(100 * 4 * 2)),
+            ("--shader lambert --ground", Some(100 * 16 * 2)),
+            ("--shader phong --samples 2", Some(100 * 2 * 2)),
+            ("--shader ao", Some(100 * 16 * 2)),
+            ("--channels color,ao -o a.exr", None),
+            ("--noise 0.1", None),
+        ] {
+            assert_eq!(rays_of(options), expected, "{options}");
+        }
+    }
+
+    #[test]
+    fn shaders_whose_rays_go_on_have_no_number_of_rays() {
+        for name in Shader::NAMES {
+            let expected = match *name {
+                "hemisphere" | "matcap" | "unlit" | "normal" => Some(100),
+                "direct" => Some(100 * 3),
+                "lambert" | "phong" | "blinn-phong" | "ao" => Some(100 * 2),
+                _ => None,
+            };
+            let found = rays_of(&format!("--shader {name} --samples 1"));
+            assert_eq!(found, expected, "{name}");
+        }
+    }
 }
