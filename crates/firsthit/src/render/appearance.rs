@@ -54,6 +54,9 @@ const FILL: Color = Color::splat(0.25);
 /// How far away things darken each other in a room, as a share of its diagonal: further, all of a closed room would be dark.
 const SHARE_OF_ROOM: f64 = 0.25;
 
+/// Said of [`FILL`].
+const FILLED: &str = "some light from all around (--shader)";
+
 /// Said where lights that go with the camera would have walls between them and what it sees.
 const NO_SHADOWS: &str = "no shadows of lights outside of the room (--light)";
 
@@ -101,20 +104,26 @@ impl Appearance {
             // Without a camera there is light from all around alone.
             (Some(_), None) => borrowing(scene, vec![], Some(fill(LightRig::WHITE))),
             (None, _) if self.shader.is_none() && scene.environment().is_none() => {
-                guessed.push("some light from all around (--shader)");
+                guessed.push(FILLED);
                 scene.clone().with_borrowed_environment(Some(fill(FILL)))
             }
             (None, _) => scene.clone(),
         };
+        let reach = SHARE_OF_ROOM * scene.bounds().size().length();
+        // Walls would keep all of it out.
+        if is_within
+            && guessed.contains(&FILLED)
+            && let Shader::Direct(direct) = &mut shader
+        {
+            direct.reach = direct.reach.min(reach);
+        }
         if is_within && rig.is_some() {
             match &mut shader {
                 Shader::Path(_) => guessed.push("light from outside of the room (--light)"),
                 Shader::Direct(direct) => {
                     guessed.push(NO_SHADOWS);
                     direct.shadows = false;
-                    direct.reach = direct
-                        .reach
-                        .min(SHARE_OF_ROOM * scene.bounds().size().length());
+                    direct.reach = direct.reach.min(reach);
                 }
                 // One that casts none has no such setting.
                 shader => {

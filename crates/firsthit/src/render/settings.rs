@@ -237,7 +237,8 @@ impl<'a> Render<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render()`](super::render()), [`framing_camera`] and [`Scene::with_coloring`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel.
+    /// Those of [`render()`](super::render()), [`framing_camera`] and [`Scene::with_coloring`], and [`Error::Argument`](crate::Error::Argument) for an unknown channel,
+    /// and for `color_by`, `light`, `background` or `ground` with a shade of one's own, which makes its colours without them.
     pub fn frame(self) -> Result<Frame> {
         let asked = self.channels.iter().map(|name| channel::asked(name));
         let asked = asked.collect::<Result<Vec<_>>>()?;
@@ -267,13 +268,22 @@ impl<'a> Render<'a> {
         };
         let shader = match self.look {
             Some(Look::Own(shade)) => {
-                let is_left_out = self.appearance.coloring.is_none();
-                require(
-                    "color_by",
-                    "left out with a shade of one's own",
-                    is_left_out,
-                    "some",
-                )?;
+                let Appearance {
+                    rig,
+                    background,
+                    ground,
+                    coloring,
+                    ..
+                } = &self.appearance;
+                for (what, is_left_out) in [
+                    ("color_by", coloring.is_none()),
+                    ("light", rig.is_none()),
+                    ("background", background.is_none()),
+                    ("ground", ground.is_none()),
+                ] {
+                    let domain = "left out with a shade of one's own";
+                    require(what, domain, is_left_out, "some")?;
+                }
                 return picture(self.scene, shade, self.appearance.samples);
             }
             Some(Look::Shader(shader)) => Some(shader),

@@ -93,6 +93,23 @@ fn taken(light: &Light, at: DVec3) -> f64 {
     taken.unwrap_or(1.0)
 }
 
+/// Says that a ground that was asked for is not seen.
+pub(super) fn unseen_ground(
+    args: &LightingArgs,
+    seen: &Resolved,
+    camera: &Camera,
+) -> Option<String> {
+    let why = match seen.ground {
+        _ if !args.ground => return None,
+        None => "the scene has no lowest point",
+        Some(ground) if (camera.position() - ground.point).dot(ground.up) <= 0.0 => {
+            "the camera is below it, as --up says (the ground is seen from above)"
+        }
+        Some(_) => return None,
+    };
+    Some(format!("--ground does nothing here: {why}"))
+}
+
 /// Says of lights that shine on one side that the whole scene is on the other.
 pub(super) fn turned_away(args: &LightingArgs, seen: &Resolved) -> Vec<String> {
     let bounds = seen.scene.bounds();
