@@ -6,7 +6,7 @@ use super::{DVec2, DVec3};
 /// How many points go together: few enough that all their numbers stay in the nearest cache.
 pub(crate) const ROW: usize = 64;
 
-/// A number for each.
+/// A float64 for each of up to [`ROW`] points.
 pub(crate) struct Numbers([f64; ROW]);
 
 impl Numbers {
@@ -26,7 +26,7 @@ impl Numbers {
     }
 }
 
-/// A point of the plane for each.
+/// A [`DVec2`] for each of up to [`ROW`] points.
 pub(crate) struct Points2 {
     x: Numbers,
     y: Numbers,
@@ -50,7 +50,7 @@ impl Points2 {
     }
 }
 
-/// A vector for each.
+/// A [`DVec3`] for each of up to [`ROW`] points.
 pub(crate) struct Vectors {
     x: Numbers,
     y: Numbers,

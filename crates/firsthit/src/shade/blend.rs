@@ -158,7 +158,7 @@ impl Found {
     }
 }
 
-/// The first hits of rays of length one that are not gone through.
+/// For each ray, with a direction of length one, the first hit on a surface that it does not pass through by chance.
 pub(super) fn found(
     shading: &Shading<'_>,
     rays: &[Ray],

@@ -21,7 +21,7 @@ pub(super) fn first_hits(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFilt
 
 /// A BSDF-sampled ray, and which of the light that it meets counts.
 pub(super) struct BsdfRay<'a> {
-    /// The ray, of length one.
+    /// The ray; its direction has length one.
     pub(super) ray: &'a Ray,
     pub(super) sample: &'a BsdfSample,
     /// It goes on from the camera by mirrors and clear matter alone, so it sees what the camera would.

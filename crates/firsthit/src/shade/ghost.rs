@@ -6,6 +6,7 @@ use super::depth_cue;
 use super::lambert::{self, Lambert};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, settings};
+use crate::scene::compute_geometry;
 
 settings! {
     /// The settings of the ghost shader.
@@ -41,6 +42,7 @@ pub(super) fn shade(
         surfaces: crossings.surfaces(shading.scene),
         draws: Vec::new(),
     };
+    compute_geometry(shading.engine.instruction_set(), &layers.surfaces);
     let mut lit = vec![Color::ZERO; layers.surfaces.len()];
     lambert::shade(&settings.of_layers(), shading, &layers, &mut lit);
     for (k, met) in crossings.of_rays().enumerate() {

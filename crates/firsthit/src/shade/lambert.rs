@@ -1,7 +1,7 @@
 //! Matte surfaces: the light that falls on them, by the cosine of its angle (Lambert, "Photometria", 1760).
 
 use super::depth_cue::{self, DepthCue};
-use super::lit::{Incoming, Lighting, Lit, Reflection};
+use super::lit::{HardLighting, Incoming, Lit, Reflection};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, settings};
 
@@ -30,7 +30,7 @@ pub(super) fn shade(
     colors: &mut [Color],
 ) {
     let &Lambert { flat, shadows, .. } = settings;
-    Lighting { flat, shadows }.shade(settings, shading, points, colors);
+    HardLighting { flat, shadows }.shade(settings, shading, points, colors);
     let cue = DepthCue {
         near: settings.depth_near,
         far: settings.depth_far,

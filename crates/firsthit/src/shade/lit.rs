@@ -1,5 +1,5 @@
-//! Surfaces in the light of lights, which a shadow ray each tells from shadow. How a surface answers light is the shader's. Points go row by
-//! row, as in `matte.rs`.
+//! Direct light with hard shadows: for each point and each light, one shadow ray tells whether the point is lit. The shader says how a
+//! surface reflects light. Points go row by row, as in `matte.rs`.
 
 use super::rows::Arriving;
 use super::shadow::ShadowRays;
@@ -9,7 +9,7 @@ use crate::geometry::{Color, DVec2, DVec3, unit};
 use crate::scene::{LightSample, PreparedLight, SurfaceInteraction, softened};
 use crate::simd::{self, Kernel, Lanes};
 
-/// How a surface answers light. What is not inlined is not done in lanes.
+/// How a surface reflects light. What is not inlined is not done in lanes.
 pub(super) trait Reflection {
     /// What the surface shows without any of the lights.
     fn ambient(&self, point: &Lit) -> Color;
@@ -23,16 +23,16 @@ pub(super) trait Reflection {
     }
 }
 
-/// What shaders with lights have in common.
+/// How shaders with hard shadows use lights.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Lighting {
+pub(super) struct HardLighting {
     /// Whether faces have their own normals, in place of smooth ones.
     pub(super) flat: bool,
     /// Whether things cast shadows.
     pub(super) shadows: bool,
 }
 
-impl Lighting {
+impl HardLighting {
     /// Colours all points.
     pub(super) fn shade(
         self,
@@ -130,7 +130,7 @@ pub(super) struct Incoming {
     pub(super) towards: DVec3,
     /// The cosine to the normal.
     pub(super) cosine: f64,
-    /// How much of it counts near the edge of the light, from 0 to 1.
+    /// What is left of it near the shadow terminator, from 0 to 1; see [`softened`].
     pub(super) share: f64,
     /// What a white, matte surface takes that faces it.
     pub(super) light: Color,

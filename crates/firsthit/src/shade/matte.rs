@@ -330,7 +330,7 @@ mod tests {
         DVec3::new(x, y, z) - 0.5
     }
 
-    /// Points with smooth normals, a few of them seen from behind; some count lights twice, and the last row is not full.
+    /// Points with smooth normals, a few of them seen from behind; some are weighted against BSDF-sampled rays, and the last row is not full.
     fn vertices() -> Vec<MatteVertex> {
         let mut draws = Draws::new(5, 2);
         let mut one = |k: usize| {

@@ -17,7 +17,7 @@ settings! {
     }
 }
 
-/// White where the sky is seen, black where it is hidden: a direction for each sample, as often as its cosine is large.
+/// One direction for each sample, cosine-weighted: white if it reaches the sky, black if something within `reach` is in the way.
 pub(super) fn shade(
     settings: &AmbientOcclusion,
     shading: &Shading<'_>,
@@ -48,7 +48,7 @@ pub(super) fn shade(
     rays.add_to(colors, shading, true);
 }
 
-/// A direction around the normal at each point, by the cosine.
+/// A cosine-weighted direction around the normal at each point.
 struct DrawSky<'a>(&'a ShadingPoints, &'a Vectors);
 
 impl Kernel for DrawSky<'_> {

@@ -1,7 +1,7 @@
 //! Highlights: a share of the light around the direction of a mirror, as a power of a cosine.
 
 use super::depth_cue::{self, DepthCue};
-use super::lit::{Incoming, Lighting, Lit, Reflection};
+use super::lit::{HardLighting, Incoming, Lit, Reflection};
 use super::{Points, Shading};
 use crate::geometry::{Color, DVec3, Domain, settings, unit};
 
@@ -73,7 +73,7 @@ fn shade_by(
         settings,
         highlight,
     };
-    Lighting { flat, shadows }.shade(&glossy, shading, points, colors);
+    HardLighting { flat, shadows }.shade(&glossy, shading, points, colors);
     let cue = DepthCue {
         near: settings.depth_near,
         far: settings.depth_far,

@@ -1,8 +1,8 @@
 //! Eight rays at a time against shapes that are no meshes, in lanes of float64.
 //!
 //! A shape is intersected by what is written once for lanes and for a single ray (`shape/bundle.rs`), so the answers are those of the
-//! single rays, to the bit. What is rare goes by these: filters that tell surfaces apart, two hits that may be in one place, and a picture's
-//! rays of extreme lengths.
+//! single rays, to the bit. Rare cases go to the single-ray code: filters that tell surfaces apart, two hits that may be in one place, and rays whose
+//! directions have extreme lengths.
 
 use super::hits::HitSlices;
 use super::scaled_ray::ScaledRay;

@@ -47,7 +47,7 @@ impl LightSample {
 }
 
 impl LightHit {
-    /// Whether a surface that a ray, of length one, meets after a distance leaves the light visible.
+    /// Whether a surface that a ray with a direction of length one meets after a distance leaves the light visible.
     pub(crate) fn is_visible_before(&self, ray: &Ray, distance: f64) -> bool {
         distance == f64::INFINITY || end_of(ray, self.distance) < distance
     }

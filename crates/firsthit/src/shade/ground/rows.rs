@@ -63,7 +63,7 @@ impl Receiver {
         }
     }
 
-    /// A direction by the cosine for each point, and what the environment brings from there. It is black where nothing can block it.
+    /// A cosine-weighted direction for each point, and what the environment brings from there. It is black where nothing can block it.
     pub(super) fn sample_sky(
         self,
         set: InstructionSet,

@@ -2,8 +2,8 @@
 //!
 //! 1. Fill a [`VisibilityBuffer`] from the meshes that may be seen in the tile, the nearest first.
 //! 2. Compute the hits of its pixels from that, eight at a time (`resolve.rs`).
-//! 3. Intersect the other shapes that may be seen in the tile, ray by ray. Some objects fit neither step: shoot single rays at them; or at
-//!    everything, where float32 cannot do the tile.
+//! 3. Intersect the other shapes that may be seen in the tile, eight rays at a time (`shoot/shapes.rs`). Objects that fit neither step get
+//!    single rays; so does everything where float32 cannot do the tile.
 
 use super::pixels::Pixels;
 use super::plan::{MOST_SHAPES, Placed, Plan, Rest, Source, camera_of_tile};
