@@ -73,7 +73,12 @@ pub(super) fn mesh_trees(
     build: BuildSettings,
     before: Option<&Scene>,
 ) -> Result<Vec<Option<Arc<MeshTree>>>> {
-    let is_good_enough = |tree: &MeshTree| build.build != Build::Best || !tree.is_quick();
+    let needs_best = match build.build {
+        Build::Fast => false,
+        Build::Best => true,
+        Build::Auto => build.rays.is_none(),
+    };
+    let is_good_enough = |tree: &MeshTree| !needs_best || !tree.is_quick();
     let known = before
         .into_iter()
         .flat_map(|scene| scene.objects.iter().zip(&scene.trees));
@@ -82,7 +87,7 @@ pub(super) fn mesh_trees(
         .filter(|(_, tree)| is_good_enough(tree))
         .map(|(mesh, tree)| (Arc::as_ptr(mesh), Arc::clone(tree)))
         .collect();
-    // Rays are those of the whole scene, and so are triangles.
+    // Triangles are those of the meshes that have no tree yet.
     let missing = objects.iter().filter_map(Object::mesh);
     let missing: HashMap<*const Mesh, usize> = missing
         .map(|mesh| (Arc::as_ptr(mesh), mesh.triangles().len()))
@@ -132,6 +137,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shape::Positions;
 
     #[test]
     fn few_rays_are_worth_a_fast_build_and_many_a_good_one() {
@@ -147,5 +153,25 @@ mod tests {
             ..auto(Some(1))
         };
         assert!(asked(Build::Fast).is_fast(1) && !asked(Build::Best).is_fast(4_000_000));
+    }
+
+    #[test]
+    fn trees_that_are_good_enough_are_used_again() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let mesh = Mesh::new(Positions::compact(corners.to_vec()), vec![[0, 1, 2]]).unwrap();
+        let objects = vec![Object::new(Arc::new(mesh))];
+        let settings = |build, rays| BuildSettings { build, rays };
+        let fast = Scene::build(objects.clone(), settings(Build::Fast, None)).unwrap();
+        for (build, rays, is_quick) in [
+            (Build::Fast, None, true),
+            (Build::Auto, Some(9), true),
+            (Build::Auto, None, false),
+            (Build::Best, Some(1), false),
+        ] {
+            let scene = fast.clone().with_build(settings(build, rays));
+            let scene = scene.with_objects(objects.clone()).unwrap();
+            let tree = scene.trees[0].as_ref().unwrap();
+            assert_eq!(tree.is_quick(), is_quick, "{build:?} {rays:?}");
+        }
     }
 }

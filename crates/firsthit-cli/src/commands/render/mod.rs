@@ -326,7 +326,9 @@ mod tests {
             render: RenderArgs,
         }
         let words = format!("render a.ply --size 20x5 {options}");
-        let args = Options::parse_from(words.split_whitespace()).render;
+        let args = Options::try_parse_from(words.split_whitespace())
+            .unwrap()
+            .render;
         rays(&args, &World::default(), None)
     }
 
@@ -342,7 +344,7 @@ mod tests {
                 Some(100 * 4 * 2),
             ),
             ("--light shoulder", Some(100 * 4 * 2)),
-            ("--ambient 0.1", Some(100 * 4 * 2)),
+            ("--ambient 0.1,0.1,0.1", Some(100 * 4 * 2)),
             ("--shader lambert --ground", Some(100 * 16 * 2)),
             ("--shader phong --samples 2", Some(100 * 2 * 2)),
             ("--shader ao", Some(100 * 16 * 2)),
