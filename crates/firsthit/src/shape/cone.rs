@@ -1,7 +1,7 @@
 //! The cone: a round body whose radius changes evenly along its axis.
 
 use super::bundle::{
-    CrossingOf, RayOf, Vector, dot, equal, has_minus, larger, minus, negative, plus, smaller,
+    CrossingOf, RayOf, Vector, abs, dot, equal, has_minus, larger, minus, negative, plus, smaller,
     splat, squared, times,
 };
 use super::interval::Interval;
@@ -31,6 +31,18 @@ pub struct Cone {
     height: f64,
     bottom_radius: f64,
     top_radius: f64,
+}
+
+/// A cone whose radius changes by more than so many times its height is flat.
+const FLAT: f64 = 4.0;
+
+/// A line, or one in each lane, as a cone sees it: across its axis and along it, at the start and what it gains in one unit.
+#[derive(Clone, Copy)]
+struct Line<N> {
+    across: Vector<N>,
+    d_across: Vector<N>,
+    z: N,
+    dz: N,
 }
 
 impl Cone {
@@ -98,15 +110,93 @@ impl Cone {
     ) -> Interval<A> {
         let axis = splat(of, self.axis);
         let (z, dz) = (dot(of, at, axis), dot(of, along, axis));
-        // A tip is part of the side: there is no lid.
-        let bottom = i32::from(self.bottom_radius > 0.0);
-        let top = 2 * i32::from(self.top_radius > 0.0);
-        let slab = Interval::line(of).between([(0.0, bottom), (self.height, top)], z, dz);
+        let slab = Interval::line(of).between(self.lids(), z, dz);
         if !slab.is_anywhere() {
             return slab;
         }
-        let across = minus(of, at, times(of, z, axis));
-        let d_across = minus(of, along, times(of, dz, axis));
+        let line = Line {
+            across: minus(of, at, times(of, z, axis)),
+            d_across: minus(of, along, times(of, dz, axis)),
+            z,
+            dz,
+        };
+        if FLAT * self.height < (self.top_radius - self.bottom_radius).abs() {
+            self.inside_flat(of, slab, line)
+        } else {
+            self.inside_slab(of, slab, line)
+        }
+    }
+
+    /// The heights of the lids, and their primitives. A tip is part of the side: there is no lid.
+    #[inline(always)]
+    fn lids(&self) -> [(f64, i32); 2] {
+        let bottom = i32::from(self.bottom_radius > 0.0);
+        let top = 2 * i32::from(self.top_radius > 0.0);
+        [(0.0, bottom), (self.height, top)]
+    }
+
+    /// The stretch inside a cone that is flat. Rounding of a line's height makes the more of the radius the flatter the cone is. So the line
+    /// is made to start where it enters the slab between the lids, where its height is known without rounding, and to go through the slab in
+    /// one unit. Where it goes a long way through the slab, it starts where it is nearest to the axis.
+    #[inline(always)]
+    fn inside_flat<A: Arithmetic>(
+        &self,
+        of: A,
+        slab: Interval<A>,
+        line: Line<A::Number>,
+    ) -> Interval<A> {
+        let Line {
+            across,
+            d_across,
+            z,
+            dz,
+        } = line;
+        let (zero, height) = (of.number(0.0), of.number(self.height));
+        let is_upwards = of.lt(zero, dz);
+        let [first, last] = [
+            of.select(is_upwards, zero, height),
+            of.select(is_upwards, height, zero),
+        ];
+        let [enter, exit] = [of.div(of.sub(first, z), dz), of.div(of.sub(last, z), dz)];
+        let stretch = of.div(height, abs(of, dz));
+        let size = self.height + self.bottom_radius + self.top_radius;
+        let way = of.mul(squared(of, d_across), of.mul(stretch, stretch));
+        let is_short = of.le(way, of.number(size * size));
+        let nearest = of.div(
+            negative(of, dot(of, across, d_across)),
+            squared(of, d_across),
+        );
+        let within = smaller(of, larger(of, nearest, enter), exit);
+        let nearest = of.select(equal(of, dz, zero), nearest, within);
+        let start = of.select(is_short, enter, nearest);
+        let unit = of.select(is_short, stretch, of.number(1.0));
+        let z = of.select(is_short, first, of.add(z, of.mul(nearest, dz)));
+        let dz = of.select(is_short, of.sub(last, first), dz);
+        let line = Line {
+            across: plus(of, across, times(of, start, d_across)),
+            d_across: times(of, unit, d_across),
+            z,
+            dz,
+        };
+        let anew = Interval::line(of).between(self.lids(), z, dz);
+        let inside = self.inside_slab(of, anew.only(slab.is_there()), line);
+        inside.scaled(unit).moved(start)
+    }
+
+    /// The stretch of lines inside, `slab` being that between the lids.
+    #[inline(always)]
+    fn inside_slab<A: Arithmetic>(
+        &self,
+        of: A,
+        slab: Interval<A>,
+        line: Line<A::Number>,
+    ) -> Interval<A> {
+        let Line {
+            across,
+            d_across,
+            z,
+            dz,
+        } = line;
         let slope = of.number(self.slope());
         let radius = of.add(of.number(self.bottom_radius), of.mul(slope, z));
         let d_radius = of.mul(slope, dz);
@@ -380,6 +470,54 @@ mod tests {
                 "{radius} {}",
                 hit.t
             );
+        }
+    }
+
+    /// Rays through the bottom's plane; the side is a height above it at most.
+    #[test]
+    fn a_flat_cone_is_as_wide_as_it_is() {
+        let tilted = unit(DVec3::new(0.3, -0.4, 0.7));
+        for height in [1e-7, 1e-8, 1e-9, 1e-12, 1e-16, 1e-20, 1e-50, 1e-160, 1e-300] {
+            for ([bottom, top], axis) in [
+                ([1.0, 0.0], DVec3::Z),
+                ([0.25, 1.0], DVec3::Z),
+                ([1.0, 0.0], tilted),
+                ([0.25, 1.0], -tilted),
+            ] {
+                let cone = Cone::new(DVec3::ZERO, height * axis, bottom, top).unwrap();
+                let (x, y) = axis.any_orthonormal_pair();
+                for k in 0..400_u32 {
+                    let angle = f64::from(k);
+                    let radius = 1.5 * f64::from(k % 40) / 39.5;
+                    let to = radius * (libm::cos(angle) * x + libm::sin(angle) * y);
+                    let from = 3.0 * x + 0.3 * y + [2.0, -2.0, 1e-3, 40.0][(k % 4) as usize] * axis;
+                    let hit = cone.intersect(&Ray::new(from, to - from));
+                    let what = || format!("{cone:?} {radius} {from} {hit:?}");
+                    assert_eq!(hit.is_some(), radius < 1.0, "{}", what());
+                    let is_there = hit.is_none_or(|hit| (hit.t - 1.0).abs() < 1e4 * height + 1e-12);
+                    assert!(is_there, "{}", what());
+                }
+            }
+        }
+    }
+
+    /// Along a cone that is flat: in at the side, at its radius there, and out.
+    #[test]
+    fn rays_along_a_flat_cone_meet_its_side() {
+        for height in [1e-2, 1e-5, 1e-8, 1e-30, 1e-300] {
+            let cone = Cone::new(DVec3::ZERO, height * DVec3::Z, 1.0, 0.0).unwrap();
+            for share in [0.25, 0.5, 0.875] {
+                for rise in [0.0, 1e-3, -1e-3] {
+                    let at = |x: f64| DVec3::new(x, 0.0, height * (share + rise * x));
+                    let ray = Ray::new(at(-3.0), at(1.0) - at(0.0));
+                    let [enter, exit] = cone.crossings(&ray).map(|hit| hit.unwrap().t - 3.0);
+                    // 1 - share - rise x = |x|.
+                    let expected = [(share - 1.0) / (1.0 - rise), (1.0 - share) / (1.0 + rise)];
+                    for (t, expected) in [enter, exit].into_iter().zip(expected) {
+                        assert!((t - expected).abs() < 1e-12, "{height} {share} {rise} {t}");
+                    }
+                }
+            }
         }
     }
 

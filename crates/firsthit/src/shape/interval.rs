@@ -121,6 +121,12 @@ impl<A: Arithmetic> Interval<A> {
         self
     }
 
+    /// Not where the line is known to miss the solid.
+    #[inline(always)]
+    pub(super) fn is_there(&self) -> A::Mask {
+        self.is_there
+    }
+
     /// Whether anything may be inside anywhere.
     #[inline(always)]
     pub(super) fn is_anywhere(&self) -> bool {
@@ -146,6 +152,16 @@ impl<A: Arithmetic> Interval<A> {
             enter: End::select(of, mask, one.enter, other.enter),
             exit: End::select(of, mask, one.exit, other.exit),
         }
+    }
+
+    /// The same in a parameter of which `unit` is one of the old, without an empty stretch.
+    #[inline(always)]
+    pub(super) fn scaled(mut self, unit: A::Number) -> Self {
+        let of = self.of;
+        self = self.only(!of.lt(self.exit.t, self.enter.t));
+        self.enter.t = of.mul(self.enter.t, unit);
+        self.exit.t = of.mul(self.exit.t, unit);
+        self
     }
 
     /// Adds `start` to both ends, and drops an empty stretch.

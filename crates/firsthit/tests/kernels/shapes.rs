@@ -142,6 +142,28 @@ fn moved_shapes_are_met_where_they_are() {
     }
 }
 
+/// A ray alone is asked for the box of a cone first, and neighbours together: what they meet does not depend on that.
+#[test]
+fn flat_cones_are_met_alike_side_by_side_and_alone() {
+    let mut numbers = Numbers::new(51);
+    for height in [1e-1, 1e-3, 1e-6, 1e-8, 1e-12, 1e-20, 1e-100] {
+        for top in [0.0, 0.3, 2.0] {
+            let axis = numbers.point().normalize();
+            let cone = Cone::new(DVec3::ZERO, height * axis, 1.0, top).unwrap();
+            let transform = DAffine3::from_scale(DVec3::new(1.0, 0.5, 3.0));
+            let placed = Object::new(cone).placed(Transform::new(transform).unwrap());
+            for object in [Object::new(cone), placed] {
+                let scene = Scene::new(vec![object]).unwrap();
+                let from = 3.0 * axis + numbers.point();
+                let rays: Vec<Ray> = (0..2000)
+                    .map(|_| Ray::new(from, 1.5 * numbers.point() - from))
+                    .collect();
+                assert!(checked(&scene, &rays) > 100);
+            }
+        }
+    }
+}
+
 /// Rays that leave surfaces side by side, nearly in one direction. In some beams all rays see less, in others one does.
 fn leaving(scene: &Scene, starts: &[Ray], numbers: &mut Numbers) -> (Vec<Ray>, Vec<RayFilter>) {
     let hits = trace(scene, starts, First, &()).unwrap();
