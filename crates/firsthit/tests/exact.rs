@@ -161,6 +161,36 @@ fn of_two_triangles_in_one_plane_the_first_object_is_met() {
     assert!(hits > 8000, "{hits}");
 }
 
+/// Rays along z through the corner that the triangles of a fan share: the exact `t` is a difference, which often lies halfway between two
+/// float64. It is the same for all triangles, so the lowest wins.
+#[test]
+fn triangles_with_one_exact_t_are_a_tie_wherever_it_lies() {
+    let mut numbers = Numbers::new(23);
+    let (mut hits, mut halfway) = (0, 0);
+    for _ in 0..300 {
+        let corners: Vec<DVec3> = (0..12).map(|_| numbers.point() / 0.7).collect();
+        let around = (1..11).map(|k| [0, k, k + 1]).rev().collect();
+        let scene = scene(vec![Object::new(mesh(&corners, around))]);
+        for _ in 0..10 {
+            let t = (1.0 + numbers.unit()) / 0.7;
+            let origin = corners[0] - DVec3::Z * t;
+            let ray = Ray::new(origin, DVec3::Z);
+            let hit = agree(&scene, &ray);
+            check(&scene, &ray, &hit);
+            hits += u32::from(!hit.is_miss());
+            let exact = number(corners[0].z) - number(origin.z);
+            let near = nearest(&exact);
+            let [below, above] = [near.next_down(), near.next_up()].map(number);
+            let two = number(2.0);
+            let is_halfway = [below, above]
+                .iter()
+                .any(|other| number(near) + other == &two * &exact);
+            halfway += u32::from(is_halfway);
+        }
+    }
+    assert!(hits > 1500 && halfway > 150, "{hits} {halfway}");
+}
+
 /// Pictures too: each pixel's `t`, of triangles large and small, near and far.
 #[test]
 fn pictures_have_exact_distances() {

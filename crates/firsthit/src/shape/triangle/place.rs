@@ -22,10 +22,12 @@ mod weights;
 pub(crate) use double::{Plane, Start};
 pub(crate) use plain::{Plain, PlainStart};
 
+use std::cmp::Ordering;
+
 use crate::geometry::DVec3;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::double::{Double, DoubleVector, between, cross, quotient};
-use crate::geometry::exact::{Scaled, determinant, power};
+use crate::geometry::exact::{Expansion, Scaled, determinant, power};
 use double::left_over;
 use weights::Edges;
 
@@ -91,6 +93,39 @@ fn splat_double<A: Arithmetic>(a: A, v: &DoubleVector<f64>) -> DoubleVector<A::N
         };
     }
     [part!(0), part!(1), part!(2)]
+}
+
+/// A quotient in twice the digits whose `high` is the float64 nearest to the exact quotient of two numbers, and of two that are as near the
+/// even one. Twice the digits are enough, but where they are halfway between two float64.
+#[inline(always)]
+fn settled(t: Double<f64>, exact: impl FnOnce() -> [Expansion; 2]) -> Double<f64> {
+    let other = if t.low < 0.0 {
+        t.high.next_down()
+    } else {
+        t.high.next_up()
+    };
+    let half = 0.5 * (other - t.high);
+    let is_halfway = (t.low - half).abs() <= power(-30) * half.abs();
+    if !is_halfway || t.high == 0.0 {
+        return t;
+    }
+    let [numerator, denominator] = exact();
+    let [middle, one] = [vec![t.high, half], vec![1.0]].map(Expansion::of);
+    let order = Expansion::compare_quotients([&numerator, &denominator], [&middle, &one]);
+    let is_low = match order {
+        Ordering::Less => true,
+        Ordering::Greater => false,
+        Ordering::Equal => t.high.min(other).to_bits() % 2 == 0,
+    };
+    let high = if is_low {
+        t.high.min(other)
+    } else {
+        t.high.max(other)
+    };
+    Double {
+        high,
+        low: (t.high - high) + t.low,
+    }
 }
 
 impl Meeting<f64> {
@@ -182,7 +217,7 @@ impl Meeting<f64> {
         ]
     }
 
-    /// The place as if without rounding; `None` where the ray is along the plane.
+    /// The place as if without rounding, with the `t` that is nearest to the exact one; `None` where the ray is along the plane.
     #[inline(always)]
     pub(crate) fn exact(&self) -> Option<Place<f64>> {
         let [first, second, third] = &self.corners;
@@ -196,6 +231,9 @@ impl Meeting<f64> {
             return None;
         }
         let t = quotient(Scalar, determinant(&e, &f, &start), slope);
+        let t = settled(t, || {
+            [&start, &d].map(|v| Expansion::determinant(&e, &f, v))
+        });
         let r = left_over(Scalar, t, &high(&d.vector), &start.vector);
         let n = high(&cross(Scalar, &e.vector, &f.vector));
         let (edges, _) = Edges::new(Scalar, [high(&e.vector), high(&f.vector)], n);
