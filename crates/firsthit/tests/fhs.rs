@@ -596,8 +596,8 @@ fn a_changed_byte_is_found_and_does_no_harm() {
         assert!(!why.contains('\n'), "{why}");
         accepted += usize::from(attack(&changed, false).is_ok());
     }
-    // Coordinates are not checked.
-    assert!(accepted > bytes.len() / 4, "{accepted} of {}", bytes.len());
+    // Boxes are not checked, and of vertices only that they are in the tree's space.
+    assert!(accepted > bytes.len() / 5, "{accepted} of {}", bytes.len());
 }
 
 /// With the checksums of the header and the record made right again, so that the reader sees what is there.

@@ -98,9 +98,15 @@ pub(super) fn mesh_trees(
         if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
             return Ok(Arc::clone(built));
         }
-        let bytes = if is_fast { FAST_TREE_BYTES } else { TREE_BYTES };
-        let bytes = mesh.triangles().len().saturating_mul(bytes);
-        memory::check("the tree over a mesh", bytes)?;
+        let has_room_for = |bytes_each: usize| {
+            let bytes = mesh.triangles().len().saturating_mul(bytes_each);
+            memory::check("the tree over a mesh", bytes)
+        };
+        // The full build takes less memory.
+        let is_fast = is_fast && has_room_for(FAST_TREE_BYTES).is_ok();
+        if !is_fast {
+            has_room_for(TREE_BYTES)?;
+        }
         let fitted = before.and_then(|scene| scene.fitted(k, mesh, is_good_enough));
         let anew = || {
             if is_fast {
