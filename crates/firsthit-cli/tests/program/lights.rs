@@ -262,3 +262,38 @@ fn an_environment_that_lights_nothing_is_told() {
         1
     );
 }
+
+#[test]
+fn a_ground_that_is_seen_from_below_is_told() {
+    let lab = Lab::with_square();
+    for (height, is_unseen) in [(-5, true), (5, false)] {
+        let camera = format!("--position 0,-3,{height} --look-at 0,0,0 --up 0,0,1 --size 8x6");
+        let said = |options: &str| {
+            let render = format!("render square.ply {camera} --samples 1 -o a.png {options}");
+            lab.ok(&render).stderr
+        };
+        let words = "--ground does nothing here: the camera is below it";
+        assert_eq!(said("--ground").contains(words), is_unseen, "{height}");
+        assert!(!said("").contains(words), "{height}");
+    }
+}
+
+/// The walls would keep all of it out.
+#[test]
+fn light_that_fills_shadows_does_so_in_a_closed_room() {
+    let lab = Lab::new();
+    let room = "[[objects]]\nshape = \"box\"\nlow = [-5, -5, -5]\nhigh = [5, 5, 5]\n";
+    let ball = "[[objects]]\nshape = \"sphere\"\ncenter = [0, 0, -1]\nradius = 2\n";
+    let light = "[[lights]]\nkind = \"point\"\nposition = [0, 0, 4]\nintensity = [9, 9, 9]\n";
+    lab.write("room.toml", format!("{room}{ball}{light}"));
+    let darkest = |options: &str| {
+        let camera = "--position 0,-4.5,-4 --look-at 0,0,-5 --up 0,0,1 --size 16x12";
+        lab.ok(&format!(
+            "render room.toml {camera} --samples 4 --channels color -o a.npz {options}"
+        ));
+        let colors = lab.npz("a.npz").remove("color").unwrap().values;
+        colors.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    assert_eq!(darkest("--shader direct"), 0.0);
+    assert!(darkest("") > 0.0);
+}
