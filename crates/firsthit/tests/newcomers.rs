@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use firsthit::load::{LoadSettings, Loaded, load_bytes};
 use firsthit::render::{BACKGROUND, RANDOM_SAMPLES, framing_camera};
-use firsthit::scene::{MapRole, Maps};
+use firsthit::scene::{ColorBy, Coloring, MapRole, Maps};
 use firsthit::shade::{Ground, LightRig, Lighting};
 use firsthit::shoot::{First, trace};
 use firsthit::world::World;
@@ -236,6 +236,30 @@ fn everything_said_of_a_picture_shows_in_it() {
     assert_eq!(names, ["t", "object", "color"]);
     let error = small.channels(&["depth"]).frame().unwrap_err().to_string();
     assert!(error.starts_with("channel must be "), "{error}");
+}
+
+/// It makes its colours without them.
+#[test]
+fn what_a_shade_of_one_s_own_would_ignore_is_refused() {
+    let scene = balls();
+    let fog = |t: f64, _p: DVec3, _u_r: DVec3, _o: &Hit| Color::splat(libm::exp(-t));
+    let small = Render::new(&scene).size(3, 4).shade(&fog);
+    assert!(small.clone().samples(2).frame().is_ok());
+    for (name, picture) in [
+        ("light", small.clone().light(LightRig::Sun)),
+        (
+            "background",
+            small.clone().background(Background::Transparent),
+        ),
+        ("ground", small.clone().ground(false)),
+        (
+            "color_by",
+            small.clone().color_by(Coloring::new(ColorBy::Height)),
+        ),
+    ] {
+        let why = picture.frame().unwrap_err().to_string();
+        assert!(why.contains(name), "{why}");
+    }
 }
 
 #[test]
