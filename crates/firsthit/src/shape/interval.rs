@@ -121,12 +121,6 @@ impl<A: Arithmetic> Interval<A> {
         self
     }
 
-    /// Not where the line is known to miss the solid.
-    #[inline(always)]
-    pub(super) fn is_there(&self) -> A::Mask {
-        self.is_there
-    }
-
     /// Whether anything may be inside anywhere.
     #[inline(always)]
     pub(super) fn is_anywhere(&self) -> bool {
@@ -154,7 +148,7 @@ impl<A: Arithmetic> Interval<A> {
         }
     }
 
-    /// The same in a parameter of which `unit` is one of the old, without an empty stretch.
+    /// Multiplies both ends by `unit`, and drops an empty stretch.
     #[inline(always)]
     pub(super) fn scaled(mut self, unit: A::Number) -> Self {
         let of = self.of;

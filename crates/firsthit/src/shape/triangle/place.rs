@@ -95,10 +95,10 @@ fn splat_double<A: Arithmetic>(a: A, v: &DoubleVector<f64>) -> DoubleVector<A::N
     [part!(0), part!(1), part!(2)]
 }
 
-/// A quotient in twice the digits whose `high` is the float64 nearest to the exact quotient of two numbers, and of two that are as near the
-/// even one. Twice the digits are enough, but where they are halfway between two float64.
+/// Rounds a quotient: `high` becomes the float64 nearest to the `exact` numerator over its denominator, and the even one where it lies halfway
+/// between two. Only next to halfway are twice the digits not enough to tell.
 #[inline(always)]
-fn settled(t: Double<f64>, exact: impl FnOnce() -> [Expansion; 2]) -> Double<f64> {
+fn rounded_to_nearest(t: Double<f64>, exact: impl FnOnce() -> [Expansion; 2]) -> Double<f64> {
     let other = if t.low < 0.0 {
         t.high.next_down()
     } else {
@@ -231,7 +231,7 @@ impl Meeting<f64> {
             return None;
         }
         let t = quotient(Scalar, determinant(&e, &f, &start), slope);
-        let t = settled(t, || {
+        let t = rounded_to_nearest(t, || {
             [&start, &d].map(|v| Expansion::determinant(&e, &f, v))
         });
         let r = left_over(Scalar, t, &high(&d.vector), &start.vector);
