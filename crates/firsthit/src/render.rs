@@ -11,7 +11,7 @@ mod settings;
 mod slab;
 mod state;
 
-pub use appearance::{Appearance, Resolved, world_up};
+pub use appearance::{Appearance, Resolved, default_shader, world_up};
 pub use region::Region;
 pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};
@@ -511,6 +511,11 @@ pub const SAMPLES: u32 = 4;
 
 /// That of shaders that draw numbers.
 pub const RANDOM_SAMPLES: u32 = 16;
+
+/// The default number of samples per pixel, of shaders that draw numbers or do not.
+pub const fn default_samples(is_random: bool) -> u32 {
+    if is_random { RANDOM_SAMPLES } else { SAMPLES }
+}
 
 /// The default background of pictures.
 pub const BACKGROUND: Background = Background::NEUTRAL;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{BACKGROUND, RANDOM_SAMPLES, SAMPLES};
+use super::{BACKGROUND, default_samples};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::geometry::{Color, DVec3, Value, unit};
@@ -25,7 +25,7 @@ pub struct Appearance {
     pub ground: Option<bool>,
     /// Colours by numbers, in place of the surfaces' own. By default those of the scene, if it has any.
     pub coloring: Option<Coloring>,
-    /// Of how many points of a pixel its colour is the mean. By default [`RANDOM_SAMPLES`] where the shader draws numbers, else [`SAMPLES`].
+    /// Of how many points of a pixel its colour is the mean. By default [`default_samples`].
     pub samples: Option<u32>,
 }
 
@@ -53,9 +53,6 @@ const FILL: Color = Color::splat(0.25);
 
 /// How far away things darken each other in a room, as a share of its diagonal: further, all of a closed room would be dark.
 const SHARE_OF_ROOM: f64 = 0.25;
-
-/// Said of [`FILL`].
-const FILLED: &str = "some light from all around (--shader)";
 
 /// Said where lights that go with the camera would have walls between them and what it sees.
 const NO_SHADOWS: &str = "no shadows of lights outside of the room (--light)";
@@ -85,10 +82,8 @@ impl Appearance {
             usual.filter(|_| is_dark)
         });
         let is_rig_guessed = rig.is_some() && self.rig.is_none();
-        let mut shader = self.shader.clone().unwrap_or_else(|| match rig {
-            Some(LightRig::Shoulder) => Shader::Lambert(Lambert::default()),
-            _ => Shader::Direct(Direct::default()),
-        });
+        let mut shader = self.shader.clone().unwrap_or_else(|| default_shader(rig));
+        let is_filled = rig.is_none() && self.shader.is_none() && scene.environment().is_none();
         let is_within = camera.is_some_and(|camera| is_within(scene, camera));
         let lit = match (rig, camera) {
             (Some(rig), Some(camera)) => {
@@ -103,8 +98,8 @@ impl Appearance {
             }
             // Without a camera there is light from all around alone.
             (Some(_), None) => borrowing(scene, vec![], Some(fill(LightRig::WHITE))),
-            (None, _) if self.shader.is_none() && scene.environment().is_none() => {
-                guessed.push(FILLED);
+            (None, _) if is_filled => {
+                guessed.push("some light from all around (--shader)");
                 scene.clone().with_borrowed_environment(Some(fill(FILL)))
             }
             (None, _) => scene.clone(),
@@ -112,7 +107,7 @@ impl Appearance {
         let reach = SHARE_OF_ROOM * scene.bounds().size().length();
         // Walls would keep all of it out.
         if is_within
-            && guessed.contains(&FILLED)
+            && is_filled
             && let Shader::Direct(direct) = &mut shader
         {
             direct.reach = direct.reach.min(reach);
@@ -142,14 +137,13 @@ impl Appearance {
             guessed.push("a ground for shadows (--ground)");
         }
         let is_random = shader.is_random() || ground.is_some();
-        let usual = if is_random { RANDOM_SAMPLES } else { SAMPLES };
         Resolved {
             scene: lit,
             shader,
             upwards: camera.map_or_else(|| scene.up(), Camera::upwards),
             background: self.background.unwrap_or(BACKGROUND),
             ground,
-            samples: self.samples.unwrap_or(usual),
+            samples: self.samples.unwrap_or(default_samples(is_random)),
             guessed,
         }
     }
@@ -164,10 +158,7 @@ impl Appearance {
             return None;
         }
         let ground = Ground::under(scene, up)?;
-        let is_above = camera.is_none_or(|camera| {
-            let height = (camera.position() - ground.point).dot(unit(ground.up));
-            height > 0.0
-        });
+        let is_above = camera.is_none_or(|camera| ground.is_seen_from(camera.position()));
         (self.ground.is_some() || is_above).then_some(ground)
     }
 }
@@ -182,6 +173,14 @@ impl Resolved {
             engine,
             ..self.shader.clone().on(&self.scene)
         }
+    }
+}
+
+/// The shader where nobody chooses one, in lights that go with the camera if there are any.
+pub fn default_shader(rig: Option<LightRig>) -> Shader {
+    match rig {
+        Some(LightRig::Shoulder) => Shader::Lambert(Lambert::default()),
+        _ => Shader::Direct(Direct::default()),
     }
 }
 

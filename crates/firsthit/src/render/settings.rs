@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Debug, Formatter};
 
-use super::{Appearance, Picture, RANDOM_SAMPLES, Region, SAMPLES, framing_camera};
+use super::{Appearance, Picture, Region, default_samples, framing_camera};
 use crate::camera::{Camera, StandardView};
 use crate::channel::{self, Kind};
 use crate::edge::Edges;
@@ -251,13 +251,8 @@ impl<'a> Render<'a> {
             Ok,
         )?;
         let picture = |scene: &Scene, shade: &dyn Shade, samples: Option<u32>| {
-            let usual = if shade.is_random() {
-                RANDOM_SAMPLES
-            } else {
-                SAMPLES
-            };
             let picture = Picture {
-                samples: samples.unwrap_or(usual),
+                samples: samples.unwrap_or(default_samples(shade.is_random())),
                 cull: self.cull,
                 region: self.region.clone(),
                 engine: self.engine,

@@ -73,12 +73,9 @@ pub(super) fn mesh_trees(
     build: BuildSettings,
     before: Option<&Scene>,
 ) -> Result<Vec<Option<Arc<MeshTree>>>> {
-    let needs_best = match build.build {
-        Build::Fast => false,
-        Build::Best => true,
-        Build::Auto => build.rays.is_none(),
-    };
-    let is_good_enough = |tree: &MeshTree| !needs_best || !tree.is_quick();
+    // Fast, if there were triangles enough.
+    let may_be_quick = build.is_fast(usize::MAX);
+    let is_good_enough = |tree: &MeshTree| may_be_quick || !tree.is_quick();
     let known = before
         .into_iter()
         .flat_map(|scene| scene.objects.iter().zip(&scene.trees));

@@ -45,6 +45,11 @@ impl Ground {
         })
     }
 
+    /// Whether a point is above it, where its shadows are seen.
+    pub fn is_seen_from(&self, point: DVec3) -> bool {
+        (point - self.point).dot(unit(self.up)) > 0.0
+    }
+
     /// Darkens the misses of rays that go through the plane from above.
     pub(super) fn shade(
         &self,

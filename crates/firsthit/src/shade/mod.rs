@@ -241,7 +241,7 @@ impl Shader {
     }
 
     /// How many rays it sends from a hit, in a scene with so many lights; `None` where that depends on what they meet.
-    pub fn rays_of_hit(&self, lights: usize) -> Option<usize> {
+    pub fn rays_per_hit(&self, lights: usize) -> Option<usize> {
         match self {
             Self::Hemisphere(_) | Self::Matcap(_) | Self::Unlit(()) | Self::Normal(()) => Some(0),
             Self::AmbientOcclusion(_) => Some(1),

@@ -100,14 +100,12 @@ pub(super) fn unseen_ground(
     camera: &Camera,
 ) -> Option<String> {
     let why = match seen.ground {
-        _ if !args.ground => return None,
         None => "the scene has no lowest point",
-        Some(ground) if (camera.position() - ground.point).dot(ground.up) <= 0.0 => {
-            "the camera is below it, as --up says (the ground is seen from above)"
-        }
-        Some(_) => return None,
+        Some(ground) if ground.is_seen_from(camera.position()) => return None,
+        Some(_) => "the camera is below it, as --up says",
     };
-    Some(format!("--ground does nothing here: {why}"))
+    args.ground
+        .then(|| format!("--ground does nothing here: {why}"))
 }
 
 /// Says of lights that shine on one side that the whole scene is on the other.

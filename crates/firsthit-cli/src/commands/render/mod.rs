@@ -12,11 +12,11 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
-use firsthit::render::{Appearance, RANDOM_SAMPLES, SAMPLES, check_state_file, world_up};
-use firsthit::shade::{Direct, Lambert, LightRig};
+use firsthit::render::{Appearance, check_state_file, default_samples, default_shader, world_up};
+use firsthit::shade::LightRig;
 use firsthit::shoot::Cpu;
 use firsthit::world::{Output, World};
-use firsthit::{Camera, Scene, Shader};
+use firsthit::{Camera, Scene};
 
 use crate::args::{CameraArgs, ColorsArgs, EdgeArgs, LightingArgs, LoadArgs, RenderArgs};
 use crate::asked;
@@ -57,8 +57,8 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
     })
 }
 
-/// About how many rays a picture takes; `None` where nobody knows before its camera, its shader or its noise. `asked` is what the command
-/// line says already of what goes where.
+/// About how many rays a picture takes; `None` where nobody knows before its camera, its shader or its noise. `asked` are the outputs that
+/// the command line names.
 fn rays(args: &RenderArgs, model: &World, asked: Option<&[Order]>) -> Option<u64> {
     let made;
     let orders = if let Some(orders) = asked {
@@ -82,19 +82,12 @@ fn rays(args: &RenderArgs, model: &World, asked: Option<&[Order]>) -> Option<u64
     }
     let rig = light::rig(&args.light).or(model.rig);
     let shader = shader::shader(&args.light, model.shader.as_ref(), rig).ok()?;
-    let shader = shader.unwrap_or_else(|| match rig {
-        Some(LightRig::Shoulder) => Shader::Lambert(Lambert::default()),
-        _ => Shader::Direct(Direct::default()),
-    });
-    let of_hit = shader.rays_of_hit(model.lights.len().max(1))?;
+    let shader = shader.unwrap_or_else(|| default_shader(rig));
+    let of_hit = shader.rays_per_hit(model.lights.len().max(1))?;
     let has_ground = light::ground(&args.light).or(model.ground);
     let has_ground = has_ground.unwrap_or(rig.is_some_and(|rig| rig != LightRig::Shoulder));
-    let usual = if shader.is_random() || has_ground {
-        RANDOM_SAMPLES
-    } else {
-        SAMPLES
-    };
-    let samples = args.picture.samples.or(model.samples).unwrap_or(usual);
+    let samples = args.picture.samples.or(model.samples);
+    let samples = samples.unwrap_or(default_samples(shader.is_random() || has_ground));
     let of_pixel = u64::from(samples).saturating_mul(1 + of_hit as u64);
     Some(pixels.saturating_mul(of_pixel))
 }
@@ -315,6 +308,7 @@ fn edges(args: &EdgeArgs, of_file: Option<Edges>) -> Option<Edges> {
 #[cfg(test)]
 mod tests {
     use clap::Parser;
+    use firsthit::Shader;
 
     use super::*;
 

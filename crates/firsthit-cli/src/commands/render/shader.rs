@@ -2,12 +2,12 @@
 
 use firsthit::Shader;
 use firsthit::geometry::{Setting, Value};
+use firsthit::render::default_shader;
 use firsthit::shade::LightRig;
 
 use crate::args::LightingArgs;
 use crate::failure::Failure;
 
-const DEFAULT_SHADER: &str = "direct";
 const LAMBERT: &str = "lambert";
 
 // Settings that have options of their own.
@@ -30,11 +30,10 @@ pub(super) fn shader(
             return Err(without_ambient(shader));
         }
         (None, Some(shader)) => shader.clone(),
-        // What goes with ambient light, and with light over the shoulder.
+        // What goes with ambient light.
         (None, None) if args.ambient.is_some() => Shader::named(LAMBERT)?,
         (None, None) if is_silent => return Ok(None),
-        (None, None) if rig == Some(LightRig::Shoulder) => Shader::named(LAMBERT)?,
-        (None, None) => Shader::named(DEFAULT_SHADER)?,
+        (None, None) => default_shader(rig),
     };
     for (name, text) in &args.set {
         set(&mut shader, name, text)?;
