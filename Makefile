@@ -36,14 +36,14 @@ gallery: .venv/ready
 test: test-rust test-python test-scripts
 
 # Some tests read files that are not ours to copy. They are ignored, with the reason, unless those are beside the clone.
-test-rust:
-	$(CARGO) test --workspace $(if $(wildcard ../shared/refdata),-- --include-ignored --skip soak)
-
-# Where ../shared/refdata is beside the clone, rays from inside of closed meshes at their corners and edges. A hundredth as many on random
-# soups, every kernel against brute force, which tests all triangles: a hundred million take an hour and a half of one core. A tenth as many
-# rays that cross closed meshes in pairs, and of real files, as many again that cross and leave them.
-SOAK := $(CARGO) test --release --package firsthit
 REFDATA := $(wildcard ../shared/refdata)
+test-rust:
+	$(CARGO) test --workspace $(if $(REFDATA),-- --include-ignored --skip soak)
+
+# Where ../shared/refdata is beside the clone, rays from inside closed meshes at their corners and edges. A hundredth as many on random
+# soups, every kernel against brute force, which takes a millisecond for a ray. A tenth as many that cross closed meshes in pairs, and as
+# many again that cross and leave closed meshes of real files.
+SOAK := $(CARGO) test --release --package firsthit
 soak:
 	$(if $(REFDATA),FIRSTHIT_SOAK=$(RAYS) $(SOAK) --test kernels -- --ignored --nocapture leaks::soak)
 	FIRSTHIT_SOAK=$$(($(RAYS) / 100)) $(SOAK) --test kernels -- --ignored --nocapture --exact soak

@@ -122,8 +122,8 @@ def render(
         several it is called for each sample, and for parts of large pictures. It only sees the
         pixels of the region. ``background``, ``environment``, ``light``, ``ground``, ``ambient``,
         ``shadows`` and colours by numbers cannot be given with it. If left out, it is
-        ``"direct"``, with some light from all around in a scene with lights of its own and no
-        environment; see docs/shading.md for all.
+        ``"direct"``, which then adds some light from all around to a scene with lights of its
+        own and no environment. docs/shading.md has all shaders.
     light : {"auto", "studio", "overcast", "sun", "headlight", "shoulder"}, optional
         Lights that go with the camera, in place of the scene's. If left out, ``"auto"`` where
         nothing shines.
