@@ -20,7 +20,7 @@
 //!
 //! # Tests
 //!
-//! A bound that is too small loses a hit, or takes a miss for one. `tests/kernels` compares every kernel with brute
+//! A bound that is too small loses a hit, or takes a miss for one. `tests/it/kernels` compares every kernel with brute
 //! force, bit by bit, and a test in `filter.rs` compares that with the exact test. "Too small" names the tests that
 //! fail when the constant is multiplied by 3/4, 1/2, 1/4, 1/10 or 0, and the largest such factor. The bounds are for
 //! the worst case, which random rays hardly come near: mostly it is 0. Where no test fails, others make up for the
@@ -140,7 +140,7 @@ pub(super) const ROUNDED_DEPTH: f32 = 4.0 * U;
 /// vertices.
 ///
 /// Used in `traverse/nearest.rs`. Too small: `soups_of_every_scale_and_place` and
-/// `trees_with_levels` of `tests/nearest`, among others, at 0, with [`NEAR_SQUARED`] at 0 too.
+/// `trees_with_levels` of `tests/it/nearest`, among others, at 0, with [`NEAR_SQUARED`] at 0 too.
 pub(super) const NEAR: f32 = 10.0 * U;
 
 /// The error of the square of a distance, as a share of it.

@@ -1,0 +1,171 @@
+//! What several tests share: reproducible numbers, closed meshes, the reference data, and what the judge says.
+
+pub(crate) mod generators;
+pub(crate) mod npz;
+pub(crate) mod rational;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use firsthit::shoot::{BruteForce, Cpu, Engine};
+use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Ray, Scene};
+
+/// Reproducible numbers (a linear congruential generator of Knuth's).
+pub(crate) struct Numbers(u64);
+
+impl Numbers {
+    pub(crate) fn new(seed: u64) -> Self {
+        let mut numbers = Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        numbers.unit();
+        numbers
+    }
+
+    /// From 0 up to 1.
+    pub(crate) fn unit(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        ((self.unit() * count as f64) as usize).min(count - 1)
+    }
+
+    /// In the cube from -1 to 1.
+    pub(crate) fn point(&mut self) -> DVec3 {
+        DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+}
+
+pub(crate) fn mesh(points: &[DVec3], triangles: Vec<[u32; 3]>) -> Arc<Mesh> {
+    let points = points.iter().map(DVec3::to_array).collect();
+    Arc::new(Mesh::new(Positions::compact(points), triangles).unwrap())
+}
+
+/// A closed mesh around the origin, star-shaped: a sphere of `rings` times `2 * rings` patches with bumps.
+pub(crate) fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut numbers = Numbers::new(seed);
+    let around = 2 * rings;
+    let mut points = vec![DVec3::Z, DVec3::NEG_Z];
+    for ring in 1..rings {
+        let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+        for k in 0..around {
+            let turn = std::f64::consts::TAU * f64::from(k) / f64::from(around);
+            let direction = DVec3::new(
+                libm::sin(polar) * libm::cos(turn),
+                libm::sin(polar) * libm::sin(turn),
+                libm::cos(polar),
+            );
+            // Rounded to float32, as most files are.
+            points.push(
+                (direction * (0.7 + 0.6 * numbers.unit()))
+                    .as_vec3()
+                    .as_dvec3(),
+            );
+        }
+    }
+    let at = |ring: u32, k: u32| 2 + (ring - 1) * around + k % around;
+    let mut triangles = Vec::new();
+    for k in 0..around {
+        triangles.push([0, at(1, k), at(1, k + 1)]);
+        triangles.push([1, at(rings - 1, k + 1), at(rings - 1, k)]);
+        for ring in 1..rings - 1 {
+            let [a, b, c, d] = [
+                at(ring, k),
+                at(ring + 1, k),
+                at(ring + 1, k + 1),
+                at(ring, k + 1),
+            ];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    (points, triangles)
+}
+
+/// The reference data beside the clone. Tests that use it are ignored unless `make test` finds it.
+///
+/// # Panics
+///
+/// Without it: a test that was asked for must not pass unseen.
+pub(crate) fn refdata() -> PathBuf {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/refdata/public");
+    assert!(path.is_dir(), "needs ../shared/refdata beside the clone");
+    path
+}
+
+/// How many rays a soak shoots: `FIRSTHIT_SOAK`, see the Makefile.
+pub(crate) fn soak_rays() -> usize {
+    std::env::var("FIRSTHIT_SOAK").map_or(1_000_000, |text| text.parse().unwrap())
+}
+
+pub(crate) fn scene(objects: Vec<Object>) -> Scene {
+    Scene::new(objects).unwrap()
+}
+
+/// What two hits must have in common.
+pub(crate) fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
+    (
+        hit.t.to_bits(),
+        hit.object,
+        hit.primitive,
+        hit.barycentric.to_array().map(f64::to_bits),
+    )
+}
+
+/// The hit that trees and brute force agree about.
+pub(crate) fn agree(scene: &Scene, ray: &Ray) -> Hit {
+    let (fast, judge) = (
+        Cpu::default().first_hit(scene, ray),
+        BruteForce.first_hit(scene, ray),
+    );
+    assert_eq!(
+        bits(&fast),
+        bits(&judge),
+        "{ray:?}: {fast:?}, the judge says {judge:?}"
+    );
+    assert_eq!(
+        Cpu::default().any_hit(scene, ray),
+        !judge.is_miss(),
+        "{ray:?}"
+    );
+    judge
+}
+
+/// Random rays, rays at corners and edges, rays along the axes through corners.
+pub(crate) fn rays(points: &[DVec3], count: usize, seed: u64) -> Vec<Ray> {
+    let mut numbers = Numbers::new(seed);
+    (0..count)
+        .map(|k| {
+            let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
+            let origin = 3.0 * numbers.point();
+            let axis = [DVec3::X, DVec3::NEG_Y, DVec3::Z][k / 5 % 3];
+            match k % 5 {
+                0 => Ray::new(origin, numbers.point()),
+                1 => Ray::new(origin, a - origin),
+                2 => Ray::new(origin, a.lerp(b, numbers.unit()) - origin),
+                3 => Ray::new(a - 2.0 * axis, axis),
+                _ => Ray::new(a, numbers.point()).up_to(numbers.unit()),
+            }
+        })
+        .collect()
+}
+
+/// Where a point is in the picture: from -1 at the left and the lower edge to 1 at the right and the upper one.
+pub(crate) fn seen(camera: &Camera, point: DVec3) -> DVec2 {
+    let view = camera.view();
+    let v = point - camera.position();
+    let depth = v.dot(camera.aim());
+    assert!(depth > 0.0, "{point} is behind the camera");
+    let scale = if view.lens.viewplane().unwrap().parallel {
+        1.0
+    } else {
+        view.lens.viewplane().unwrap().focal_length / depth
+    };
+    let size = DVec2::new(
+        view.lens.viewplane().unwrap().width,
+        view.lens.viewplane().unwrap().height,
+    );
+    2.0 * scale * DVec2::new(v.dot(camera.right()), v.dot(camera.upwards())) / size
+}
