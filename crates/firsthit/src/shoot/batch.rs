@@ -436,3 +436,22 @@ impl<Q: RayQuery> accel::Sink<Found<Q>> for OfInstances<'_, '_, Q> {
         self.walks[index].take(self.scene, found);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    /// A unit test that traces rays has all packets compiled for it once more, which takes as long as the library. `tests/it` has them.
+    #[test]
+    fn no_unit_test_has_packets_compiled() {
+        let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
+        let holds = |name: &str| {
+            // The whole name would stand in the program for being named here.
+            let name = name.replace('-', "");
+            program
+                .windows(name.len())
+                .any(|bytes| bytes == name.as_bytes())
+        };
+        // It has symbols.
+        assert!(holds("5batch5tests-33no_unit_test_has_packets_compiled"));
+        assert!(!holds("5shoot5batch-11trace_array"));
+    }
+}

@@ -111,18 +111,3 @@ impl Rays for Sights<'_> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_beyond_reach_sees_nothing_from_either_side() {
-        let scene = Scene::new(Vec::new()).unwrap();
-        for far in [1e200, -1e200, f64::INFINITY, f64::NAN] {
-            let [origin, far] = [0.0, far].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
-            let pairs = [[origin, far], [far, origin]];
-            assert_eq!(visible(&scene, &pairs, &()).unwrap(), [false; 2]);
-        }
-    }
-}
