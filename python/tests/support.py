@@ -1,6 +1,7 @@
 """What several tests share."""
 
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,22 @@ import pytest
 REFDATA = Path(__file__).parents[3] / "shared" / "refdata" / "public"
 ROOT = Path(__file__).parents[2]
 TESTDATA = ROOT / "testdata"
+
+#: Whether tests take all cases: FIRSTHIT_TEST=full, which is `make test-full`.
+FULL = os.environ.get("FIRSTHIT_TEST") == "full"
+#: Otherwise they take one of so many.
+FEWER = 7
+
+
+def cases(count: int) -> int:
+    """Return how many of so many cases a test takes."""
+    return count if FULL else -(-count // FEWER)
+
+
+def some(items: list) -> list:
+    """Return the items that a test takes; they are like each other."""
+    return items if FULL else items[::FEWER]
+
 
 needs_refdata = pytest.mark.skipif(not REFDATA.is_dir(), reason="../shared/refdata is not here")
 

@@ -25,6 +25,7 @@ from firsthit._parts._engine import Task, results
 from firsthit._parts._job import begin_job
 from firsthit.many._ray_files import ray_files
 from many_support import Slow, Suicide, Wrong, cameras, forge, rays, red, scene
+from support import cases
 
 ROOT = Path(__file__).resolve().parents[2]
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
@@ -318,7 +319,7 @@ def test_many_that_begin_at_once_are_one_job(tmp_path):
         "part = int(sys.argv[3]), 8\n"
         "fh.shoot_many(m.scene(), m.rays(), sys.argv[1], part_size=500, part=part)\n"
     )
-    for k in range(4):
+    for k in range(cases(4)):
         out, at = tmp_path / str(k), str(time.time() + 2.0)
         runs = [
             subprocess.Popen([sys.executable, "-c", code, str(out), at, str(part)])
@@ -615,7 +616,7 @@ def test_a_driver_that_is_killed_at_any_time_goes_on(workers, tmp_path):
     program = [sys.executable, "-c", SLOWLY, str(out), str(workers)]
     chance = random.Random(workers)
     stamps = {}
-    for _ in range(4):
+    for _ in range(max(2, cases(4))):
         running = subprocess.Popen(program, start_new_session=True)
         end, before = time.monotonic() + 60, len(stamps)
         while len(list(out.glob("parts/[0-9]*/part.json"))) <= before:

@@ -10,7 +10,7 @@ use firsthit::{
 use num_rational::BigRational;
 
 use crate::support::rational::{cross, dot, exact, minus, nearest, number};
-use crate::support::{Numbers, agree, bits, bumpy_sphere, mesh, scene};
+use crate::support::{Numbers, agree, bits, bumpy_sphere, cases, mesh, rounds, scene};
 
 /// Where a ray crosses a triangle, edges and corners included.
 fn crossing(ray: &Ray, corners: [DVec3; 3]) -> Option<BigRational> {
@@ -129,7 +129,7 @@ fn of_two_floors_close_together_the_first_is_met() {
 fn of_two_triangles_in_one_plane_the_first_object_is_met() {
     let mut numbers = Numbers::new(21);
     let mut hits = 0;
-    for _ in 0..400 {
+    for _ in 0..cases(400) {
         // Corners with few digits, so that both planes are exactly one.
         let mut few = || (numbers.point() * 64.0).round();
         let (e, f) = (few(), few());
@@ -151,7 +151,7 @@ fn of_two_triangles_in_one_plane_the_first_object_is_met() {
             }
         }
     }
-    assert!(hits > 8000, "{hits}");
+    assert!(hits > cases(8000), "{hits}");
 }
 
 /// Rays along z through the corner that the triangles of a fan share: the exact `t` is a difference, which often lies halfway between two
@@ -160,7 +160,7 @@ fn of_two_triangles_in_one_plane_the_first_object_is_met() {
 fn triangles_with_one_exact_t_are_a_tie_wherever_it_lies() {
     let mut numbers = Numbers::new(23);
     let (mut hits, mut halfway) = (0, 0);
-    for _ in 0..300 {
+    for _ in 0..cases(300) {
         let corners: Vec<DVec3> = (0..12).map(|_| numbers.point() / 0.7).collect();
         let around = (1..11).map(|k| [0, k, k + 1]).rev().collect();
         let scene = scene(vec![Object::new(mesh(&corners, around))]);
@@ -181,7 +181,10 @@ fn triangles_with_one_exact_t_are_a_tie_wherever_it_lies() {
             halfway += u32::from(is_halfway);
         }
     }
-    assert!(hits > 1500 && halfway > 150, "{hits} {halfway}");
+    assert!(
+        hits > cases(1500) && halfway > cases(150),
+        "{hits} {halfway}"
+    );
 }
 
 /// Pictures too: each pixel's `t`, of triangles large and small, near and far.
@@ -209,7 +212,7 @@ fn pictures_have_exact_distances() {
             }
             let camera = Camera::new(view).unwrap();
             let all = trace(&scene, &camera, First, &()).unwrap();
-            for index in 0..24 * 32 {
+            for index in rounds(24 * 32) {
                 let ray = camera.ray(index / 32, index % 32);
                 let hit = all.get(index);
                 assert_eq!(bits(&hit), bits(&Cpu::default().first_hit(&scene, &ray)));
@@ -218,7 +221,7 @@ fn pictures_have_exact_distances() {
             }
         }
     }
-    assert!(hits > 1000, "{hits}");
+    assert!(hits > cases(1000), "{hits}");
 }
 
 /// Two to the power of `exponent`.
@@ -248,7 +251,7 @@ fn edges_and_corners_are_decided_exactly() {
             .collect();
         let scaled: Vec<_> = points.iter().map(|&point| scale * point).collect();
         let scene = scene(vec![Object::new(mesh(&scaled, triangles.clone()))]);
-        for k in 0..600 {
+        for k in 0..cases(600) {
             let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
             let through = if k % 2 == 0 {
                 a
@@ -270,7 +273,7 @@ fn edges_and_corners_are_decided_exactly() {
             misses += u32::from(hit.is_miss());
         }
     }
-    assert!(hits > 1500 && misses > 10, "{hits} {misses}");
+    assert!(hits > cases(1500) && misses > cases(10), "{hits} {misses}");
 }
 
 /// An edge where the products of a side round to the same number, at sizes where what is left of them is tiny.

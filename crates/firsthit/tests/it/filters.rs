@@ -11,7 +11,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus, number};
-use crate::support::{Numbers, bits, bumpy_sphere, mesh, scene};
+use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, scene};
 
 /// A closed mesh twice, once moved and turned, soups with copies of triangles, and one of each other shape.
 fn everything(seed: u64) -> Scene {
@@ -382,7 +382,7 @@ fn rays_that_leave_meet_what_exact_arithmetic_says() {
         let mesh = mesh(&points, triangles);
         let scene = scene(vec![Object::new(mesh.clone())]);
         let (mut rays, mut filters, mut expected) = (Vec::new(), Vec::new(), Vec::new());
-        for k in 0..400 {
+        for k in 0..cases(400) {
             let triangle = numbers.below(mesh.triangles().len());
             let at = weights(&mut numbers);
             let [a, b, c] = mesh.corners(triangle);
@@ -424,7 +424,7 @@ fn rays_that_leave_meet_what_exact_arithmetic_says() {
             met += expected.len();
         }
     }
-    assert!(met > 1000 && near > 50, "{met} {near}");
+    assert!(met > cases(1000) && near > cases(50), "{met} {near}");
 }
 
 /// From outside of a closed mesh that is convex, a ray that leaves never comes back; into it, it leaves once.
@@ -451,7 +451,7 @@ fn closed_convex_meshes_are_left_for_good() {
         let scene = scene(vec![Object::new(mesh.clone())]);
         let mut numbers = Numbers::new(seed);
         let (mut rays, mut filters, mut starts) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..1500 {
+        for _ in 0..cases(1500) {
             let triangle = numbers.below(12);
             let at = weights(&mut numbers);
             let [a, b, c] = mesh.corners(triangle);
@@ -479,5 +479,5 @@ fn closed_convex_meshes_are_left_for_good() {
             }
         }
     }
-    assert!(within > 200, "{within}");
+    assert!(within > cases(200), "{within}");
 }

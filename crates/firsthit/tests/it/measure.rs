@@ -13,7 +13,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{Numbers, bumpy_sphere, mesh, scene, soak_rays};
+use crate::support::{Numbers, bumpy_sphere, cases, mesh, scene, soak_rays};
 
 /// The direction in which a point on the surface is looked ahead.
 const AHEAD: DVec3 = DVec3::new(7.0, 10.0, 10.5);
@@ -142,7 +142,9 @@ fn points_are_inside_as_exact_arithmetic_has_it() {
     for seed in 0..6 {
         let mut numbers = Numbers::new(seed);
         let (points, triangles) = adversarial(seed);
-        let asked = points_for(&points, &triangles, &mut numbers);
+        let mut asked = points_for(&points, &triangles, &mut numbers);
+        // At least one of each kind.
+        asked.truncate(cases(asked.len()).max(15));
         let scene = scene(vec![Object::new(mesh(&points, triangles))]);
         let mesh = scene.objects()[0].mesh().unwrap();
         let answers = inside(&scene, &asked, By::Union, &()).unwrap();
@@ -578,7 +580,7 @@ fn both_can_be_stopped_and_need_no_objects() {
 
 #[test]
 fn rays_from_outside_cross_closed_meshes_in_pairs() {
-    crossed_in_pairs(400_000, 50_000);
+    crossed_in_pairs(cases(400_000), cases(50_000));
 }
 
 /// `FIRSTHIT_SOAK` says how many rays; see the Makefile.

@@ -8,7 +8,7 @@ use firsthit::{
     Sphere, Transform, shoot,
 };
 
-use crate::support::{Numbers, agree, bumpy_sphere, mesh, scene};
+use crate::support::{Numbers, agree, bumpy_sphere, cases, mesh, scene};
 
 fn turn(numbers: &mut Numbers) -> DMat3 {
     let axis = numbers.point().normalize();
@@ -81,7 +81,7 @@ fn a_triangle_seen_edge_on_is_met_where_the_ray_is_in_it() {
         }
         let wall = mesh(&points, triangles);
         let scene = scene(vec![Object::new(Arc::clone(&wall))]);
-        for _ in 0..1500 {
+        for _ in 0..cases(1500) {
             let [start, end] =
                 [0, 1].map(|_| at(3.0 * numbers.unit() - 1.0, 3.0 * numbers.unit() - 1.0));
             let ray = Ray::new(start, end - start);
@@ -96,7 +96,7 @@ fn a_triangle_seen_edge_on_is_met_where_the_ray_is_in_it() {
             hits += 1;
         }
     }
-    assert!(hits > 1000, "{hits}");
+    assert!(hits > cases(1000), "{hits}");
 }
 
 /// An edge runs within 1e-280 of the ray, so that the product of its corners' coordinates underflows.

@@ -5,7 +5,7 @@ use firsthit::{Camera, DVec3, Lens, Object, Projection, Scene, View};
 use super::checked;
 use super::pixels::grid;
 use crate::support::generators::{PLACES, placed, soup};
-use crate::support::{Numbers, mesh};
+use crate::support::{Numbers, cases, mesh, rounds};
 
 /// Cameras near a place, with lenses of every curvature: fine pictures, whose rays are off by a hundredth of a pixel, and coarse
 /// ones, in which some tiles are just near enough to a grid and others are not.
@@ -89,7 +89,7 @@ fn curved_rays_on_sheets_of_small_triangles() {
 #[test]
 fn curved_rays_on_many_objects() {
     let mut hits = 0;
-    for round in 0..8 {
+    for round in rounds(8) {
         let mut numbers = Numbers::new(7200 + round);
         let objects = (0..9).map(|_| {
             let (points, triangles) = soup(8, &mut numbers);
@@ -102,7 +102,7 @@ fn curved_rays_on_many_objects() {
             hits += checked(&scene, &camera);
         }
     }
-    assert!(hits > 4_000, "{hits}");
+    assert!(hits > cases(4_000), "{hits}");
 }
 
 /// An object just before a wall: coarse fisheyes have tiles whose rays reach past the corners of their grids, and so may the first
@@ -110,7 +110,7 @@ fn curved_rays_on_many_objects() {
 #[test]
 fn curved_rays_on_what_is_just_before_a_wall() {
     let mut hits = 0;
-    for round in 0..12 {
+    for round in rounds(12) {
         let mut numbers = Numbers::new(7300 + round);
         let normal = numbers.point().normalize();
         let across = normal.any_orthonormal_vector();
@@ -143,5 +143,5 @@ fn curved_rays_on_what_is_just_before_a_wall() {
             hits += checked(&scene, &Camera::new(view).unwrap());
         }
     }
-    assert!(hits > 20_000, "{hits}");
+    assert!(hits > cases(20_000), "{hits}");
 }

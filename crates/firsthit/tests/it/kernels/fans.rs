@@ -5,7 +5,7 @@ use firsthit::{DVec3, Object, Ray, Scene};
 
 use super::checked;
 use crate::support::generators::{PLACES, placed};
-use crate::support::{Numbers, bumpy_sphere, mesh};
+use crate::support::{Numbers, bumpy_sphere, cases, mesh};
 
 /// Sixteen rays over a triangle's edge `a` to `b`, and beyond it: from one point, to one point, side by side, from a
 /// bent line to one point, and apart from one another.
@@ -37,7 +37,7 @@ fn fans_over_edges() {
         let (points, triangles) = bumpy_sphere(20, round as u64);
         let points = placed(&points, scale, offset);
         let mut rays = Vec::new();
-        for kind in 0..300 {
+        for kind in 0..cases(300) {
             let [a, b, c] = triangles[numbers.below(triangles.len())].map(|k| points[k as usize]);
             // Along an edge, or across the triangle.
             let ends = if kind % 2 == 0 {

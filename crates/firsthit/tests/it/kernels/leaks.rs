@@ -8,7 +8,7 @@ use firsthit::shoot::{Any, Cpu, First, trace_with};
 use firsthit::{DVec3, Object, Ray, Scene};
 
 use super::sets;
-use crate::support::{Numbers, mesh, refdata, soak_rays};
+use crate::support::{Numbers, cases, mesh, refdata, soak_rays};
 
 /// Aims at each mesh that is closed, from a point inside, where it is, far away and in other sizes: at corners and
 /// at edges, so many rays each, other ones in each round. Returns how many rays there were.
@@ -77,8 +77,8 @@ fn aimed(scene: &Scene, which: Range<usize>, numbers: &mut Numbers, path: &Path)
 #[test]
 #[ignore = "needs ../shared/refdata"]
 fn closed_meshes_do_not_leak() {
-    let shot = leaks(0, 4_000);
-    assert!(shot > 100_000, "{shot}");
+    let shot = leaks(0, cases(4_000));
+    assert!(shot > cases(100_000), "{shot}");
 }
 
 /// `FIRSTHIT_SOAK` says how many rays; see the Makefile.

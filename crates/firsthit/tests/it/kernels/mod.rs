@@ -20,7 +20,7 @@ use firsthit::{
 use rayon::ThreadPoolBuilder;
 
 use crate::support::generators::{PLACES, cloud, placed, rays, short_rays, soup, unshared};
-use crate::support::{Numbers, bits, bumpy_sphere, mesh, soak_rays};
+use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, rounds, soak_rays};
 
 fn sets() -> impl Iterator<Item = InstructionSet> {
     InstructionSet::ALL
@@ -128,7 +128,7 @@ fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
 
 #[test]
 fn soups_of_every_scale_and_place() {
-    assert!(soups(0..48, 4000) > 100_000);
+    assert!(soups(0..48, cases(4000)) > cases(100_000));
 }
 
 /// Through trees of some levels, where packets go from node to node together; a cloud of triangles, in which rays soon
@@ -145,7 +145,7 @@ fn short_rays_from_neighbours() {
         let points = placed(&points, scale, offset);
         let mesh = mesh(&points, triangles);
         let one = Scene::new(vec![Object::new(mesh.clone())]).unwrap();
-        let rays = short_rays(&points, scale, 3990, &mut numbers);
+        let rays = short_rays(&points, scale, cases(3990), &mut numbers);
         let met = checked(&one, &rays);
         assert!(met > rays.len() / 8 && met < rays.len(), "{met}");
         if round < 3 {
@@ -153,7 +153,7 @@ fn short_rays_from_neighbours() {
             let aside = DAffine3::from_translation(0.3 * scale * DVec3::X) * turn;
             let placed = Transform::new(aside).unwrap();
             let objects = vec![Object::new(mesh.clone()), Object::new(mesh).placed(placed)];
-            let rays = &rays[..1000];
+            let rays = &rays[..cases(1000)];
             checked(&Scene::new(objects).unwrap(), rays);
         }
     }
@@ -163,7 +163,7 @@ fn short_rays_from_neighbours() {
 #[test]
 fn sheets_seen_almost_along_them() {
     let mut hits = 0;
-    for round in 0..40 {
+    for round in rounds(40) {
         let mut numbers = Numbers::new(900 + round);
         let normal = numbers.point().normalize();
         let (across, along) = normal.any_orthonormal_pair();
@@ -187,7 +187,7 @@ fn sheets_seen_almost_along_them() {
             .collect();
         hits += checked(&Scene::new(objects).unwrap(), &rays);
     }
-    assert!(hits > 70_000, "{hits}");
+    assert!(hits > cases(70_000), "{hits}");
 }
 
 /// `FIRSTHIT_SOAK` says how many rays; see the Makefile.

@@ -10,7 +10,7 @@ use firsthit::{
 
 use super::{checked, sets};
 use crate::support::generators::{PLACES, placed, rays, soup};
-use crate::support::{Numbers, bits, bumpy_sphere, mesh};
+use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, rounds};
 
 pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
     let mut cameras = Vec::new();
@@ -145,7 +145,7 @@ fn cameras_on_instances_transforms_and_other_shapes() {
         hits += checked(&mixed, &camera) + checked(&meshes, &camera);
     }
     let one = Scene::new(vec![objects[1].clone()]).unwrap();
-    let rays = rays(&points, 1.0, 3000, &mut numbers);
+    let rays = rays(&points, 1.0, cases(3000), &mut numbers);
     hits += checked(&mixed, &rays) + checked(&meshes, &rays) + checked(&one, &rays);
     assert!(hits > 5_000, "{hits}");
 }
@@ -199,7 +199,7 @@ fn a_grid_looked_at_through_its_corners() {
 fn small_triangles_of_a_large_mesh() {
     const CELL: f64 = 0.24;
     let mut hits = 0;
-    for round in 0..24 {
+    for round in rounds(24) {
         let side = [17, 3][round as usize / 12];
         let mut numbers = Numbers::new(500 + round);
         let middle = 900.0 * numbers.point();
@@ -242,7 +242,7 @@ fn small_triangles_of_a_large_mesh() {
         };
         hits += checked(&scene, &Camera::new(view).unwrap());
     }
-    assert!(hits > 60_000, "{hits}");
+    assert!(hits > cases(60_000), "{hits}");
 }
 
 /// One hit in pixels larger than the triangle, far from the middle of the tile.

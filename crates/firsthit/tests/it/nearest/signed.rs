@@ -13,7 +13,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{Numbers, bumpy_sphere, mesh, scene};
+use crate::support::{Numbers, bumpy_sphere, cases, mesh, scene};
 
 /// Whether a point is inside a mesh that is star-shaped around the origin, whose triangles look outwards: in the cone
 /// over the triangle that the way outwards meets, it is on the inner side.
@@ -35,7 +35,7 @@ fn the_sign_is_exact_next_to_the_surface() {
     let shape = mesh(&points, triangles.clone());
     let ball = scene(vec![Object::new(Arc::clone(&shape))]);
     let mut asked = Vec::new();
-    for k in 0..1500 {
+    for k in 0..cases(1500) {
         let [a, b, c] = triangles[numbers.below(triangles.len())].map(|k| points[k as usize]);
         let on = match k % 4 {
             0 => a,
@@ -63,7 +63,7 @@ fn the_sign_is_exact_next_to_the_surface() {
             counts[1 + usize::from(is_inside)] += 1;
         }
     }
-    assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > cases(50)), "{counts:?}");
 }
 
 /// Where solids overlap a point is inside, although it crosses an even number of surfaces.

@@ -4,6 +4,7 @@ pub(crate) mod generators;
 pub(crate) mod npz;
 pub(crate) mod rational;
 
+use std::ops::{Div, Range};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -82,6 +83,29 @@ pub(crate) fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>)
         }
     }
     (points, triangles)
+}
+
+/// Random tests take one of so many cases, unless `FIRSTHIT_TEST` is `full` (`make test-full`). It has no factor in common with the
+/// numbers of kinds that rounds have by turns: where there are so many rounds for each kind, all kinds remain. Others take all rounds.
+const FEWER: u8 = 7;
+
+/// Whether random tests take all cases.
+pub(crate) fn is_full() -> bool {
+    std::env::var_os("FIRSTHIT_TEST").is_some_and(|which| which == "full")
+}
+
+/// A seventh of `all`, or `all` for `make test-full`: how many cases a test takes, and how many answers of a kind they must give.
+pub(crate) fn cases<N: From<u8> + Div<Output = N>>(all: N) -> N {
+    all / N::from(if is_full() { 1 } else { FEWER })
+}
+
+/// The rounds of a test that has `all`, each with its own seed.
+pub(crate) fn rounds<N>(all: N) -> std::iter::StepBy<Range<N>>
+where
+    N: From<u8>,
+    Range<N>: Iterator,
+{
+    (N::from(0)..all).step_by(if is_full() { 1 } else { FEWER.into() })
 }
 
 /// The reference data beside the clone. Tests that use it are ignored unless `make test` finds it.
