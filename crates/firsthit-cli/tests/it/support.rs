@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::io::{Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::Once;
 use std::{env, fs};
 
 use tempfile::TempDir;
@@ -17,6 +18,9 @@ pub(crate) const SQUARE: &str = "ply\nformat ascii 1.0\nelement vertex 4\n\
 /// A camera five above the [`SQUARE`]'s middle, its viewplane at z = 3, a pixel's centre in the middle.
 pub(crate) const ABOVE: &str = "--position 0,0,5 --aim 0,0,-3 --up 0,2,0 --focal-length 2 \
     --viewplane 4x3 --size 33x25";
+
+/// A shell lets what it starts in the background ignore Ctrl-C, and so would all that tests start. A handler is not handed on.
+static HEEDS_CTRL_C: Once = Once::new();
 
 /// The program, started by the words of `runner`, such as an emulator and its options.
 fn started_by(runner: Option<&str>) -> Command {
@@ -87,6 +91,7 @@ impl Lab {
 
     /// The program in this folder, its arguments separated by spaces.
     pub(crate) fn command(&self, arguments: &str) -> Command {
+        HEEDS_CTRL_C.call_once(|| ctrlc::set_handler(|| std::process::exit(130)).unwrap());
         let mut command = started_by(env::var("FIRSTHIT_RUNNER").ok().as_deref());
         command
             .args(arguments.split_whitespace())
