@@ -92,7 +92,8 @@ CAMERA = {
         ("names? of vertex_properties", lambda value: properties(value)),
         ("face_properties", lambda value: fh.Mesh(*SQUARE, face_properties=value)),
     ],
-    ids=str,
+    # Of the functions, nothing that differs between processes (pytest-xdist).
+    ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_words_flags_and_dicts_are_refused_by_name(name, make, value):
     if name in ("face_properties", "shade", "shadows") and value is None:
