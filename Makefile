@@ -20,8 +20,13 @@ RAYS ?= 100000000
 TRIMESH ?=
 OPEN3D ?=
 
-.PHONY: render gallery soak test test-rust test-python test-scripts test-installed test-compat test-light test-browser test-wasm test-neon test-cluster
-.PHONY: program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-targets check-oldest miri clean
+# Says at the end what it took.
+TIMED := $(PYTHON) .ci/timed
+MAKE_QUIETLY = $(MAKE) --no-print-directory
+
+.PHONY: render gallery quick test test-full nightly soak test-rust test-python test-scripts test-installed test-compat test-light test-browser test-wasm
+.PHONY: test-neon test-cluster program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-features
+.PHONY: check-targets check-oldest miri test-release clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render: program
@@ -32,36 +37,71 @@ gallery: .venv/ready
 	$(VENV)/maturin develop --release --quiet
 	$(VENV)/python docs/gallery/make.py $(ONLY)
 
-# All there is to test in the workspace; `test-installed` tests what people install.
-test: test-rust test-python test-scripts
+# One selection of packages for all that tests compile: with another one, dependencies have other features, and all is compiled anew.
+TEST := $(CARGO) test --workspace
+
+# After each edit: format, lints, and the tests whose names contain ROOM, as `make quick ROOM=lint` has it, or all unit tests.
+ROOM ?=
+quick:
+	@$(TIMED) "make quick" $(MAKE_QUIETLY) quick-steps
+	@echo "left out: $(if $(ROOM),other tests,integration tests), Python, scripts (make test)"
+.PHONY: quick-steps
+quick-steps:
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --quiet --workspace -- -D warnings
+	$(TEST) --quiet --lib $(if $(ROOM),--test it $(ROOM))
+
+timed-%:
+	@$(TIMED) "$*" $(MAKE_QUIETLY) $*
+
+# Before each commit: every kind of test there is, random ones with fewer cases. FIRSTHIT_TEST=full is for all cases.
+TESTS := test-rust test-python test-scripts
+test:
+	@$(TIMED) "make $(if $(filter full,$(FIRSTHIT_TEST)),test-full,test)" $(MAKE_QUIETLY) $(TESTS:%=timed-%)
+	@$(if $(filter full,$(FIRSTHIT_TEST)),,echo "left out: most cases of random tests and most parts of long ones (make test-full)")
+
+# All cases; .ci/run does this. What people install is tested by `test-installed`.
+test-full:
+	@FIRSTHIT_TEST=full $(MAKE_QUIETLY) test
+
+# What .ci/run leaves out: releases compiled as their users would, each feature alone, other targets and compilers, other programs, and
+# attacks for as long as they take; NIGHTLY_RAYS is the length of its soak. Some of it is skipped, with a line that says so, where this machine cannot do it.
+NIGHTLY_RAYS ?= 10000000
+NIGHTLY := test-release check-features check-targets check-oldest miri test-neon attack test-cluster test-browser test-compat test-light soak
+nightly:
+	@$(TIMED) "make nightly" $(MAKE_QUIETLY) $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
+	@echo "left out: fuzz, bench"
 
 # Some tests read files that are not ours to copy. They are ignored, with the reason, unless those are beside the clone.
 REFDATA := $(wildcard ../shared/refdata)
 test-rust:
-	$(CARGO) test --workspace $(if $(REFDATA),-- --include-ignored --skip soak)
+	$(TEST) $(if $(REFDATA),-- --include-ignored --skip soak)
 
 # Where ../shared/refdata is beside the clone, rays from inside closed meshes at their corners and edges. A hundredth as many on random
 # soups, every kernel against brute force, which takes a millisecond for a ray. A tenth as many that cross closed meshes in pairs, and as
 # many again that cross and leave closed meshes of real files.
-SOAK := $(CARGO) test --release --package firsthit
+SOAK := $(TEST) --release --test it -- --ignored --nocapture
 soak:
-	$(if $(REFDATA),FIRSTHIT_SOAK=$(RAYS) $(SOAK) --test kernels -- --ignored --nocapture leaks::soak)
-	FIRSTHIT_SOAK=$$(($(RAYS) / 100)) $(SOAK) --test kernels -- --ignored --nocapture --exact soak
-	FIRSTHIT_SOAK=$$(($(RAYS) / 10)) $(SOAK) --test measure -- --ignored --nocapture soak
-	$(if $(REFDATA),FIRSTHIT_SOAK=$$(($(RAYS) / 10)) $(SOAK) --test closed -- --ignored --nocapture)
+	$(if $(REFDATA),FIRSTHIT_SOAK=$(RAYS) $(SOAK) kernels::leaks::soak)
+	FIRSTHIT_SOAK=$$(($(RAYS) / 100)) $(SOAK) --exact kernels::soak
+	FIRSTHIT_SOAK=$$(($(RAYS) / 10)) $(SOAK) measure::soak
+	$(if $(REFDATA),FIRSTHIT_SOAK=$$(($(RAYS) / 10)) $(SOAK) closed::)
 
 # The package, built and tested in an environment of its own.
 test-python: .venv/ready
 	$(VENV)/maturin develop --release --quiet
-	$(VENV)/python -m pytest
+	$(VENV)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 	$(VENV)/python -m mypy.stubtest firsthit._firsthit
 	$(VENV)/mypy python/firsthit python/_firsthit_program python/examples
 
-# What people install, in an environment of its own: the wheel of dist/, its source distribution, a new Cargo project.
-test-installed: dist
+# What people install, in an environment of its own: the wheel of dist/, its source distribution, a new Cargo project. Nothing is compiled
+# twice; `test-release` compiles each as its user would (packaging/tests/conftest.py).
+test-installed: WHEEL_PROFILE = release
+test-release: WHEEL_PROFILE = dist
+test-installed test-release: dist
 	$(PYTHON) -m venv --clear $(OUTSIDE)/venv
 	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl anywidget pytest mypy
-	$(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
+	WHEEL_PROFILE=$(WHEEL_PROFILE) $(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
 	cd $(OUTSIDE) && venv/bin/pytest -q -c /dev/null --rootdir . -p no:cacheprovider --confcutdir $(CURDIR)/python/tests $(CURDIR)/python/tests/test_notebook.py
 
 # What stands in for trimesh and Open3D (docs/compat.md), by the peers' own tests and beside the peers.
@@ -115,9 +155,11 @@ test-cluster: .venv/ready
 	$(CLUSTER) python/cluster_tests/kills.py drivers $(KILLS)
 	$(CLUSTER) python/cluster_tests/mutations.py $(DAMAGES)
 
-# The wheel, the source distribution and the crates, in dist/, each with the WebAssembly module and checked as an index would. The wheels of Linux run
-# on any with glibc 2.17, for which zig links them. WHEEL_PROFILE=release is built sooner.
+# The wheel, the source distribution and the crates, in dist/, each with the WebAssembly module and checked as an index would. The wheels of
+# releases run on any Linux with glibc 2.17, for which zig links them. WHEEL_PROFILE=release is built soonest: from what is compiled already,
+# for this machine's glibc, and the crates are packed without compiling them.
 WHEEL_PROFILE ?= dist
+IS_RELEASE = $(filter dist,$(WHEEL_PROFILE))
 MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
 CRATES := --package firsthit --package firsthit-view --package firsthit-cli
 # What cargo unpacked of ours when it last verified crates: it goes by the version and would verify that again.
@@ -126,24 +168,26 @@ dist: .venv-dist/ready wasm
 	$(PYTHON) packaging/pages.py --check
 	rm -rf dist $(OUTSIDE)/package
 	$(MATURIN) sdist --out dist
-	$(MATURIN) build --quiet --profile $(WHEEL_PROFILE) $(if $(LINUX),--zig) --out dist
-	rm -rf $(UNPACKED)
-	$(CARGO) package --quiet --allow-dirty $(CRATES) --target-dir $(OUTSIDE)
+	$(MATURIN) build --quiet --profile $(WHEEL_PROFILE) $(and $(LINUX),$(IS_RELEASE),--zig) --out dist
+	$(if $(IS_RELEASE),rm -rf $(UNPACKED))
+	$(CARGO) package --quiet --allow-dirty $(if $(IS_RELEASE),,--no-verify) $(CRATES) --target-dir $(OUTSIDE)
 	cp $(OUTSIDE)/package/*.crate dist
 	$(DIST)/twine check --strict dist/*.whl dist/*.tar.gz
 	$(DIST)/abi3audit --strict --verbose dist/*.whl
-	$(if $(LINUX),$(DIST)/auditwheel show dist/*.whl | grep '"manylinux_2_17_')
+	$(and $(LINUX),$(IS_RELEASE),$(DIST)/auditwheel show dist/*.whl | grep '"manylinux_2_17_')
 	ls -l dist
 
 # What indexes show: see packaging/pages.py.
 pages:
 	$(PYTHON) packaging/pages.py
 
+DOC := RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
+
 # The site, in target/docs: see mkdocs.yml. Once .venv-docs is there, it asks no other host for anything. RUST= leaves out
 # the Rust reference and the viewer, which take cargo a while the first time. The viewer takes `make wasm` too.
 RUST ?= yes
 docs: .venv-docs/ready
-	$(if $(RUST),$(CARGO) doc --package firsthit --no-deps --quiet)
+	$(if $(RUST),$(DOC) --quiet)
 	$(if $(RUST),$(MAKE) --silent program)
 	NO_MKDOCS_2_WARNING=1 $(if $(RUST),,WITHOUT_VIEWER=1) .venv-docs/bin/python -B -m mkdocs build --strict
 	@echo "made target/docs; to read it: $(PYTHON) -m http.server --directory target/docs"
@@ -248,13 +292,17 @@ fuzz:
 check: .venv/ready
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
-	CARGO=$(CARGO) PYTHON=$(PYTHON) .ci/features
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
+	CARGO=$(CARGO) PYTHON=$(PYTHON) .ci/features none
+	$(DOC)
 	$(VENV)/ruff check
 	$(VENV)/ruff format --check
 	$(PYTHON) packaging/pages.py --check
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
+
+# Whether the library compiles with each feature alone; `check` does without any.
+check-features:
+	CARGO=$(CARGO) PYTHON=$(PYTHON) .ci/features
 
 # Whether other targets compile: 32-bit x86 and 64-bit ARM.
 check-targets:
