@@ -69,7 +69,7 @@ test-full:
 NIGHTLY_RAYS ?= 10000000
 NIGHTLY := test-release check-features check-targets check-oldest miri test-neon attack test-cluster test-browser test-compat test-light soak
 nightly:
-	@$(TIMED) "make nightly" $(MAKE_QUIETLY) $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
+	@$(TIMED) "make nightly" $(MAKE_QUIETLY) --keep-going $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
 	@echo "left out: fuzz, bench"
 
 # Some tests read files that are not ours to copy. They are ignored, with the reason, unless those are beside the clone.
