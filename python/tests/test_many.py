@@ -41,6 +41,18 @@ class OneByOne:
         return future
 
 
+class Forgetful:
+    """Does each task, and loses its first result with its worker."""
+
+    def submit(self, tried, work, task):
+        future, outcome = Future(), tried(work, task)
+        if task.losses == 0:
+            future.set_exception(RuntimeError("the worker is lost"))
+        else:
+            future.set_result(outcome)
+        return future
+
+
 def of_processes(workers, method):
     context = multiprocessing.get_context(method)
     return lambda: ProcessPoolExecutor(workers, mp_context=context)
@@ -572,6 +584,11 @@ def test_a_part_whose_worker_is_killed_is_tried_again(tmp_path):
     )
     assert made.made == 4
     assert made.result["hits"] == (scene().shoot(*rays()).object >= 0).sum()
+
+
+def test_a_part_that_was_whole_when_its_worker_was_lost_counts_as_made(tmp_path):
+    made = fh.shoot_many(scene(), rays(), tmp_path, part_size=2_500, on=Forgetful())
+    assert (made.parts, made.made, made.kept, made.missing) == (4, 4, 0, 0)
 
 
 @POSIX

@@ -48,16 +48,15 @@ class Work:
         self.maker, self.parts, self.form = maker, parts, form
 
     def __call__(self, task: Task) -> bool:
-        """Return whether the part was made here: never arrays, which would go through the driver.
+        """Make the part unless it is there; return whether this run made it.
 
-        Its digest is in its record.
+        Its digest is in its record. Arrays are not returned: they would go through the driver.
         """
         path = self.parts.path(task.number)
         for _ in range(_TRIES):
-            # Some engines do a task again when its result was lost with a worker that had done it,
-            # and another run may be at the same part.
+            # Another run may have made it, or a worker of this run that was lost before it said so.
             if self.parts.record(task.number) is not None:
-                return False
+                return task.losses > 0
             if path.exists() or path.is_symlink():
                 discard(path)
             with writing(path) as part:
