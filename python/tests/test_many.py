@@ -729,6 +729,36 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path):
     assert list(tmp_path.glob("parts/.*")) == []
 
 
+#: Presses Ctrl-C where a pool makes a semaphore, or where it starts a worker; and says when.
+PRESSED = """
+import signal, sys
+from concurrent.futures import process
+from multiprocessing import resource_tracker
+import firsthit as fh
+makers = {"made": (resource_tracker, "register"), "started": (process, "_ExecutorManagerThread")}
+owner, name = makers[sys.argv[1]]
+def pressed(*given, instead=getattr(owner, name)):
+    done = instead(*given)
+    print("pressed", flush=True)
+    signal.raise_signal(signal.SIGINT)
+    return done
+setattr(owner, name, pressed)
+with fh.many.processes(2)() as pool:
+    pool.submit(print)
+"""
+
+
+@POSIX
+@pytest.mark.parametrize("when", ["made", "started"])
+def test_ctrl_c_while_a_pool_is_made_leaves_no_semaphore_and_no_worker(when):
+    program = [sys.executable, "-c", PRESSED, when]
+    ran = subprocess.run(program, capture_output=True, text=True, timeout=60, check=False)
+    assert ran.returncode == -signal.SIGINT
+    assert ran.stdout.startswith("pressed")
+    assert ran.stderr.splitlines()[-1] == "KeyboardInterrupt"
+    assert "leaked" not in ran.stderr
+
+
 @POSIX
 def test_a_second_ctrl_c_ends_it_at_once(tmp_path):
     program = [sys.executable, "-c", ENDLESSLY, str(tmp_path)]

@@ -71,40 +71,72 @@ class _Pool(ProcessPoolExecutor):
 
     def __init__(self, workers: int) -> None:
         self._context, self._is_known = _Context(), False
-        super().__init__(workers, mp_context=self._context, initializer=_begin)
+        # An interrupt between the creation of a semaphore and its registration would leak it.
+        with _deferred_interrupts():
+            super().__init__(workers, mp_context=self._context, initializer=_begin)
 
     def submit(self, fn: Callable[..., _T], /, *args: Any, **named: Any) -> Future[_T]:
         # All tasks do the same work.
         if not self._is_known:
             self._context.needs_script = b"__main__" in pickle.dumps((fn, args, named))
             self._is_known = True
-        return super().submit(fn, *args, **named)
+        # An interrupt between the start of a worker and its registration would leave it running.
+        with _deferred_interrupts():
+            return super().submit(fn, *args, **named)
 
 
 class _Process(SpawnProcess):
-    """A process that Ctrl-C does not reach from its first instruction on.
-
-    While Python starts, and imports what it needs, nothing could be ignored yet.
-    """
+    """A process that runs the user's script again only where the work is defined in it."""
 
     needs_script = True
 
     def start(self) -> None:
-        with _without_interrupts(), nullcontext() if self.needs_script else _without_script():
+        with nullcontext() if self.needs_script else _without_script():
             super().start()
 
 
 @contextmanager
-def _without_interrupts() -> Iterator[None]:
+def _deferred_interrupts() -> Iterator[None]:
+    """Defer Ctrl-C to the end of the block; a process that starts within it never receives it."""
+    with _interrupts_masked(), _interrupts_recorded():
+        yield
+
+
+@contextmanager
+def _interrupts_masked() -> Iterator[None]:
+    """Block SIGINT in this thread, and in processes that it starts, which inherit the mask.
+
+    A worker could ignore nothing yet while Python starts and imports what it needs.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    # The mask is inherited.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _interrupts_recorded() -> Iterator[None]:
+    """Raise SIGINT at the end of the block if it has come meanwhile.
+
+    The mask alone does not defer it: another thread, such as one of numpy's, receives it, and
+    Python runs the handler in the main thread.
+    """
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(handler):
+        yield
+        return
+    received = []
+    signal.signal(signal.SIGINT, lambda *_: received.append(True))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
+    if received:
+        signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager
