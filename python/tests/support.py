@@ -37,7 +37,7 @@ of_pycocotools = pytest.mark.filterwarnings("ignore:__array__ implementation:Dep
 
 #: What scripts of tests begin with.
 PRELUDE = f"""
-import gc, os, resource, signal, sys, threading, time
+import faulthandler, gc, os, resource, signal, sys, threading, time
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 import firsthit as fh, numpy as np
 """

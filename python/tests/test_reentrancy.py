@@ -121,6 +121,7 @@ def forked():
     child = os.fork()
     if child == 0:
         signal.alarm(20)
+        faulthandler.dump_traceback_later(15)
         many = scene.shoot(np.zeros(3), np.random.default_rng(1).normal(size=(5000, 3)))
         os._exit(0 if (many.object == 0).all() and shot() else 1)
     results.append(os.waitpid(child, 0)[1])
@@ -146,6 +147,7 @@ def forked():
         child = os.fork()
         if child == 0:
             signal.alarm(20)
+            faulthandler.dump_traceback_later(15)
             fh.render(scene, camera, samples=1)
             os._exit(0)
         results.append(os.waitpid(child, 0)[1])
