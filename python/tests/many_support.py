@@ -1,9 +1,11 @@
 """Jobs for tests: what workers run must be in a module that they can import."""
 
 import json
+import multiprocessing
 import os
 import signal
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import firsthit as fh
@@ -33,6 +35,17 @@ def rays(count=10_000, seed=3):
     origins = rng.normal(size=(count, 3))
     origins *= 6 / np.linalg.norm(origins, axis=-1, keepdims=True)
     return origins, rng.normal(size=(count, 3)) - origins
+
+
+def of_processes(workers, method):
+    context = multiprocessing.get_context(method)
+    return lambda: ProcessPoolExecutor(workers, mp_context=context)
+
+
+def tree(folder):
+    """What is in the files of the parts."""
+    files = sorted(path for path in Path(folder, "parts").rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 def forge(path, change):
