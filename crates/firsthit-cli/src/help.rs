@@ -32,7 +32,7 @@ Examples:
 With --json, render, shoot, nearest, inside, visible, thickness, section, lint, probe, build, scan, dataset, parts, pack, demo, info and diff print one JSON object; after a failure it has the keys error and exit_code.
 
 Exit codes: 0 done, 1 the outputs differ (diff), something was found (lint) or parts are missing (parts), 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, \
-70 a bug in firsthit, 130 interrupted.";
+70 a bug in firsthit, 130 interrupted by Ctrl-C. A program that was started to ignore Ctrl-C, by nohup or in the background of a script, ignores it.";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:

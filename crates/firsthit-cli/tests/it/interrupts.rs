@@ -41,6 +41,29 @@ fn ctrl_c_ends_a_render_soon_and_leaves_the_old_picture() {
     assert_eq!(lab.read("old.png"), b"old");
 }
 
+/// `nohup` and `&` in a script start programs so.
+#[test]
+fn ctrl_c_is_ignored_where_a_shell_ignores_it() {
+    let lab = Lab::new();
+    let program = lab.command("demo --size 480x300 --samples 4 -o picture.png");
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' INT; exec \"$@\"", "sh"]);
+    shell.arg(program.get_program()).args(program.get_args());
+    shell.current_dir(program.get_current_dir().unwrap());
+    let mut child = shell.spawn().unwrap();
+    let pid = child.id().to_string();
+    let status = loop {
+        // The shell comes to its first word.
+        sleep(Duration::from_millis(100));
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        let _ = Command::new("kill").args(["-INT", &pid]).status();
+    };
+    assert_eq!(status.code(), Some(0));
+    assert_eq!(lab.names(), ["picture.png"]);
+}
+
 #[test]
 fn ctrl_c_ends_the_wait_for_rays() {
     let lab = Lab::with_square();
