@@ -7,8 +7,6 @@ mod kinds;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 pub use asked::{ATTRIBUTE, MATTE_RANKS, PLACEHOLDER, asked};
 pub use attribute::{AttributeName, AttributeValues, attribute, attributes};
 pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS, VISIBLE};
@@ -18,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Hit, Rays};
 use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
+use crate::parallel;
 use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
 use crate::sensor::{Record, Sensor};
 use crate::shoot::{Hits, Prefetcher};
@@ -316,11 +315,7 @@ fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result
         watch.advance(count as u64);
         Ok(())
     };
-    if chunks.len() == 1 {
-        chunks.iter_mut().enumerate().try_for_each(fill)?;
-    } else {
-        chunks.par_iter_mut().enumerate().try_for_each(fill)?;
-    }
+    parallel::try_each(chunks.iter_mut().enumerate(), fill)?;
     drop(chunks);
     let channels = kinds.iter().zip(made);
     Ok(channels.map(|(kind, data)| kind.channel(data)).collect())

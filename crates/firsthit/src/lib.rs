@@ -130,6 +130,7 @@ pub mod load;
 pub mod measure;
 mod memory;
 pub mod nearest;
+mod parallel;
 #[cfg(feature = "frame")]
 pub mod render;
 pub mod sampling;

@@ -11,8 +11,6 @@
 //!
 //! Boxes are not checked: wrong ones make wrong answers and no more.
 
-use rayon::prelude::*;
-
 use super::mesh_tree::MeshTree;
 use super::meshlet::{MOST_LEAVES, Meshlet};
 use super::node::{LEAF, Node};
@@ -20,6 +18,7 @@ use super::space::Space;
 use super::traverse::stack::LEVELS;
 use crate::geometry::DVec3;
 use crate::memory::{self, Storage};
+use crate::parallel;
 use crate::shape::{Mesh, are_below};
 use crate::simd::LANES;
 
@@ -101,7 +100,7 @@ impl MeshTree {
         }
         check_nodes(&nodes, leaves.len())?;
         let is_whole = |leaf: &Meshlet| is_whole(leaf, order.len());
-        if !leaves.par_iter().with_min_len(4096).all(is_whole) {
+        if !parallel::all(leaves.chunks(4096), |leaves| leaves.iter().all(is_whole)) {
             return Err("a leaf has a triangle or a vertex that is not there");
         }
         if !are_below(&order, triangles) || !are_below(copies.as_flattened(), triangles) {

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::CHUNK;
 use crate::error::{Error, Result, escape_controls};
 use crate::memory::filled;
+use crate::parallel;
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, NamedAttribute, PropertyOf};
 use crate::shoot::Hits;
@@ -86,14 +85,7 @@ pub fn attribute(
     };
     // No more than all of them, so that the product is one of what there is.
     let chunk = CHUNK.min(count.max(1)) * components;
-    if count <= CHUNK {
-        values.chunks_mut(chunk).enumerate().try_for_each(fill)?;
-    } else {
-        values
-            .par_chunks_mut(chunk)
-            .enumerate()
-            .try_for_each(fill)?;
-    }
+    parallel::try_each(values.chunks_mut(chunk).enumerate(), fill)?;
     Ok(AttributeValues { components, values })
 }
 

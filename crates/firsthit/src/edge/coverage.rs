@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, single};
 use crate::memory::zeroed;
+use crate::parallel;
 use crate::watch::Watch;
 
 /// So many pieces are drawn in a row of pixels before the watch is asked again. With the widest lines that takes a few milliseconds.
@@ -67,8 +68,8 @@ impl Drawing {
         watch: &dyn Watch,
     ) -> Result<Vec<f32>> {
         let mut covered = zeroed(rows.len().saturating_mul(columns.len()))?;
-        let lines = covered.par_chunks_mut(columns.len().max(1));
-        lines.zip(rows).try_for_each(|(line, row)| {
+        let lines = covered.chunks_mut(columns.len().max(1));
+        parallel::try_each(lines.zip(rows), |(line, row)| {
             let y = row as f64 + 0.5;
             for pieces in self.near(y).chunks(AT_ONCE) {
                 if watch.is_stopped() {

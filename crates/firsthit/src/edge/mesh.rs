@@ -1,11 +1,10 @@
 //! Which edges of a mesh are drawn for an eye.
 
-use rayon::prelude::*;
-
 use super::eye::Eye;
 use super::settings::{EdgeKind, EdgeKinds, Edges};
 use super::table::{EdgeTable, MeshEdge, Neighbour};
 use crate::geometry::{DVec3, Side};
+use crate::parallel;
 use crate::scene::{Catalog, Object};
 use crate::shape::Mesh;
 
@@ -34,8 +33,7 @@ pub(super) struct Chosen {
 impl Instance<'_> {
     /// The edges that are drawn, in order.
     pub(super) fn chosen(&self, edges: &Edges) -> Vec<Chosen> {
-        let all = self.table.edges.par_iter().enumerate();
-        let chosen = all.filter_map(|(number, edge)| {
+        let chosen = |(number, edge): (usize, &MeshEdge)| {
             let found = self.kinds(edge, edges)?;
             let is_drawn = !found.common(edges.kinds).is_empty();
             let ends_surface = found.has(EdgeKind::Silhouette) || found.has(EdgeKind::Boundary);
@@ -46,8 +44,11 @@ impl Instance<'_> {
                 edge,
                 is_outline: !is_drawn,
             })
-        });
-        chosen.collect()
+        };
+        let all: Vec<(usize, &MeshEdge)> = self.table.edges.iter().enumerate().collect();
+        parallel::gather(all.chunks(parallel::MANY), |edges| {
+            edges.iter().copied().filter_map(chosen).collect()
+        })
     }
 
     /// The kinds of an edge, as far as they matter; `None` where all its faces are culled.

@@ -1,7 +1,5 @@
 //! The lines of objects, cut into pieces that are looked at.
 
-use rayon::prelude::*;
-
 use super::chain::{Link, chains};
 use super::curves::{Curve, CurveKind, curves};
 use super::eye::View;
@@ -12,6 +10,7 @@ use super::sight::{Candidate, Look, Sight};
 use super::table::{EdgeTable, MeshEdge};
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, Departure, Side, SurfaceId};
+use crate::parallel;
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Surface};
 use crate::watch::Watch;
@@ -85,8 +84,7 @@ impl Strokes<'_> {
                 return Err(Error::Interrupted);
             }
             let cut = |link: &Link| self.of_edge(&instance, chosen[link.edge], link.is_reversed);
-            let cut: Vec<Vec<Candidate>> = links.par_iter().map(cut).collect();
-            for (link, candidates) in links.iter().zip(cut) {
+            for (link, candidates) in links.iter().zip(parallel::map(links, cut)) {
                 if link.is_first {
                     sight.begin();
                 }

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::geometry::{DVec2, DVec3};
 use crate::memory;
+use crate::parallel;
 use crate::shape::{Mesh, Positions, Welded};
 
 /// The memory that a triangle needs at most while the table is made, in bytes: its places, three sides and three edges.
@@ -84,11 +85,10 @@ impl EdgeTable {
         let sides = sides(&welded);
         let uses: Vec<&[Side]> = sides.chunk_by(|a, b| a.ends == b.ends).collect();
         let thin = Thin::new(mesh, &welded, &uses);
-        let edges = uses.par_iter().filter_map(|uses| thin.edge(uses));
-        Ok(Self {
-            edges: edges.collect(),
-            vertices,
-        })
+        let edges = parallel::gather(uses.chunks(parallel::MANY), |uses| {
+            uses.iter().filter_map(|uses| thin.edge(uses)).collect()
+        });
+        Ok(Self { edges, vertices })
     }
 
     /// The ends of an edge, in object space.
@@ -122,7 +122,8 @@ fn sides(welded: &[[u32; 3]]) -> Vec<Side> {
             is_forward: from < to,
         })
     };
-    let mut sides: Vec<Side> = order.par_iter().flat_map_iter(of_triangle).collect();
+    let of_triangles = |order: &[_]| order.iter().flat_map(of_triangle).collect();
+    let mut sides: Vec<Side> = parallel::gather(order.chunks(parallel::MANY), of_triangles);
     sides.par_sort_unstable();
     sides
 }
@@ -142,16 +143,18 @@ impl<'a> Thin<'a> {
             Positions::Single(_) => f64::from(f32::EPSILON),
             Positions::Double(_) => f64::EPSILON,
         };
-        let longest = (0..welded.len()).into_par_iter().filter_map(|triangle| {
+        let longest = |triangle: usize| {
             let corner = longest_side_of_thin(mesh.corners(triangle), exact * largest)?;
             let [from, to] = [corner, (corner + 1) % 3].map(|k| welded[triangle][k]);
             let number = u32::try_from(triangle).ok()?;
             Some((number, [from.min(to), from.max(to)]))
+        };
+        let starts = (0..welded.len()).step_by(parallel::MANY);
+        let longest = parallel::gather(starts, |start| {
+            let triangles = start..welded.len().min(start + parallel::MANY);
+            triangles.filter_map(longest).collect()
         });
-        Self {
-            longest: longest.collect(),
-            uses,
-        }
+        Self { longest, uses }
     }
 
     /// The ends of the longest side of a triangle that is thin.

@@ -3,13 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use bytemuck::Pod;
-use rayon::prelude::*;
-
 use crate::accel::{Meshlet, Node};
 use crate::error::Place;
 use crate::io::fault::{Checked, Fault};
 use crate::memory::{BLOCK_ALIGNMENT, Block, Storage};
+use crate::parallel;
+use bytemuck::Pod;
 
 /// As in PNG: a byte beyond ASCII, and line ends that a transfer as text would change.
 pub(super) const MAGIC: [u8; 8] = *b"\x89fhs\r\n\x1a\n";
@@ -202,14 +201,20 @@ impl Sections {
     /// Compares every section with its checksum.
     pub(super) fn verify(&self) -> Checked<()> {
         let bytes = self.block.bytes();
-        let is_damaged = |entry: &&Entry| {
+        let is_damaged = |entry: &Entry| {
             let part = bytes.get(entry.range.clone()).unwrap_or_default();
             *blake3::hash(part).as_bytes() != entry.sum
         };
         // The first, whichever thread is faster.
-        match self.entries.par_iter().find_first(is_damaged) {
+        let damaged = parallel::map(&self.entries, is_damaged);
+        match self
+            .entries
+            .iter()
+            .zip(damaged)
+            .find(|(_, is_damaged)| *is_damaged)
+        {
             None => Ok(()),
-            Some(entry) => {
+            Some((entry, _)) => {
                 let what = "the file is damaged: the checksum of this section does not match";
                 Err(wrong(entry.range.start, what))
             }

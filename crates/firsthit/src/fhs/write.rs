@@ -5,8 +5,6 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::layout::{BEFORE_DIGEST, Element, Kind, MAGIC, Sum, UNIT, VERSION, sum_of_structure};
 use super::look::{KindRecord, MapRecord, MaterialRecord, ShadingRecord, direction_of};
 use super::number::{Number, Triple};
@@ -20,6 +18,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DAffine3, DVec3};
 use crate::image::write_whole;
 use crate::memory;
+use crate::parallel;
 use crate::scene::{Label, Material, Object, Scene, Texture};
 use crate::shape::{
     Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape,
@@ -179,7 +178,7 @@ fn sums(sections: &[Part<'_>], watch: &dyn Watch) -> Option<Vec<Sum>> {
         }
         Some(*hasher.finalize().as_bytes())
     };
-    sections.par_iter().map(sum).collect()
+    parallel::map(sections, sum).into_iter().collect()
 }
 
 fn header_and_table(sections: &[Part<'_>], sums: &[Sum], record: &[u8]) -> ([u8; UNIT], Vec<u8>) {

@@ -1,5 +1,12 @@
 use std::io::{self, Cursor, Write};
 
+use super::content::{Content, check_float32, picture_sides};
+use super::cryptomatte::{self, Cryptomatte};
+use super::frame::{Channel, Data, Display};
+use super::metadata::{Encoding, KEY, Stored};
+use crate::error::Result;
+use crate::geometry::single;
+use crate::parallel;
 use exr::block::writer::ChunksWriter;
 use exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
 use exr::meta::BlockDescription;
@@ -8,14 +15,6 @@ use exr::meta::attribute::{
 };
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, Vec2};
-use rayon::prelude::*;
-
-use super::content::{Content, check_float32, picture_sides};
-use super::cryptomatte::{self, Cryptomatte};
-use super::frame::{Channel, Data, Display};
-use super::metadata::{Encoding, KEY, Stored};
-use crate::error::Result;
-use crate::geometry::single;
 
 /// Every sample has 32 bits.
 const BYTES: usize = 4;
@@ -86,8 +85,7 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
                 let chunk = UncompressedBlock { index, data }.compress_to_chunk(&meta.headers);
                 chunk.map(|chunk| (place, chunk))
             };
-            let chunks: Vec<_> = blocks.par_iter().map(compress).collect();
-            for chunk in chunks {
+            for chunk in parallel::map(blocks, compress) {
                 let (place, chunk) = chunk?;
                 writer.write_chunk(place, chunk)?;
             }

@@ -1,8 +1,5 @@
 use std::io::{self, Write};
 
-use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
-use rayon::prelude::*;
-
 use super::channel_colors::{ChannelColors, legend};
 use super::content::{Content, WriteSettings, picture_sides, refuse_mattes};
 use super::frame::{Channel, Display};
@@ -10,6 +7,8 @@ use super::metadata::{Encoding, KEY, Stored};
 use super::steps;
 use crate::error::{Error, Result};
 use crate::geometry::{DisplayTransform, ToneMap};
+use crate::parallel;
+use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
 const CHUNK: usize = 1 << 16;
@@ -116,11 +115,11 @@ fn encode_colors(
     let mut bytes = vec![0; rows_of_block * row];
     for first in (0..rows).step_by(rows_of_block) {
         let block = &mut bytes[..rows_of_block.min(rows - first) * row];
-        let rows = block.par_chunks_mut(row).enumerate();
-        rows.for_each_init(Vec::new, |values, (k, bytes)| {
+        parallel::each(block.chunks_mut(row).enumerate(), |(k, bytes)| {
             let start = (first + k) * values_of_row;
-            channel.data.read(start..start + values_of_row, values);
-            map.apply(values, channel.components, bytes);
+            let mut values = Vec::new();
+            channel.data.read(start..start + values_of_row, &mut values);
+            map.apply(&values, channel.components, bytes);
         });
         out.write_all(block)?;
     }

@@ -4,8 +4,6 @@
 
 use std::ops::ControlFlow;
 
-use rayon::prelude::*;
-
 use super::meeting::{Face, meet};
 use super::report::Found;
 use super::subject::{CHUNK, Subject, stop_if_asked};
@@ -13,6 +11,7 @@ use crate::accel::Bvh;
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::memory;
+use crate::parallel;
 use crate::watch::Watch;
 
 /// What the tree over a face's box takes while it is built, in bytes.
@@ -45,8 +44,7 @@ pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Wa
         }
         stop_if_asked(watch).map(|()| meeting)
     };
-    let meeting: Result<Vec<Vec<u32>>> = chunks.into_par_iter().map(of_chunk).collect();
-    for triangle in meeting?.into_iter().flatten() {
+    for triangle in parallel::try_map(chunks, of_chunk)?.into_iter().flatten() {
         found.add(subject, &[triangle], subject.middle(triangle));
     }
     Ok(())

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::geometry::orientation::projection_axis;
 use crate::geometry::{DVec3, Transform};
 use crate::memory;
+use crate::parallel;
 use crate::shape::{Mesh, Welded};
 use crate::watch::Watch;
 
@@ -57,9 +58,13 @@ impl<'a> Subject<'a> {
             vertices,
         } = mesh.welded()?;
         stop_if_asked(watch)?;
-        let has_area = (0..count).into_par_iter().with_min_len(CHUNK);
-        let has_area = has_area.map(|k| projection_axis(&mesh.corners(k)).is_some());
-        let has_area = has_area.collect();
+        let has_area = parallel::gather((0..count).step_by(CHUNK), |first| {
+            let triangles = first..count.min(first + CHUNK);
+            let corners = triangles.map(|triangle| mesh.corners(triangle));
+            corners
+                .map(|corners| projection_axis(&corners).is_some())
+                .collect()
+        });
         let is_repeated = repeated(&welded);
         stop_if_asked(watch)?;
         let edges = edges(&welded, &is_repeated);

@@ -1,14 +1,12 @@
 //! The way from rays to rows of answers: block by block, so that only the crossings of one block are in memory.
 
 use std::ops::Range;
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
-use rayon::prelude::*;
 
 use super::winding::winding_number;
 use super::{By, Rule, rules};
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Ray, RayFilter, Rays};
+use crate::parallel;
 use crate::scene::Scene;
 use crate::shoot::{All, AllHits, Cpu, trace_into};
 use crate::watch::{OnlyStops, Watch};
@@ -107,8 +105,11 @@ impl<'a> Solids<'a> {
             return Ok(());
         }
         let (engine, mut all) = (Cpu::default(), AllHits::default());
-        let is_little = self.is_little(rays.len());
-        let spare = Mutex::new(Vec::new());
+        let piece = if self.is_little(rays.len()) {
+            BLOCK
+        } else {
+            PIECE
+        };
         for (number, answers) in answers.chunks_mut(BLOCK * width).enumerate() {
             let (first, count) = (number * BLOCK, answers.len() / width);
             let part = Part { rays, first, count };
@@ -120,39 +121,23 @@ impl<'a> Solids<'a> {
                 &OnlyStops(watch),
             )?;
             let all = &all;
-            let piece = |(number, answers): (usize, &mut [T])| {
+            let pieces = answers.chunks_mut(piece * width).enumerate();
+            parallel::try_each_with(&state, pieces, |state, (number, answers)| {
                 if watch.is_stopped() {
                     return Err(Error::Interrupted);
                 }
-                let idle = lock(&spare).pop();
-                let mut state = idle.map_or_else(&state, Ok)?;
-                let rows = (number * PIECE..).zip(answers.chunks_mut(width));
+                let rows = (number * piece..).zip(answers.chunks_mut(width));
                 for (index, row) in rows {
                     let range = all.offsets[index]..all.offsets[index + 1];
                     let ray = rays.ray(first + index);
-                    answer(&mut state, &ray, &Met { all, range }, row)?;
+                    answer(state, &ray, &Met { all, range }, row)?;
                 }
-                lock(&spare).push(state);
                 watch.advance((answers.len() / width) as u64);
                 Ok(())
-            };
-            if is_little {
-                answers
-                    .chunks_mut(PIECE * width)
-                    .enumerate()
-                    .try_for_each(piece)?;
-            } else {
-                let pieces = answers.par_chunks_mut(PIECE * width).enumerate();
-                pieces.try_for_each(piece)?;
-            }
+            })?;
         }
         Ok(())
     }
-}
-
-/// The scratch memory that is idle. A thread that panics leaves the list whole.
-fn lock<S>(spare: &Mutex<Vec<S>>) -> MutexGuard<'_, Vec<S>> {
-    spare.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Some of many rays, without their ends.

@@ -4,8 +4,6 @@
 //! bounds the search from its start. The bound is rounded, so where nothing is found within it, the search begins anew
 //! without one.
 
-use rayon::prelude::*;
-
 use super::Wanted;
 use super::answers::{ClosestPoints, Part};
 use super::best::Best;
@@ -13,6 +11,7 @@ use crate::accel::{InstructionSet, Scratch, WalkStack, each_near};
 use crate::error::{Error, Result};
 use crate::geometry::DVec3;
 use crate::memory;
+use crate::parallel;
 use crate::scene::Scene;
 use crate::shape::{Shape, Surface, nearest_on_triangle};
 use crate::simd::{self, Kernel, Lanes};
@@ -72,8 +71,7 @@ pub(super) fn fill(
         // Few points need no other thread. (In Python there is then no pool.)
         return batches.try_for_each(search);
     }
-    let batches: Vec<_> = batches.collect();
-    batches.into_par_iter().try_for_each(search)
+    parallel::try_each(batches, search)
 }
 
 /// The answers of `size` points at a time.

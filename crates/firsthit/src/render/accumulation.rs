@@ -1,12 +1,12 @@
 //! Sums over the samples of pixels, and when they are enough.
 
 use bytemuck::Zeroable;
-use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Color, luminance, single, srgb_encode};
 use crate::image::{Channel, Data, Description, Display, Frame, Unit};
 use crate::memory::{self, zeroed};
+use crate::parallel;
 use crate::shade::Shade;
 
 /// What is known of each pixel of a part of a picture. Sums are in the order of the samples, so it does not matter how many are
@@ -69,12 +69,9 @@ impl Accumulation {
     pub(super) fn means<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
         let mut means = zeroed::<f32>(self.sums.len().saturating_mul(N))?;
         let chunk = 1 << 12;
-        let sums = self
-            .sums
-            .par_chunks(chunk)
-            .zip(self.counts.par_chunks(chunk));
-        let chunks = means.par_chunks_mut(N * chunk).zip(sums);
-        chunks.for_each(|(out, (sums, counts))| {
+        let sums = self.sums.chunks(chunk).zip(self.counts.chunks(chunk));
+        let chunks = means.chunks_mut(N * chunk).zip(sums);
+        parallel::each(chunks, |(out, (sums, counts))| {
             for ((out, sum), &count) in out.chunks_mut(N).zip(sums).zip(counts) {
                 let count = f64::from(count.max(1));
                 for (out, which) in out.iter_mut().zip(which) {
@@ -213,22 +210,18 @@ impl Activity {
     ) -> Self {
         let [down, across] = [rows, columns].map(|side| side.div_ceil(TILE));
         let is_asked = sample >= LEAST && sample.is_power_of_two();
-        let loud: Vec<bool> = (0..down * across)
-            .into_par_iter()
-            .map(|tile| {
-                let (top, left) = (tile / across * TILE, tile % across * TILE);
-                let mut pixels = (top..rows.min(top + TILE)).flat_map(|row| {
-                    (left..columns.min(left + TILE)).map(move |c| row * columns + c)
-                });
-                let mut goes_on = pixels
-                    .clone()
-                    .any(|pixel| accumulation.counts[pixel] == sample);
-                if is_asked && goes_on {
-                    goes_on = pixels.any(|pixel| accumulation.error(pixel) > noise);
-                }
-                goes_on
-            })
-            .collect();
+        let loud = parallel::map(0..down * across, |tile| {
+            let (top, left) = (tile / across * TILE, tile % across * TILE);
+            let mut pixels = (top..rows.min(top + TILE))
+                .flat_map(|row| (left..columns.min(left + TILE)).map(move |c| row * columns + c));
+            let mut goes_on = pixels
+                .clone()
+                .any(|pixel| accumulation.counts[pixel] == sample);
+            if is_asked && goes_on {
+                goes_on = pixels.any(|pixel| accumulation.error(pixel) > noise);
+            }
+            goes_on
+        });
         let tiles = if is_asked {
             spread(&loud, [down, across], |tile| {
                 let pixel = tile / across * TILE * columns + tile % across * TILE;

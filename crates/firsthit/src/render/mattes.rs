@@ -1,12 +1,11 @@
 //! Cryptomatte: which objects or materials the samples of a pixel meet, and how many of them each.
 
-use rayon::prelude::*;
-
 use crate::channel::{Kind, Matte};
 use crate::error::Result;
 use crate::geometry::Hit;
 use crate::image::{Cryptomatte, Data, matte_id};
 use crate::memory::{filled, zeroed};
+use crate::parallel;
 use crate::scene::{Object, Scene};
 use crate::shoot::Hits;
 
@@ -92,8 +91,8 @@ impl Mattes {
     /// Counts what a sample of each pixel met.
     pub(super) fn add(&mut self, scene: &Scene, hits: &Hits) {
         let (of, ids) = (self.of, &self.ids);
-        let chunks = self.pixels.par_chunks_mut(CHUNK).enumerate();
-        chunks.for_each(|(chunk, pixels)| {
+        let chunks = self.pixels.chunks_mut(CHUNK).enumerate();
+        parallel::each(chunks, |(chunk, pixels)| {
             for (index, pixel) in (chunk * CHUNK..).zip(pixels) {
                 let number = number(scene, of, &hits.get(index));
                 if let Some(&id) = number.and_then(|number| ids.get(number)) {
@@ -106,9 +105,9 @@ impl Mattes {
     /// The numbers of the channel, so many for each pixel.
     pub(super) fn data(&self, components: usize, samples: u32) -> Result<Data> {
         let mut data = zeroed::<f32>(self.pixels.len().saturating_mul(components))?;
-        let pixels = self.pixels.par_chunks(CHUNK);
-        let chunks = data.par_chunks_mut(CHUNK * components).zip(pixels);
-        chunks.for_each(|(out, pixels)| {
+        let pixels = self.pixels.chunks(CHUNK);
+        let chunks = data.chunks_mut(CHUNK * components).zip(pixels);
+        parallel::each(chunks, |(out, pixels)| {
             for (out, pixel) in out.chunks_mut(components).zip(pixels) {
                 pixel.write(samples, out);
             }

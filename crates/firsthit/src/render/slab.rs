@@ -8,8 +8,6 @@
 //! Every sample goes by the tiles of `shoot`. Sums are in the order of the samples, so it does not matter how many are added
 //! at a time.
 
-use rayon::prelude::*;
-
 use super::Picture;
 use super::accumulation::{ALPHA, Accumulation, Activity};
 use super::batch::{Batch, Block, split};
@@ -21,6 +19,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Color, Filtered, RayFilter, Rays, single};
 use crate::image::{Channel, ColorBar, Data, Frame};
 use crate::memory::zeroed;
+use crate::parallel;
 use crate::scene::Background;
 use crate::shade::{AmbientOcclusion, Shader, Shading};
 use crate::shoot::{First, Hits, trace_into};
@@ -191,12 +190,11 @@ impl<'a> Slab<'a> {
             counts,
             ..
         } = &mut self.known;
-        let blocks = Block::all(sums.len(), width).into_par_iter();
-        let rest = split(squares, width)
-            .into_par_iter()
-            .zip(split(counts, width));
-        let blocks = blocks.zip(split(sums, width).into_par_iter().zip(rest));
-        blocks.try_for_each_init(Batch::new, |batch, (block, (sums, (squares, counts)))| {
+        let blocks = Block::all(sums.len(), width).into_iter();
+        let rest = split(squares, width).into_iter().zip(split(counts, width));
+        let blocks = blocks.zip(split(sums, width).into_iter().zip(rest));
+        let new = || Ok(Batch::new());
+        parallel::try_each_with(new, blocks, |batch, (block, (sums, (squares, counts)))| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
@@ -222,9 +220,10 @@ impl<'a> Slab<'a> {
             return Ok(());
         };
         let width = part.region.columns.len();
-        let blocks = Block::all(sums.len(), width).into_par_iter();
+        let blocks = Block::all(sums.len(), width).into_iter();
         let blocks = blocks.zip(split(sums, width));
-        blocks.try_for_each_init(Batch::new, |batch, (block, sums)| {
+        let new = || Ok(Batch::new());
+        parallel::try_each_with(new, blocks, |batch, (block, sums)| {
             if watch.is_stopped() {
                 return Err(Error::Interrupted);
             }
@@ -319,11 +318,14 @@ impl<'a> Slab<'a> {
         let (Some(line), Data::Float32(values)) = (self.line_color(), colors) else {
             return;
         };
-        let pixels = values.par_chunks_mut(N).zip(&self.covered);
-        pixels.for_each(|(color, &covered)| {
-            for (value, line) in color.iter_mut().zip(line) {
-                let (mean, covered) = (f64::from(*value), f64::from(covered));
-                *value = single((1.0 - covered) * mean + covered * line);
+        let covered = self.covered.chunks(parallel::MANY);
+        let chunks = values.chunks_mut(N * parallel::MANY).zip(covered);
+        parallel::each(chunks, |(colors, covered)| {
+            for (color, &covered) in colors.chunks_mut(N).zip(covered) {
+                for (value, line) in color.iter_mut().zip(line) {
+                    let (mean, covered) = (f64::from(*value), f64::from(covered));
+                    *value = single((1.0 - covered) * mean + covered * line);
+                }
             }
         });
     }

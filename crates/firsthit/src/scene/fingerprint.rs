@@ -1,13 +1,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::{
     AlphaMode, ColorBy, Environment, EnvironmentKind, Filter, Light, MapRole, Material, Model,
     Object, Scene, TextureMap, UvSet, Wrap,
 };
 use crate::geometry::{Color, Digest, Value};
+use crate::parallel;
 use crate::shape::{Property, Surface};
 
 impl Scene {
@@ -291,7 +290,7 @@ fn digest_of_texels(texels: &[[f32; 3]]) -> [u8; 32] {
         digest.numbers(&numbers.map(|&number| f64::from(number)).collect::<Vec<_>>());
         digest.finish()
     };
-    let parts: Vec<[u8; 32]> = texels.par_chunks(AT_ONCE).map(part).collect();
+    let parts = parallel::map(texels.chunks(AT_ONCE), part);
     let mut digest = Digest::default();
     digest.bytes(parts.as_flattened());
     digest.finish()

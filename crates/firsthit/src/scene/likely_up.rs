@@ -1,9 +1,8 @@
 //! Guesses which way is up from the triangles: most things stand on a flat base.
 
-use rayon::prelude::*;
-
 use super::{Object, Scene};
 use crate::geometry::{Bounds, DVec2, DVec3};
+use crate::parallel;
 
 /// The base and the lid are the lowest and the highest part of the scene, this share of its height.
 const LAYER: f64 = 0.02;
@@ -83,8 +82,8 @@ fn seen(object: &Object, bounds: Bounds) -> Seen {
     let is_identity = place.is_identity();
     let triangles = mesh.triangles().len();
     // Parts of one size, added in their order: the sums are the same for any number of threads.
-    let parts = (0..triangles.div_ceil(PART)).into_par_iter().map(|part| {
-        let triangles = part * PART..triangles.min((part + 1) * PART);
+    let parts = parallel::map((0..triangles).step_by(PART), |first| {
+        let triangles = first..triangles.min(first + PART);
         let seen = triangles.map(|triangle| {
             let corners = mesh.corners(triangle);
             let corners = if is_identity {
@@ -96,7 +95,6 @@ fn seen(object: &Object, bounds: Bounds) -> Seen {
         });
         seen.fold(Seen::default(), Seen::and)
     });
-    let parts: Vec<Seen> = parts.collect();
     parts.into_iter().fold(Seen::default(), Seen::and)
 }
 

@@ -64,6 +64,7 @@ use crate::error::{Error, Result};
 use crate::geometry::summary::{Few, summary};
 use crate::geometry::{Beam, Bounds, DVec3, Hit, Transform};
 use crate::memory;
+use crate::parallel;
 use crate::shape::{Mesh, Shape};
 
 /// Objects in a world, ready to be shot at from any number of threads.
@@ -223,7 +224,7 @@ impl Scene {
         let (top, bounds) = if let Some(before) = unmoved {
             (before.top.clone(), before.bounds.clone())
         } else {
-            let boxes: Vec<Bounds> = objects.par_iter().map(Object::bounds).collect();
+            let boxes = in_parts(&objects, |_, object| object.bounds());
             let visible = objects.iter().zip(&boxes);
             let visible = visible.filter(|(object, _)| !object.is_hidden());
             let bounds = around(visible.map(|(_, &bounds)| bounds));
@@ -561,11 +562,21 @@ impl Scene {
     }
 }
 
+/// Something of each object, by its number. Few objects may take long each, and of many each takes little.
+fn in_parts<T: Send>(objects: &[Object], of: impl Fn(usize, &Object) -> T + Sync) -> Vec<T> {
+    const MOST_PARTS: usize = 1024;
+    let size = objects.len().div_ceil(MOST_PARTS).max(1);
+    parallel::gather(objects.chunks(size).enumerate(), |(part, objects)| {
+        let numbered = (part * size..).zip(objects);
+        numbered.map(|(index, object)| of(index, object)).collect()
+    })
+}
+
 /// See [`Scene::support`]. Objects are visited in the order of the bounds that their boxes give, until no bound that is left
 /// exceeds the largest product found: of many instances of a mesh, the vertices of a few are visited.
 pub(crate) fn support(objects: &[Object], direction: DVec3) -> f64 {
-    let bound = |(index, object): (usize, &Object)| (object.support_bound(direction), index);
-    let mut bounds: Vec<(f64, usize)> = objects.par_iter().enumerate().map(bound).collect();
+    let bound = |index, object: &Object| (object.support_bound(direction), index);
+    let mut bounds: Vec<(f64, usize)> = in_parts(objects, bound);
     bounds.retain(|&(bound, index)| bound < f64::INFINITY && !objects[index].is_hidden());
     bounds.par_sort_unstable_by(|(a, _), (b, _)| b.total_cmp(a));
     let mut farthest = f64::NEG_INFINITY;

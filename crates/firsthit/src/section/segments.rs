@@ -2,8 +2,6 @@
 
 use std::cmp::Ordering;
 
-use rayon::prelude::*;
-
 use super::plane::SectionPlane;
 use crate::error::{Error, Result};
 use crate::geometry::arithmetic::Scalar;
@@ -11,6 +9,7 @@ use crate::geometry::double::difference;
 use crate::geometry::exact::{Scaled, determinant};
 use crate::geometry::{Bounds, DVec3, Ray, Transform, compare_points};
 use crate::memory;
+use crate::parallel;
 use crate::scene::Object;
 use crate::shape::Mesh;
 use crate::watch::Watch;
@@ -159,7 +158,6 @@ fn in_chunks<T: Send>(
         let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
         Ok(range.filter_map(&of).collect::<Vec<T>>())
     };
-    let chunks = 0..count.div_ceil(CHUNK);
-    let parts: Result<Vec<Vec<T>>> = chunks.into_par_iter().map(part).collect();
-    Ok(parts?.into_iter().flatten().collect())
+    let parts = parallel::try_map(0..count.div_ceil(CHUNK), part)?;
+    Ok(parts.into_iter().flatten().collect())
 }

@@ -16,6 +16,7 @@ use super::binned_sah::Box32;
 use super::weld::Sharing;
 use crate::accel::space::CHUNK;
 use crate::memory;
+use crate::parallel;
 
 /// The triangles of a mesh along the curve.
 pub(super) struct Curve {
@@ -151,21 +152,20 @@ fn sort(keys: &mut [u64], spare: &mut [u64], [low, bits]: [u32; 2], into_spare: 
     }
     let part =
         |(keys, spare): (&mut [u64], &mut [u64])| sort(keys, spare, [low, below], !into_spare);
-    parts.into_par_iter().for_each(part);
+    parallel::each(parts, part);
 }
 
 /// Sorts `from` by a digit into `to`; returns how many keys have each value of it.
 fn by_highest(from: &[u64], to: &mut [u64], [shift, bits]: [u32; 2]) -> Vec<usize> {
     let values = 1 << bits;
     let chunk = CHUNK.max(from.len().div_ceil(64));
-    let counts = from.par_chunks(chunk).map(|keys| {
+    let counts = parallel::map(from.chunks(chunk), |keys| {
         let mut counts = vec![0_usize; values];
         for &key in keys {
             counts[digit(key, shift, bits)] += 1;
         }
         counts
     });
-    let counts: Vec<Vec<usize>> = counts.collect();
     // Of each chunk, the places for its keys with each value.
     let mut places: Vec<Vec<&mut [u64]>> = Vec::new();
     places.resize_with(counts.len(), || Vec::with_capacity(values));
@@ -177,8 +177,8 @@ fn by_highest(from: &[u64], to: &mut [u64], [shift, bits]: [u32; 2]) -> Vec<usiz
             to = others;
         }
     }
-    let chunks = from.par_chunks(chunk).zip(places);
-    chunks.for_each(|(keys, mut places)| {
+    let chunks = from.chunks(chunk).zip(places);
+    parallel::each(chunks, |(keys, mut places): (_, Vec<_>)| {
         for &key in keys {
             let place = &mut places[digit(key, shift, bits)];
             if let Some((first, others)) = std::mem::take(place).split_first_mut() {

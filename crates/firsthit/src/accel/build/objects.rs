@@ -1,12 +1,11 @@
 //! Makes the top-level tree over boxes, and fits it to boxes that move.
 
-use rayon::prelude::*;
-
 use super::binary::{Binary, BinaryNode, Primitives, binary};
 use super::binned_sah::{Block, Box32, Item};
 use crate::accel::bvh::{Bvh, Node, Places, outwards};
 use crate::accel::space::CHUNK;
 use crate::geometry::{Bounds, DVec3};
+use crate::parallel;
 
 /// Leaves have up to this many boxes.
 const MOST_IN_LEAF: usize = 4;
@@ -32,12 +31,10 @@ impl Bvh {
     /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer than 65,536 boxes are
     /// the calling thread's alone, and need no pool.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
-        let boxes: Vec<Bounds> = if (count as usize) < CHUNK {
-            (0..count).map(&bounds).collect()
-        } else {
-            let indices = (0..count).into_par_iter().with_min_len(CHUNK);
-            indices.map(&bounds).collect()
-        };
+        let indices: Vec<u32> = (0..count).collect();
+        let boxes: Vec<Bounds> = parallel::gather(indices.chunks(CHUNK), |indices| {
+            indices.iter().copied().map(&bounds).collect()
+        });
         let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         if all.is_empty() {
             return Self {

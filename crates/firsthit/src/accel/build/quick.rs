@@ -14,8 +14,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::binary::{self, Binary, Primitives};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse;
@@ -26,6 +24,7 @@ use super::weld::Sharing;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::memory;
+use crate::parallel;
 
 /// How many triangles one task makes leaves of. A leaf ends with them, so this shows in the tree.
 const PART: usize = 16_384;
@@ -43,12 +42,12 @@ pub(super) fn quick(triangles: &Triangles<'_>) -> Parts {
     for (k, order) in order.chunks_mut(AT_ONCE * PART).enumerate() {
         let start = k * AT_ONCE * PART;
         let end = start + order.len();
-        let parts = order.par_chunks_mut(PART).enumerate().map(|(k, order)| {
+        let parts = order.chunks_mut(PART).enumerate();
+        let parts = parallel::map(parts, |(k, order)| {
             let mut part = Part::new(&curve, sharing, start + k * PART, order);
             part.fill(triangles);
             (part.leaves, part.seen)
         });
-        let parts: Vec<(Vec<Meshlet>, Vec<Seen>)> = parts.collect();
         make_room(
             &mut leaves,
             parts.iter().map(|(leaves, _)| leaves.len()).sum(),

@@ -20,6 +20,7 @@ use crate::accel::meshlet::Meshlet;
 use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::accel::space::Space;
 use crate::memory::{self, Storage};
+use crate::parallel;
 use crate::shape::Mesh;
 
 /// How much more a ray may cost than when the tree was built.
@@ -47,7 +48,7 @@ impl MeshTree {
             &self.order[first..first + leaf.filled.count_ones() as usize]
         };
         let fits = |leaf: &Meshlet| sharing.fits(of_leaf(leaf).iter().copied());
-        if !self.leaves.par_iter().with_min_len(1024).all(fits) {
+        if !parallel::all(self.leaves.chunks(1024), |leaves| leaves.iter().all(fits)) {
             return None;
         }
         let leaf = |leaf: &Meshlet| Meshlet::new(&sharing, of_leaf(leaf), leaf.first);

@@ -9,9 +9,8 @@
 //!
 //! A leaf holds only places, so no answer depends on this.
 
-use rayon::prelude::*;
-
 use crate::accel::space::CHUNK;
+use crate::parallel;
 use crate::shape::Mesh;
 use crate::simd::LANES;
 
@@ -119,12 +118,10 @@ fn mask(keys: &[u32; LANES], key: u32) -> u32 {
 /// threads.
 fn count_places(points: &[[f32; 3]]) -> usize {
     let bits = (points.len() / SAMPLE).max(1).ilog2();
-    let mut sample: Vec<u64> = points
-        .par_iter()
-        .with_min_len(CHUNK)
-        .map(|point| hash(*point))
-        .filter(|hash| hash.leading_zeros() >= bits)
-        .collect();
+    let mut sample: Vec<u64> = parallel::gather(points.chunks(CHUNK), |points| {
+        let hashes = points.iter().map(|point| hash(*point));
+        hashes.filter(|hash| hash.leading_zeros() >= bits).collect()
+    });
     let all = sample.len().max(1);
     sample.sort_unstable();
     sample.dedup();

@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::Mesh;
 use crate::geometry::{DVec3, Digest};
+use crate::parallel;
 use crate::shape::Attribute;
 
 /// How many triangles become one part of a digest: a constant, because the parts show in the result.
@@ -17,13 +16,8 @@ impl Mesh {
     pub(super) fn digest(&self, digest: &mut Digest) {
         let count = self.triangles.len();
         digest.count(count);
-        let parts: Vec<[u8; 32]> = (0..count.div_ceil(AT_ONCE))
-            .into_par_iter()
-            .map(|part| {
-                let first = part * AT_ONCE;
-                self.part(first..count.min(first + AT_ONCE))
-            })
-            .collect();
+        let starts = (0..count).step_by(AT_ONCE);
+        let parts = parallel::map(starts, |first| self.part(first..count.min(first + AT_ONCE)));
         digest.bytes(parts.as_flattened());
     }
 

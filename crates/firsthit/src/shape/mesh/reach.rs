@@ -6,10 +6,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use rayon::prelude::*;
-
 use super::Mesh;
 use crate::geometry::{Bounds, DVec3};
+use crate::parallel;
 
 /// How many triangles are in a block.
 const BLOCK: usize = 256;
@@ -67,8 +66,9 @@ impl Mesh {
                 high: all.high.max(corner),
             })
         };
-        let blocks = self.triangles.par_chunks(BLOCK).with_min_len(64);
-        let blocks: Vec<Bounds> = blocks.map(around).collect();
+        let blocks = parallel::gather(self.triangles.chunks(64 * BLOCK), |triangles| {
+            triangles.chunks(BLOCK).map(around).collect()
+        });
         Arc::clone(known.get_or_init(|| blocks.into()))
     }
 }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::{Mesh, bounds_of};
 use crate::geometry::Bounds;
 use crate::memory::Storage;
+use crate::parallel;
 use crate::shape::property::Counts;
 use crate::shape::{Attribute, Positions, Property, PropertyOf};
 
@@ -36,14 +35,12 @@ impl Positions {
     /// Whether every coordinate is finite.
     pub(crate) fn are_finite(&self) -> bool {
         match self {
-            Self::Single(points) => {
-                let parts = points.as_flattened().par_chunks(CHUNK);
-                parts.all(|part| part.iter().fold(true, |all, x| all & x.is_finite()))
-            }
-            Self::Double(points) => {
-                let parts = points.as_flattened().par_chunks(CHUNK);
-                parts.all(|part| part.iter().fold(true, |all, x| all & x.is_finite()))
-            }
+            Self::Single(points) => parallel::all(points.as_flattened().chunks(CHUNK), |part| {
+                part.iter().fold(true, |all, x| all & x.is_finite())
+            }),
+            Self::Double(points) => parallel::all(points.as_flattened().chunks(CHUNK), |part| {
+                part.iter().fold(true, |all, x| all & x.is_finite())
+            }),
         }
     }
 }
@@ -115,7 +112,9 @@ impl Mesh {
         let is_of_faces = |property: &Property| property.of == PropertyOf::Faces;
         let faces = match &self.faces {
             Some(faces) if properties.iter().any(is_of_faces) => {
-                faces.par_iter().max().map_or(0, |&last| last as usize + 1)
+                let largest = parallel::map(faces.chunks(CHUNK), |part| part.iter().max());
+                let last = largest.into_iter().flatten().max();
+                last.map_or(0, |&last| last as usize + 1)
             }
             _ => self.triangles.len(),
         };
@@ -159,6 +158,7 @@ fn fits<const N: usize>(
 pub(crate) fn are_below(indices: &[u32], count: usize) -> bool {
     // The largest of a part: without a branch, so that it is as fast as memory.
     let largest = |part: &[u32]| part.iter().fold(0, |largest, &index| index.max(largest));
-    let parts = indices.par_chunks(CHUNK);
-    parts.all(|part| (largest(part) as usize) < count)
+    parallel::all(indices.chunks(CHUNK), |part| {
+        (largest(part) as usize) < count
+    })
 }

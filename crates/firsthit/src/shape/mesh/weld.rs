@@ -8,6 +8,7 @@ use super::Mesh;
 use crate::error::Result;
 use crate::geometry::{DVec3, compare_points};
 use crate::memory;
+use crate::parallel;
 
 /// How many triangles one task takes of many.
 const CHUNK: usize = 1 << 12;
@@ -67,8 +68,8 @@ impl Mesh {
             }
         };
         if is_in_pool() {
-            let parts = triangles.par_chunks_mut(CHUNK);
-            parts.zip(self.triangles.par_chunks(CHUNK)).for_each(weld);
+            let parts = triangles.chunks_mut(CHUNK);
+            parallel::each(parts.zip(self.triangles.chunks(CHUNK)), weld);
         } else {
             weld((&mut triangles, &self.triangles));
         }
