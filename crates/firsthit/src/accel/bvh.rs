@@ -24,7 +24,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::geometry::{Bounds, DVec3, Ray};
+use crate::geometry::{Bounds, DVec3, Ray, arrays};
 
 /// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
 ///
@@ -191,8 +191,9 @@ impl WideRay {
     /// the widened box, where nothing is: `min` and `max` then take the other, infinite one.
     #[inline]
     fn entry(&self, node: &Node) -> f64 {
-        let low = (DVec3::from(node.low.map(f64::from)) - self.low_origin) * self.inverse;
-        let high = (DVec3::from(node.high.map(f64::from)) - self.high_origin) * self.inverse;
+        let low = (DVec3::from(arrays::map(node.low, f64::from)) - self.low_origin) * self.inverse;
+        let high =
+            (DVec3::from(arrays::map(node.high, f64::from)) - self.high_origin) * self.inverse;
         let mut entry = self.first;
         let mut exit = f64::INFINITY;
         for axis in 0..3 {

@@ -17,7 +17,7 @@
 
 use super::mesh_tree::MeshTree;
 use crate::geometry::arithmetic::Scalar;
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::{DVec3, Ray, arrays};
 use crate::shape::Mesh;
 use crate::shape::triangle::{Plain, PlainStart, Plane, Start};
 use crate::simd::{Aligned, InLanes, Kernel, LANES, Lanes, WIDE};
@@ -54,7 +54,9 @@ impl EightPairs {
     /// The ray in a lane, without its ends, and the corners of its triangle.
     pub(super) fn get(&self, lane: usize) -> (Ray, [DVec3; 3]) {
         let vector = |k: usize| {
-            DVec3::from_array([0, 1, 2].map(|axis| self.numbers.0[3 * k + axis][lane % WIDE]))
+            DVec3::from_array(arrays::from_fn(|axis| {
+                self.numbers.0[3 * k + axis][lane % WIDE]
+            }))
         };
         let ray = Ray::new(vector(0), vector(1));
         (ray, [vector(2), vector(3), vector(4)])
@@ -324,9 +326,8 @@ impl SharedTriangle {
         leaf_lane: u32,
         rays: &RayBundle<L>,
     ) -> Self {
-        let corners = tree
-            .corners_at(mesh, leaf_lane)
-            .map(|corner| corner.to_array());
+        let corners = tree.corners_at(mesh, leaf_lane);
+        let corners = arrays::map(corners, |corner| corner.to_array());
         let mut origin = [0.0; 3];
         for (axis, first) in origin.iter_mut().enumerate() {
             let mut lanes = [0.0; WIDE];

@@ -50,7 +50,17 @@ impl MeshTree {
     }
 
     /// The copies of a triangle of a leaf: the second of each pair.
+    #[inline(always)]
     pub(super) fn copies_of(&self, triangle: u32) -> &[[u32; 2]] {
+        // Few meshes have any, and a search in a kernel is a call.
+        if self.copies.is_empty() {
+            return &[];
+        }
+        self.search_copies(triangle)
+    }
+
+    #[inline(never)]
+    fn search_copies(&self, triangle: u32) -> &[[u32; 2]] {
         let first = self.copies.partition_point(|&[of, _]| of < triangle);
         let count = self.copies[first..].partition_point(|&[of, _]| of == triangle);
         &self.copies[first..first + count]

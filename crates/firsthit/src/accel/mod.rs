@@ -57,7 +57,7 @@ pub(crate) use traverse::all::{All, CrossingList};
 pub(crate) use traverse::any::Any;
 pub(crate) use traverse::count::Count;
 pub(crate) use traverse::dispatch::Dispatcher;
-pub(crate) use traverse::each::{END, each_candidate};
+pub(crate) use traverse::each::{END, EachCandidate};
 pub(crate) use traverse::filtered::FilteredQuery;
 pub(crate) use traverse::first::First;
 pub(crate) use traverse::mesh_packet::{MeshPacket, SettleExactly};

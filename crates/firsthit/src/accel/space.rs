@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 
 use super::bounds::DISTANT;
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, arrays};
 use crate::memory;
+use crate::parallel;
 use crate::shape::{Mesh, Positions};
 
 /// How many points or boxes one task takes of many.
@@ -68,13 +69,12 @@ impl Space {
         let is_same = |(k, point): (usize, &[f32; 3])| {
             let position = mesh.positions().get(count(k));
             let restored = self.restored(*point);
-            restored.to_array().map(f64::to_bits) == position.to_array().map(f64::to_bits)
+            arrays::map(restored.to_array(), f64::to_bits)
+                == arrays::map(position.to_array(), f64::to_bits)
         };
-        points
-            .par_iter()
-            .with_min_len(CHUNK)
-            .enumerate()
-            .all(is_same)
+        parallel::all(points.chunks(CHUNK).enumerate(), |(chunk, points)| {
+            (chunk * CHUNK..).zip(points).all(is_same)
+        })
     }
 
     #[expect(
@@ -88,7 +88,7 @@ impl Space {
         } else {
             point - self.origin
         };
-        (moved * self.scale).to_array().map(|x| x as f32)
+        arrays::map((moved * self.scale).to_array(), |x| x as f32)
     }
 
     /// A point of the tree in the mesh; exact when the mesh's tree is.

@@ -11,7 +11,7 @@ use super::pose::Pose;
 use super::quick::square;
 use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, PairOfMasks, Pairs, Scalar};
-use crate::geometry::{DVec2, DVec3, PixelGrid, Ray};
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, arrays};
 use crate::simd::{InLanes, InstructionSet, Kernel, Lanes, WIDE, run};
 
 /// What every such lens can do. Directions are in the camera's coordinates x to the right, y down, z ahead, as in OpenCV; pixel
@@ -116,14 +116,21 @@ impl<C: Central> Kernel for RowOfDirections<'_, C> {
     fn run<L: Lanes>(self, l: L) {
         let [row, first] = self.first;
         let [x, y, z] = self.directions;
-        let down = l.splat64(pixel_at([row, first], self.offset).y);
-        let lanes = x.chunks_mut(AT_ONCE).zip(y.chunks_mut(AT_ONCE));
-        for (group, ((x, y), z)) in lanes.zip(z.chunks_mut(AT_ONCE)).enumerate() {
-            let column = first + group * AT_ONCE;
-            let mut across = [0.0; AT_ONCE];
-            for (k, x) in across.iter_mut().enumerate() {
-                *x = pixel_at([row, column + k], self.offset).x;
+        if !L::HAS_PACKETS {
+            for k in 0..x.len() {
+                let pixel = pixel_at([row, first + k], self.offset);
+                (x[k], y[k], z[k]) = slow(self.lens, self.pose, self.size, pixel).into();
             }
+            return;
+        }
+        let down = l.splat64(pixel_at([row, first], self.offset).y);
+        // Iterators of several slices would be calls.
+        for start in (0..x.len()).step_by(AT_ONCE) {
+            let end = x.len().min(start + AT_ONCE);
+            let [x, y, z] = [&mut x[start..end], &mut y[start..end], &mut z[start..end]];
+            let column = first + start;
+            let across: [f64; AT_ONCE] =
+                arrays::from_fn(|k| pixel_at([row, column + k], self.offset).x);
             let (halves, _) = across.as_chunks();
             let of = Pairs(InLanes(l));
             let across = [l.load64(&halves[0]), l.load64(&halves[1])];
@@ -161,7 +168,9 @@ fn store<L: Lanes>(l: L, [low, high]: [L::Doubles; 2], to: &mut [f64]) {
     let mut lanes = [[0.0; WIDE]; 2];
     l.store64(low, &mut lanes[0]);
     l.store64(high, &mut lanes[1]);
-    to.copy_from_slice(&lanes.as_flattened()[..to.len()]);
+    for k in 0..to.len() {
+        to[k] = lanes[k / WIDE][k % WIDE];
+    }
 }
 
 /// [`direction_at`] as a function of its own: it is rarely called.

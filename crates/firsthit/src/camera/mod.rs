@@ -368,10 +368,12 @@ impl Camera {
         }
         let mut lanes = [[0.0; AT_ONCE]; 3];
         for (rays, column) in rays.chunks_mut(AT_ONCE).zip((column..).step_by(AT_ONCE)) {
-            let directions = lanes.each_mut().map(|axis| &mut axis[..rays.len()]);
+            let [x, y, z] = &mut lanes;
+            let count = rays.len();
+            let directions = [&mut x[..count], &mut y[..count], &mut z[..count]];
             self.directions_within(row, column, offset, directions);
             for (k, ray) in rays.iter_mut().enumerate() {
-                let direction = DVec3::from_array(lanes.map(|axis| axis[k]));
+                let direction = DVec3::new(lanes[0][k], lanes[1][k], lanes[2][k]);
                 *ray = Ray::new(self.position(), direction);
             }
         }

@@ -289,6 +289,7 @@ impl Model for Viewplane {
         self.check_lens()
     }
 
+    #[inline]
     fn ray(&self, pose: &Pose, size: [usize; 2], [row, column]: [usize; 2], offset: DVec2) -> Ray {
         self.pixels(pose, size, offset).ray(row, column)
     }

@@ -1,4 +1,4 @@
-use super::{DAffine3, DVec3, Ray};
+use super::{DAffine3, DVec3, Ray, arrays};
 
 /// An axis-aligned box, both corners part of it.
 ///
@@ -92,7 +92,7 @@ impl Bounds {
 
     /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
-        std::array::from_fn(|k| {
+        arrays::from_fn(|k| {
             let pick = |axis: usize| {
                 if k >> axis & 1 == 0 {
                     self.low[axis]
@@ -109,10 +109,9 @@ impl Bounds {
         if self.is_empty() {
             Self::EMPTY
         } else if self.is_finite() {
-            Self::of(
-                self.corners()
-                    .map(|corner| transform.transform_point3(corner)),
-            )
+            Self::of(arrays::map(self.corners(), |corner| {
+                transform.transform_point3(corner)
+            }))
         } else {
             Self::EVERYTHING
         }

@@ -12,7 +12,7 @@
 use super::arithmetic::Arithmetic;
 
 /// The sum of two numbers, the second of them hardly more than the rounding of the first.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Double<N> {
     /// Nearly all of it.
     pub(crate) high: N,

@@ -8,6 +8,7 @@
 use std::cmp::Ordering;
 
 use super::arithmetic::Scalar;
+use super::arrays;
 use super::double::{Double, DoubleVector, product, sum};
 
 /// A vector brought to a length around 1.
@@ -24,7 +25,7 @@ impl Scaled {
         let longer = |largest: f64, part: &Double<f64>| largest.max(part.high.abs());
         let largest = vector.iter().fold(f64::MIN_POSITIVE, longer);
         let unit = f64::from_bits(largest.to_bits() & (0x7ff << 52));
-        let vector = vector.map(|part| Double {
+        let vector = arrays::map(*vector, |part| Double {
             high: part.high / unit,
             low: part.low / unit,
         });
@@ -70,7 +71,7 @@ fn fill_with_terms(terms: &mut [f64; TERMS], [p, q, r]: [&Scaled; 3], scale: f64
     };
     for ([k, l, m], sign) in ORDERS {
         let parts =
-            |v: &Scaled, axis: usize| [v.vector[axis].high, v.vector[axis].low].map(|x| x * scale);
+            |v: &Scaled, axis: usize| [v.vector[axis].high * scale, v.vector[axis].low * scale];
         for x in parts(p, k) {
             for y in parts(q, l) {
                 if x == 0.0 || y == 0.0 {

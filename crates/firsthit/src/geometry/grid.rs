@@ -82,6 +82,7 @@ impl PixelGrid {
     }
 
     /// The ray of a pixel, its direction of length one.
+    #[inline]
     pub fn ray(&self, row: usize, column: usize) -> Ray {
         self.through(self.point(row, column))
     }

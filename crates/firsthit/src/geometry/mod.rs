@@ -6,6 +6,7 @@
 )]
 
 pub(crate) mod arithmetic;
+pub(crate) mod arrays;
 mod beam;
 mod bounds;
 mod color;

@@ -3,7 +3,7 @@
 mod maps;
 mod rows;
 
-use std::cell::OnceCell;
+use std::cell::Cell;
 
 pub(crate) use rows::compute_geometry;
 
@@ -37,7 +37,8 @@ pub struct SurfaceInteraction<'a> {
     pub(super) mesh: Option<(&'a Mesh, usize)>,
     /// How the scene is coloured by numbers, if it is.
     colored: Option<&'a Colored>,
-    geometry: OnceCell<Geometry>,
+    /// Once it is known.
+    geometry: Cell<Option<Geometry>>,
 }
 
 /// Where the surface is, and how it lies.
@@ -69,18 +70,20 @@ impl Scene {
             object,
             mesh,
             colored: self.colored(),
-            geometry: OnceCell::new(),
+            geometry: Cell::new(None),
         })
     }
 }
 
 impl<'a> SurfaceInteraction<'a> {
     /// The ray, in the world.
+    #[inline]
     pub fn ray(&self) -> &'a Ray {
         self.ray
     }
 
     /// What the ray met.
+    #[inline]
     pub fn hit(&self) -> &'a Hit {
         self.hit
     }
@@ -91,6 +94,7 @@ impl<'a> SurfaceInteraction<'a> {
     }
 
     /// The material; `None` for an object that was given none.
+    #[inline]
     pub fn material(&self) -> Option<&'a Material> {
         self.object.material(self.hit.primitive)
     }
@@ -107,19 +111,26 @@ impl<'a> SurfaceInteraction<'a> {
     }
 
     #[inline]
-    fn geometry(&self) -> &Geometry {
-        self.geometry.get_or_init(|| {
-            if let Some((mesh, triangle)) = self.mesh {
-                let corners = mesh.corners(triangle);
-                let point = mesh::point_of(corners, self.hit.barycentric);
-                self.in_world(point, mesh::normal_of(corners))
-            } else {
-                let (shape, primitive) = (self.object.shape(), self.hit.primitive);
-                let point = self.object.transform().ray_in_object(self.ray);
-                let point = point.at(self.hit.t);
-                self.in_world(shape.onto(point, primitive), shape.normal(point, primitive))
-            }
+    fn geometry(&self) -> Geometry {
+        self.geometry.get().unwrap_or_else(|| {
+            let computed = self.computed_geometry();
+            self.geometry.set(Some(computed));
+            computed
         })
+    }
+
+    #[inline]
+    fn computed_geometry(&self) -> Geometry {
+        if let Some((mesh, triangle)) = self.mesh {
+            let corners = mesh.corners(triangle);
+            let point = mesh::point_of(corners, self.hit.barycentric);
+            self.in_world(point, mesh::normal_of(corners))
+        } else {
+            let (shape, primitive) = (self.object.shape(), self.hit.primitive);
+            let point = self.object.transform().ray_in_object(self.ray);
+            let point = point.at(self.hit.t);
+            self.in_world(shape.onto(point, primitive), shape.normal(point, primitive))
+        }
     }
 
     /// What is known of the hit in object space, in the world.
@@ -190,6 +201,7 @@ impl<'a> SurfaceInteraction<'a> {
 
     /// The normal to shade with, in the world, of length one: interpolated where the mesh has normals at its vertices, on the same
     /// side as the geometric normal, which it is everywhere else.
+    #[inline]
     pub fn shading_normal(&self) -> DVec3 {
         let geometric = self.normal();
         let smooth = || {
@@ -214,12 +226,14 @@ impl<'a> SurfaceInteraction<'a> {
     }
 
     /// The linear colour: that of its number, where the scene is [coloured by numbers](Scene::with_coloring), or else its own.
+    #[inline]
     pub fn color(&self) -> Color {
         let by_number = self.colored.and_then(|colored| colored.color(self));
         by_number.unwrap_or_else(|| self.own_color())
     }
 
     /// The material's colour, times its texture's, times the mesh's own.
+    #[inline]
     fn own_color(&self) -> Color {
         let Some((mesh, triangle)) = self.mesh else {
             return self.object.color();
@@ -235,6 +249,7 @@ impl<'a> SurfaceInteraction<'a> {
     }
 
     /// Whether the colour is to be seen as it is, whatever the light.
+    #[inline]
     pub fn is_unlit(&self) -> bool {
         self.material().is_some_and(|material| material.unlit)
     }

@@ -219,6 +219,7 @@ impl Object {
     }
 
     /// Its linear colour: that of its first material, without textures.
+    #[inline]
     pub fn color(&self) -> Color {
         self.materials
             .first()
@@ -226,11 +227,13 @@ impl Object {
     }
 
     /// The material of a primitive; `None` where nobody gave the object a look.
+    #[inline]
     pub fn material(&self, primitive: i32) -> Option<&Material> {
         self.materials.get(self.material_slot(primitive)?)
     }
 
     /// Which of its materials a primitive has; `None` where nobody gave the object a look.
+    #[inline]
     pub(crate) fn material_slot(&self, primitive: i32) -> Option<usize> {
         let slot = match (self.mesh(), usize::try_from(primitive)) {
             (Some(mesh), Ok(triangle)) => mesh.slot(triangle),
@@ -240,6 +243,7 @@ impl Object {
     }
 
     /// The slot whose material a slot has: the last one serves for those beyond.
+    #[inline]
     fn filled_slot(&self, slot: usize) -> Option<usize> {
         let last = self.materials.len().checked_sub(1)?;
         Some(slot.min(last))

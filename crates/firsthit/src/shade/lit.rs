@@ -149,6 +149,7 @@ impl Lit {
     }
 
     /// The way back along the ray, of length one.
+    #[inline]
     pub(super) fn viewer(&self) -> DVec3 {
         -unit(self.direction)
     }

@@ -306,6 +306,7 @@ fn normal_color(surface: &SurfaceInteraction<'_>) -> Color {
 }
 
 /// The normal on the side that is seen: smooth, or the face's own. NaN for a triangle without an area.
+#[inline]
 fn seen_normal(surface: &SurfaceInteraction<'_>, flat: bool) -> DVec3 {
     surface.side()
         * if flat {

@@ -3,8 +3,8 @@
 use std::fmt::{self, Debug, Formatter};
 
 use crate::error::{Error, Result};
-use crate::geometry::require;
 use crate::geometry::summary::Count;
+use crate::geometry::{arrays, require};
 use crate::memory::Storage;
 use crate::shape::Mesh;
 
@@ -44,7 +44,14 @@ impl<const N: usize> Attribute<N> {
         weights: [f64; 3],
     ) -> [f64; N] {
         let values = self.at_corners(triangle, vertices);
-        std::array::from_fn(|n| (0..3).map(|k| weights[k] * f64::from(values[k][n])).sum())
+        arrays::from_fn(|n| {
+            // As sums of the standard library begin.
+            let mut sum = -0.0;
+            for k in 0..3 {
+                sum += weights[k] * f64::from(values[k][n]);
+            }
+            sum
+        })
     }
 
     /// The values at the corners of a triangle of the mesh.
@@ -53,12 +60,18 @@ impl<const N: usize> Attribute<N> {
     }
 
     /// The values at the corners of a triangle.
+    #[inline]
     pub(super) fn at_corners(&self, triangle: usize, vertices: [u32; 3]) -> [[f32; N]; 3] {
         let corners = self
             .corners
             .as_ref()
             .map_or(vertices, |corners| corners[triangle]);
-        corners.map(|corner| self.values[corner as usize])
+        let [a, b, c] = corners;
+        [
+            self.values[a as usize],
+            self.values[b as usize],
+            self.values[c as usize],
+        ]
     }
 
     pub(super) fn check(

@@ -2,7 +2,7 @@
 
 use super::bundle::{CrossingOf, RayOf};
 use super::interval::Interval;
-use super::{Crossing, Nearest, Surface, nearest_on_triangle};
+use super::{Crossing, Nearest, Surface, nearest_on_lone_triangle};
 use crate::error::Result;
 #[cfg(feature = "frame")]
 use crate::geometry::Digest;
@@ -146,8 +146,8 @@ impl Surface for Cuboid {
             };
             let around = [(low, low), (high, low), (high, high), (low, high)];
             let [a, b, c, d] = around.map(|(x, y)| corner(x, y));
-            let first = nearest_on_triangle(from, [a, b, c], primitive);
-            let nearest = first.or(nearest_on_triangle(from, [a, c, d], primitive));
+            let first = nearest_on_lone_triangle(from, [a, b, c], primitive);
+            let nearest = first.or(nearest_on_lone_triangle(from, [a, c, d], primitive));
             visit(Nearest::apart(nearest.squared, nearest.point, primitive));
         }
     }

@@ -35,7 +35,7 @@ pub use mesh::{Mesh, NamedAttribute};
 #[cfg(feature = "fhs")]
 pub(crate) use mesh::{MeshParts, are_below};
 pub use nearest::Nearest;
-pub(crate) use nearest::{nearest_on_triangle, similarity};
+pub(crate) use nearest::{nearest_on_lone_triangle, nearest_on_triangle, similarity};
 pub use plane::Plane;
 pub use positions::Positions;
 pub use property::{Between, Property, PropertyOf, PropertyValues};

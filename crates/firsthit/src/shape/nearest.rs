@@ -8,7 +8,7 @@ mod segment;
 mod triangle;
 
 pub(crate) use ellipse::{Principal, onto_ellipse};
-pub(crate) use triangle::nearest_on_triangle;
+pub(crate) use triangle::{nearest_on_lone_triangle, nearest_on_triangle};
 
 use crate::geometry::{DMat3, DVec2, DVec3};
 

@@ -44,7 +44,7 @@ use crate::geometry::arithmetic::{Scalar, quotient_by_inverse};
 use crate::geometry::double::{Double, DoubleVector};
 use crate::geometry::exact::{Scaled, determinant};
 use crate::geometry::fused::mul_add;
-use crate::geometry::{DVec2, DVec3, Ray};
+use crate::geometry::{DVec2, DVec3, Ray, arrays};
 
 /// A ray made ready for triangles.
 #[derive(Debug, Clone, Copy)]
@@ -294,7 +294,7 @@ impl Doubtful {
         if !corners.iter().flatten().all(|part| part.high.is_finite()) {
             return false;
         }
-        let d = self.meeting.direction.map(|high| Double { high, low: 0.0 });
+        let d = arrays::map(self.meeting.direction, |high| Double { high, low: 0.0 });
         let sides = if let Some([a, b, c]) = along_axis(&d, &corners) {
             [side(c, b), side(a, c), side(b, a)]
         } else {
@@ -314,15 +314,17 @@ impl Doubtful {
 /// Numbers with the exact signs of the sides of a triangle's edges, its corners given relative to the ray's origin.
 #[inline(always)]
 fn exact_sides(d: &Scaled, corners: &[DoubleVector<f64>; 3]) -> [f64; 3] {
-    let [a, b, c] = corners.map(|corner| Scaled::new(&corner));
-    [(&c, &b), (&a, &c), (&b, &a)].map(|(p, q)| determinant(d, p, q).high)
+    let [a, b, c] = corners;
+    let [a, b, c] = [Scaled::new(a), Scaled::new(b), Scaled::new(c)];
+    let side = |p, q| determinant(d, p, q).high;
+    [side(&c, &b), side(&a, &c), side(&b, &a)]
 }
 
 /// The corners across a ray along an axis, if float64 has them without rounding. Such rays are frequent: they are those
 /// of grids.
 #[inline(always)]
 fn along_axis(d: &DoubleVector<f64>, corners: &[DoubleVector<f64>; 3]) -> Option<[DVec2; 3]> {
-    let zeros = d.map(|part| part.high == 0.0);
+    let zeros = arrays::map(*d, |part| part.high == 0.0);
     let [x, y] = match zeros {
         [true, true, _] => [0, 1],
         [true, _, true] => [0, 2],

@@ -4,8 +4,6 @@
 //! 2. Bring those of each ray into their order (`hit_order.rs`).
 //! 3. Put all side by side, in the order of the rays.
 
-use rayon::prelude::*;
-
 use super::batch::{BATCH, fill_batch};
 use super::hits::{HitSlices, Hits};
 use super::scaled_ray::ScaledRay;
@@ -14,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
 use crate::geometry::{Hit, Ray, Rays};
 use crate::memory;
+use crate::parallel;
 use crate::scene::Scene;
 use crate::simd::with_stack;
 use crate::watch::Watch;
@@ -151,15 +150,7 @@ impl AllAnswers<'_> {
             watch.advance(count);
             ordered
         };
-        let chunks: Vec<Ordered> = match rays.len().div_ceil(BATCH) {
-            // Few rays need no other thread.
-            0 => Vec::new(),
-            1 => vec![gather(0)?],
-            count => (0..count)
-                .into_par_iter()
-                .map(gather)
-                .collect::<Result<_>>()?,
-        };
+        let chunks: Vec<Ordered> = parallel::try_map(0..rays.len().div_ceil(BATCH), gather)?;
         let AllHits { offsets, hits } = all;
         let mut end = 0;
         let counts = chunks.iter().flat_map(|chunk| &chunk.counts);
@@ -180,11 +171,7 @@ impl AllAnswers<'_> {
                 part.put(index, hit);
             }
         };
-        if parts.len() == 1 {
-            parts.into_iter().for_each(copy);
-        } else {
-            parts.into_par_iter().for_each(copy);
-        }
+        parallel::each(parts, copy);
         Ok(())
     }
 }
@@ -222,11 +209,19 @@ impl Ordered {
                 ScaledRay::new(&ray)
             };
             if let Some(scaled) = scaled {
-                for node in list.nodes() {
-                    reserve(&mut of_ray, 1)?;
+                let mut room = Ok(());
+                list.each(|node| {
                     // What is in the list is a hit of the scaled ray, which may be out of float64's range for the ray.
-                    of_ray.extend(scaled.hit(node.object, node.crossing));
-                }
+                    if room.is_ok()
+                        && let Some(hit) = scaled.hit(node.object, node.crossing)
+                    {
+                        room = reserve(&mut of_ray, 1);
+                        if room.is_ok() {
+                            of_ray.push(hit);
+                        }
+                    }
+                });
+                room?;
                 of_ray.reverse();
                 scaled.order(scene, &mut of_ray);
             }

@@ -4,8 +4,6 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::filter;
 use super::neighbours::Neighbours;
 use super::ray_query::{RayQuery, Sink};
@@ -18,6 +16,7 @@ use crate::accel::{
 };
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Ray, Rays};
+use crate::parallel;
 use crate::scene::{Object, OnTheWay, Scene};
 use crate::shape::Mesh;
 use crate::shape::triangle::MeshFilter;
@@ -74,11 +73,7 @@ pub(super) fn each_chunk<S: Sink>(
         Ok(())
     };
     let chunks = sink.chunks(size.max(1));
-    if chunks.len() == 1 {
-        // Few rays need no other thread.
-        return chunks.into_iter().enumerate().try_for_each(fill);
-    }
-    chunks.into_par_iter().enumerate().try_for_each(fill)
+    parallel::try_each(chunks.into_iter().enumerate(), fill)
 }
 
 thread_local! {
@@ -114,7 +109,16 @@ impl Memory {
         MEMORY.set(Some(self));
     }
 
+    /// Makes room for so many packets.
+    #[inline(never)]
+    fn hold_packets(&mut self, count: usize) {
+        if self.packets.len() < count {
+            self.packets.resize(count, Packet::default());
+        }
+    }
+
     /// Makes room for the mesh filters of so many rays.
+    #[inline(never)]
     fn hold_filters(&mut self, rays: usize) {
         if self.in_meshes.len() < rays {
             self.in_meshes.resize(rays, MeshFilter::NONE);
@@ -137,6 +141,11 @@ impl<S: Sink> Kernel for Batch<'_, S> {
     fn run<L: Lanes>(self, l: L) {
         let mut memory = Memory::take();
         debug_assert!(self.sink.len() <= BATCH, "there are as many stacks as that");
+        // All crossings with filters are asked for so rarely that packets would not repay their machine code.
+        if !L::HAS_PACKETS || (S::Query::ALL && S::Query::IS_FILTERED) {
+            self.one_by_one(l, &mut memory);
+            return memory.give_back();
+        }
         match (self.scene.objects(), self.scene.plain_mesh(0)) {
             ([object], Some(mesh)) => self.through_mesh(l, &mut memory, object, mesh),
             _ => self.through_scene(l, &mut memory),
@@ -146,6 +155,17 @@ impl<S: Sink> Kernel for Batch<'_, S> {
 }
 
 impl<S: Sink> Batch<'_, S> {
+    /// By single-ray traversal.
+    #[inline(always)]
+    fn one_by_one<L: Lanes>(mut self, l: L, memory: &mut Memory) {
+        for index in 0..self.sink.len() {
+            let ray = self.rays.ray(self.first + index);
+            let query = S::Query::begin(self.rays, self.first + index);
+            let single = SingleRay::new(memory, self.scene, &ray, query);
+            self.sink.put(index, &l.call(single));
+        }
+    }
+
     /// Through the only mesh of a scene: there is no top-level traversal.
     #[inline(always)]
     fn through_mesh<L: Lanes>(
@@ -157,9 +177,7 @@ impl<S: Sink> Batch<'_, S> {
     ) {
         let count = self.sink.len();
         let packets = count.div_ceil(RAYS);
-        if memory.packets.len() < packets {
-            memory.packets.resize(packets, Packet::default());
-        }
+        memory.hold_packets(packets);
         self.read(&mut memory.packets[..packets]);
         for number in 0..packets {
             let packet = &mut memory.packets[number];
@@ -202,12 +220,7 @@ impl<S: Sink> Batch<'_, S> {
         for packet in packets {
             at_mesh.push(MeshPacket::new(tree, mesh, packet));
         }
-        l.call(Dispatch {
-            dispatcher,
-            packets: &mut at_mesh,
-            sink: OfMesh(self.sink),
-            query: PhantomData::<<S::Query as RayQuery>::InMesh>,
-        });
+        dispatch::<L, S::Query>(l, dispatcher, &mut at_mesh, OfMesh(self.sink));
     }
 
     /// Puts the rays into packets.
@@ -290,7 +303,7 @@ impl<S: Sink> Batch<'_, S> {
             if instances.is_empty() {
                 break;
             }
-            instances.sort_by_key(|(_, instance)| instance.object);
+            sort_by_object(&mut instances);
             through_instances(l, memory, scene, &instances, &mut walks);
             left.extend(instances.iter().map(|(index, _)| index));
         }
@@ -298,6 +311,12 @@ impl<S: Sink> Batch<'_, S> {
             self.sink.put(number, &walk.state.query);
         }
     }
+}
+
+/// Brings those at the same object side by side. Of its own, so that the sort is compiled once and not for each kernel.
+#[inline(never)]
+fn sort_by_object(instances: &mut [(usize, Instance<'_>)]) {
+    instances.sort_by_key(|(_, instance)| instance.object);
 }
 
 /// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays that go on as they are, a bit each, and
@@ -333,21 +352,50 @@ fn set_filters(
     (easy, unseen)
 }
 
-/// Traverses meshes in a function of its own, so that packet building and top-level traversal are not compiled with it. There is
-/// one function for each kind of `sink`: a common one made occlusion and shadow rays 3 to 5 % slower.
-struct Dispatch<'r, 'a, Q, S> {
-    dispatcher: &'r mut Dispatcher,
-    packets: &'r mut [MeshPacket<'a>],
-    sink: S,
-    query: PhantomData<Q>,
+/// Takes rays through the meshes that they have come to, and puts the answers into `sink`.
+///
+/// The traversals are compiled for each kind of sink: a common one made occlusion and shadow rays 3 to 5 % slower. Those of rare queries
+/// have it behind a pointer.
+#[inline(always)]
+fn dispatch<L: Lanes, Q: RayQuery>(
+    l: L,
+    dispatcher: &mut Dispatcher,
+    packets: &mut [MeshPacket<'_>],
+    mut sink: impl accel::Sink<Found<Q>>,
+) {
+    if Q::ALL || Q::IS_FILTERED {
+        let sink: &mut dyn accel::Sink<_> = &mut sink;
+        l.call(Dispatch::<Q::InMesh, _>(
+            dispatcher,
+            packets,
+            sink,
+            PhantomData,
+        ));
+    } else {
+        l.call(Dispatch::<Q::InMesh, _>(
+            dispatcher,
+            packets,
+            &mut sink,
+            PhantomData,
+        ));
+    }
 }
 
-impl<Q: MeshQuery, S: accel::Sink<Q::Found>> Kernel for Dispatch<'_, '_, Q, S> {
+/// A function of its own, so that packet building and top-level traversal are not compiled with traversals of meshes.
+struct Dispatch<'r, 'a, Q: MeshQuery, S: ?Sized>(
+    &'r mut Dispatcher,
+    &'r mut [MeshPacket<'a>],
+    &'r mut S,
+    PhantomData<Q>,
+);
+
+impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for Dispatch<'_, '_, Q, S> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(mut self, l: L) {
-        self.dispatcher.run::<L, Q>(l, self.packets, &mut self.sink);
+    fn run<L: Lanes>(self, l: L) {
+        let Self(dispatcher, packets, sink, _) = self;
+        dispatcher.run::<L, Q>(l, packets, sink);
     }
 }
 
@@ -378,9 +426,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
     let mut firsts = Vec::with_capacity(instances.len());
     for same in instances.chunk_by(|(_, a), (_, b)| a.object == b.object) {
         for chunk in same.chunks(RAYS) {
-            if memory.packets.len() == firsts.len() {
-                memory.packets.push(Packet::default());
-            }
+            memory.hold_packets(firsts.len() + 1);
             let packet = &mut memory.packets[firsts.len()];
             for (lane, (index, instance)) in chunk.iter().enumerate() {
                 packet.put(lane, &instance.ray);
@@ -412,12 +458,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
         firsts: &firsts,
         walks,
     };
-    l.call(Dispatch {
-        dispatcher: &mut memory.dispatcher,
-        packets: &mut packets,
-        sink,
-        query: PhantomData::<Q::InMesh>,
-    });
+    dispatch::<L, Q>(l, &mut memory.dispatcher, &mut packets, sink);
 }
 
 /// Takes the answers of meshes: the rays go on to the next.

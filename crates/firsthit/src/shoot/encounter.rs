@@ -1,18 +1,18 @@
 //! What a ray does to one object, whatever the others do: it meets it, or there is a reason why not.
 //!
 //! 1. The line of the ray, without ends, goes through the tree of a mesh, and every triangle that it may touch is asked (`accel`'s
-//!    `each_candidate`). Other shapes are asked directly.
+//!    `EachCandidate`). Other shapes are asked directly.
 //! 2. What the ray itself meets there, the code of [`BruteForce`](super::BruteForce) decides. The first of it is kept.
 //! 3. Of what the line touches and the ray does not meet, one place and its reason are kept.
 
 use super::filter;
 use super::scaled_ray::ScaledRay;
-use crate::accel::{self, InstructionSet, MeshTree, Scratch};
+use crate::accel::{EachCandidate, InstructionSet, Scratch};
 use crate::geometry::{Hit, Ray, RayFilter, Side, SurfaceId};
 use crate::scene::{Object, Scene};
 use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
 use crate::shape::{Crossing, Mesh, Shape, Surface};
-use crate::simd::{self, Kernel, Lanes};
+use crate::simd;
 
 /// Why a ray does not meet a place that its line touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,10 +126,14 @@ impl<'a> Encounters<'a> {
                 let (shear, line) = (Shear::new(&touched.line), touched.line);
                 let each = EachCandidate {
                     scratch: &mut self.scratch,
-                    mesh: (tree, mesh),
-                    line: &line,
+                    at_mesh: (tree, mesh),
+                    ray: &line,
                     off,
-                    visit: |triangle| touched.triangle(mesh, triangle, &shear),
+                    with_copies: true,
+                    visit: &mut |triangle, t_max| {
+                        touched.triangle(mesh, triangle, &shear);
+                        t_max
+                    },
                 };
                 simd::run(self.set, each);
             }
@@ -149,29 +153,6 @@ fn endless(ray: &Ray) -> Ray {
         t_min: f64::NEG_INFINITY,
         t_max: f64::INFINITY,
         ..*ray
-    }
-}
-
-/// Visits every triangle of a mesh that a line may touch, those in the place of others too.
-struct EachCandidate<'a, V> {
-    scratch: &'a mut Scratch,
-    mesh: (&'a MeshTree, &'a Mesh),
-    line: &'a Ray,
-    off: f64,
-    visit: V,
-}
-
-impl<V: FnMut(u32) + Send> Kernel for EachCandidate<'_, V> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) {
-        let mut visit = self.visit;
-        let line = (self.line, self.off, true);
-        accel::each_candidate(l, self.scratch, self.mesh, line, |triangle, t_max| {
-            visit(triangle);
-            t_max
-        });
     }
 }
 

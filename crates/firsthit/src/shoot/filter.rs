@@ -1,7 +1,7 @@
 //! What a ray does not meet, object by object: a [`RayFilter`] brought into an object's space.
 
 use super::scaled_ray::ScaledRay;
-use crate::geometry::{DVec3, ROUNDED, Ray, RayFilter, Side, SurfaceId};
+use crate::geometry::{DVec3, ROUNDED, Ray, RayFilter, Side, SurfaceId, arrays};
 use crate::scene::{Object, Scene};
 use crate::shape::triangle::MeshFilter;
 use crate::shape::{Crossing, Shape, Surface};
@@ -42,7 +42,7 @@ pub(super) fn set_mesh_filter(
         let is_there = u32::try_from(surface.object) == Ok(index);
         is_there.then(|| u32::try_from(surface.primitive).ok())?
     };
-    let skip = filter.skip.map(|surface| surface.and_then(of_object));
+    let skip = arrays::map(filter.skip, |surface| surface.and_then(of_object));
     of_mesh.set(skip, filter.cull, filter.departure.is_some());
     if let Some(departure) = &filter.departure
         && let Some(corners) = corners_left(scene, departure.surface, index)

@@ -9,7 +9,7 @@ use super::filter;
 use super::ray_query::{FirstHit, RayQuery};
 use super::ray_state::RayState;
 use super::scaled_ray::ScaledRay;
-use crate::accel::{self, MeshQuery, MeshTree, Scratch, WalkStack};
+use crate::accel::{END, EachCandidate, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::{Hit, Ray};
 use crate::scene::{OnTheWay, Scene};
 use crate::shape::triangle::{MeshFilter, Shear};
@@ -94,14 +94,15 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                             ray,
                         });
                     }
-                    l.call(TriangleByTriangle {
+                    TriangleByTriangle {
                         state,
                         scratch,
                         scene,
                         at_mesh: (index, tree, mesh),
                         ray: &ray,
                         in_mesh,
-                    });
+                    }
+                    .run(l);
                 }
                 (shape, _) => state.meet_shape(scene, (index, shape), &ray),
             }
@@ -172,9 +173,7 @@ struct TriangleByTriangle<'r, Q> {
     in_mesh: &'r MeshFilter,
 }
 
-impl<Q: RayQuery> Kernel for TriangleByTriangle<'_, Q> {
-    type Output = ();
-
+impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let Self {
@@ -185,33 +184,60 @@ impl<Q: RayQuery> Kernel for TriangleByTriangle<'_, Q> {
             ray,
             in_mesh,
         } = self;
-        let object = &scene.objects()[index as usize];
         let filter = if Q::IS_FILTERED {
             in_mesh
         } else {
             &MeshFilter::NONE
         };
-        let off = filter.departure().map_or(0.0, |point| point.off);
         let shear = Shear::new(ray);
-        accel::each_candidate(
-            l,
+        l.call(EachCandidate {
             scratch,
-            (tree, mesh),
-            (ray, off, Q::ALL || Q::IS_FILTERED),
-            |triangle, t_max| {
-                let edges = <Q::InMesh as MeshQuery>::EDGES;
-                let crossing =
-                    object.intersect_triangle(mesh, triangle, (edges, filter), (ray, &shear));
-                let Some(crossing) = crossing else {
-                    return t_max;
-                };
-                state.cross(scene, index, crossing);
-                if state.is_open() {
-                    t_max.min(state.t_max)
-                } else {
-                    accel::END
-                }
+            at_mesh: (tree, mesh),
+            ray,
+            off: filter.departure().map_or(0.0, |point| point.off),
+            with_copies: Q::ALL || Q::IS_FILTERED,
+            // Behind the pointer nothing is compiled for the instruction set but what is called as a kernel.
+            visit: &mut |triangle, t_max| {
+                l.call(OneTriangle {
+                    state,
+                    scene,
+                    at_mesh: (index, mesh, triangle),
+                    filter,
+                    ray: (ray, &shear),
+                    t_max,
+                })
             },
-        );
+        });
+    }
+}
+
+/// Intersects a triangle for [`TriangleByTriangle`], and returns the `t_max` to go on with.
+struct OneTriangle<'r, Q> {
+    state: &'r mut RayState<Q>,
+    scene: &'r Scene,
+    at_mesh: (u32, &'r Mesh, u32),
+    filter: &'r MeshFilter,
+    ray: (&'r Ray, &'r Shear),
+    t_max: f64,
+}
+
+impl<Q: RayQuery> Kernel for OneTriangle<'_, Q> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> f64 {
+        let (index, mesh, triangle) = self.at_mesh;
+        let object = &self.scene.objects()[index as usize];
+        let edges = <Q::InMesh as MeshQuery>::EDGES;
+        let crossing = object.intersect_triangle(mesh, triangle, (edges, self.filter), self.ray);
+        let Some(crossing) = crossing else {
+            return self.t_max;
+        };
+        self.state.cross(self.scene, index, crossing);
+        if self.state.is_open() {
+            self.t_max.min(self.state.t_max)
+        } else {
+            END
+        }
     }
 }

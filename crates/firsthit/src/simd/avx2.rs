@@ -8,7 +8,7 @@ use super::{Kernel, LANES, Lanes, WIDE, x86};
 
 /// Proof that this machine has AVX2 and fused multiply-add.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Avx2(());
+pub(crate) struct Avx2(());
 
 pub(super) fn is_available() -> bool {
     is_x86_feature_detected!("avx2")
@@ -404,13 +404,17 @@ impl Lanes for Avx2 {
     fn stream<T: Pod>(self, from: &[T], to: &mut [T]) {
         let from: &[u8] = bytemuck::cast_slice(from);
         let to: &mut [u8] = bytemuck::cast_slice_mut(to);
-        let head = to.as_ptr().align_offset(32).min(to.len());
+        let head = x86::up_to_a_multiple(to.as_ptr(), 32).min(to.len());
         let (from_head, from) = from.split_at(head);
         let (to_head, to) = to.split_at_mut(head);
-        to_head.copy_from_slice(from_head);
+        // Nothing mostly, and a call.
+        if head > 0 {
+            to_head.copy_from_slice(from_head);
+        }
         let (from, from_tail) = from.as_chunks::<32>();
         let (to, to_tail) = to.as_chunks_mut::<32>();
-        for (from, to) in from.iter().zip(to) {
+        for k in 0..to.len() {
+            let (from, to) = (&from[k], &mut to[k]);
             // SAFETY: each has 32 bytes, and those that are written begin at a multiple of 32; an `Avx2` is made only
             // where the machine has the features.
             unsafe {
@@ -418,7 +422,9 @@ impl Lanes for Avx2 {
                 _mm256_stream_si256(to.as_mut_ptr().cast(), bytes);
             }
         }
-        to_tail.copy_from_slice(from_tail);
+        if !to_tail.is_empty() {
+            to_tail.copy_from_slice(from_tail);
+        }
     }
     #[inline(always)]
     fn end_streams(self) {

@@ -8,7 +8,7 @@ use super::{Kernel, LANES, Lanes, WIDE, x86};
 
 /// Proof that this machine has AVX-512 F, BW, DQ and VL, and what comes before them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Avx512(());
+pub(crate) struct Avx512(());
 
 pub(super) fn is_available() -> bool {
     is_x86_feature_detected!("avx512f")
@@ -308,7 +308,7 @@ impl Lanes for Avx512 {
         assert_eq!(from.len(), to.len());
         let length = size_of_val(to);
         let (from, to) = (from.as_ptr().cast::<i8>(), to.as_mut_ptr().cast::<i8>());
-        let head = to.align_offset(64).min(length);
+        let head = x86::up_to_a_multiple(to, 64).min(length);
         let lines = (length - head) / 64;
         // (Not a closure: that would not be compiled with the features.)
         macro_rules! part {

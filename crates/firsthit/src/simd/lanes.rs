@@ -19,6 +19,8 @@ pub(crate) struct Aligned<T>(pub(crate) T);
 /// A value of the type proves that the machine has the instructions. Masks have lane 0 in bit 0. What the
 /// operations mean is written down in `portable.rs`.
 pub(crate) trait Lanes: Copy + Send + Sync {
+    /// Whether kernels for many rays are compiled with these lanes. Without them each ray goes alone, and has the same answer.
+    const HAS_PACKETS: bool = true;
     /// Sixteen float32.
     type Floats: Copy;
     /// Eight float64.

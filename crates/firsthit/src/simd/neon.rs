@@ -4,12 +4,12 @@
 //! has the features everywhere, and may have closures around lanes.
 
 use std::arch::aarch64::*;
-use std::array::from_fn;
 
 use bytemuck::Pod;
 
 use super::portable::compress;
 use super::{Kernel, LANES, Lanes, WIDE, prefetch};
+use crate::geometry::arrays::from_fn;
 
 /// Proof that this code is compiled for a target with NEON.
 #[derive(Debug, Clone, Copy)]
@@ -206,7 +206,7 @@ impl Lanes for Neon {
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> F {
         let from: &[[f32; 4]; 4] = bytemuck::cast_ref(from);
-        from.each_ref().map(load)
+        from_fn(|k| load(&from[k]))
     }
     #[inline(always)]
     fn store(self, x: F, to: &mut [f32; LANES]) {
@@ -268,8 +268,8 @@ impl Lanes for Neon {
     fn permute_by(self, table: F, places: F) -> F {
         let [a, b, c, d] = each!(vreinterpretq_u8_f32, table);
         let table = uint8x16x4_t(a, b, c, d);
-        places.map(|places| {
-            let bytes = neon!(vqtbl4q_u8(table, places_of_bytes(places)));
+        from_fn(|k| {
+            let bytes = neon!(vqtbl4q_u8(table, places_of_bytes(places[k])));
             neon!(vreinterpretq_f32_u8(bytes))
         })
     }
@@ -284,7 +284,7 @@ impl Lanes for Neon {
             vmovl_u16(vget_low_u16(high)),
             vmovl_high_u16(high),
         ]);
-        four.map(from_bits)
+        from_fn(|k| from_bits(four[k]))
     }
     #[inline(always)]
     fn lt(self, a: F, b: F) -> u16 {
@@ -296,15 +296,14 @@ impl Lanes for Neon {
     }
     #[inline(always)]
     fn same(self, a: F, b: F) -> u16 {
-        let (a, b) = (a.map(bits), b.map(bits));
-        mask::<4>(each!(vceqq_u32, a, b))
+        mask::<4>(from_fn(|k| neon!(vceqq_u32(bits(a[k]), bits(b[k])))))
     }
     #[inline(always)]
     fn same_sixteen(self, a: F, b: F) -> u16 {
-        let (a, b) = (a.map(bits), b.map(bits));
         // What differs is below the last four bits' end.
         mask::<4>(from_fn(|k| {
-            neon!(vcltq_u32(veorq_u32(a[k], b[k]), vdupq_n_u32(16)))
+            let differs = neon!(veorq_u32(bits(a[k]), bits(b[k])));
+            neon!(vcltq_u32(differs, vdupq_n_u32(16)))
         }))
     }
     #[inline(always)]
@@ -333,7 +332,7 @@ impl Lanes for Neon {
     #[inline(always)]
     fn load_widened(self, from: &[f32; WIDE]) -> D {
         let from: &[[f32; 4]; 2] = bytemuck::cast_ref(from);
-        let [low, high] = from.each_ref().map(load);
+        let [low, high] = from_fn(|k| load(&from[k]));
         neon!([
             vcvt_f64_f32(vget_low_f32(low)),
             vcvt_high_f64_f32(low),
@@ -354,7 +353,7 @@ impl Lanes for Neon {
     #[inline(always)]
     fn load64(self, from: &[f64; WIDE]) -> D {
         let from: &[[f64; 2]; 4] = bytemuck::cast_ref(from);
-        from.each_ref().map(load64)
+        from_fn(|k| load64(&from[k]))
     }
     #[inline(always)]
     fn store64(self, x: D, to: &mut [f64; WIDE]) {

@@ -1,10 +1,9 @@
 //! The lanes in plain Rust: what every other instruction set must do.
 
-use std::array::from_fn;
-
 use bytemuck::Pod;
 
 use super::{Kernel, LANES, Lanes, WIDE};
+use crate::geometry::arrays::from_fn;
 
 /// No instructions but those that every machine has.
 #[derive(Debug, Clone, Copy)]
@@ -40,6 +39,8 @@ pub(super) fn compress(mask: u16, from: &F, to: &mut F) {
 }
 
 impl Lanes for Portable {
+    // Machines without lanes are rare, and packets in plain Rust were a quarter of all machine code.
+    const HAS_PACKETS: bool = false;
     type Floats = F;
     type Doubles = D;
 
@@ -85,15 +86,15 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn abs(self, a: F) -> F {
-        a.map(f32::abs)
+        from_fn(|k| a[k].abs())
     }
     #[inline(always)]
     fn floor(self, a: F) -> F {
-        a.map(f32::floor)
+        from_fn(|k| a[k].floor())
     }
     #[inline(always)]
     fn ceil(self, a: F) -> F {
-        a.map(f32::ceil)
+        from_fn(|k| a[k].ceil())
     }
     #[inline(always)]
     fn mul_add(self, a: F, b: F, c: F) -> F {
@@ -146,8 +147,8 @@ impl Lanes for Portable {
     #[inline(always)]
     fn smallest_of_each(self, of: [&F; LANES]) -> F {
         let key = |(behind, x): (u32, f32)| x.to_bits() & !15 | behind;
-        of.map(|x| {
-            let keys = (0..16).rev().zip(*x).map(key);
+        from_fn(|k| {
+            let keys = (0..16).rev().zip(*of[k]).map(key);
             f32::from_bits(keys.fold(u32::MAX, u32::min))
         })
     }
@@ -158,7 +159,7 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn load_widened(self, from: &[f32; WIDE]) -> D {
-        from.map(f64::from)
+        from_fn(|k| f64::from(from[k]))
     }
 
     #[inline(always)]
@@ -167,7 +168,7 @@ impl Lanes for Portable {
         reason = "rounding is what this is for"
     )]
     fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
-        *to = x.map(|x| x as f32);
+        *to = from_fn(|k| x[k] as f32);
     }
 
     #[inline(always)]
@@ -200,11 +201,11 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn sqrt64(self, a: D) -> D {
-        a.map(f64::sqrt)
+        from_fn(|k| a[k].sqrt())
     }
     #[inline(always)]
     fn abs64(self, a: D) -> D {
-        a.map(f64::abs)
+        from_fn(|k| a[k].abs())
     }
     #[inline(always)]
     fn max64(self, a: D, b: D) -> D {

@@ -108,6 +108,16 @@ impl InstructionSet {
         }
     }
 
+    /// Whether kernels for many rays are compiled for what this machine runs when it is asked for the set.
+    pub(crate) fn has_packets(self) -> bool {
+        match self {
+            Self::Portable => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => super::avx2::is_available(),
+            _ => self.is_available(),
+        }
+    }
+
     fn fastest() -> Self {
         let available = Self::ALL.into_iter().rev().find(|set| set.is_available());
         available.unwrap_or(Self::Portable)

@@ -9,9 +9,9 @@
 //! Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", IEEE Symposium on Interactive Ray Tracing
 //! 2007. It departs in the cost, which counts blocks in place of items.
 
-use rayon::prelude::*;
-
 use crate::accel::space::CHUNK;
+use crate::geometry::arrays;
+use crate::parallel;
 
 /// In small ranges, where the work is in the bins and not in the boxes, fewer bins are enough.
 const MOST_BINS: usize = 16;
@@ -35,12 +35,12 @@ impl PartialEq for Box32 {
 /// The smaller ones of two times four numbers, none of which is NaN: a comparison is one instruction for all.
 #[inline(always)]
 pub(super) fn smaller(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
-    std::array::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
+    arrays::from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
 }
 
 #[inline(always)]
 pub(super) fn larger(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
-    std::array::from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
+    arrays::from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
 }
 
 impl Box32 {
@@ -61,7 +61,7 @@ impl Box32 {
     /// The smallest box around points.
     #[inline(always)]
     pub(super) fn of(points: [[f32; 3]; 3]) -> Self {
-        let [a, b, c] = points.map(|[x, y, z]| [x, y, z, 0.0]);
+        let [a, b, c] = arrays::map(points, |[x, y, z]| [x, y, z, 0.0]);
         Self {
             low: smaller(smaller(a, b), c),
             high: larger(larger(a, b), c),
@@ -92,14 +92,14 @@ impl Box32 {
     #[inline(always)]
     pub(super) fn half_area(self) -> f64 {
         let [x, y, z]: [f64; 3] =
-            std::array::from_fn(|k| f64::from(self.high[k]) - f64::from(self.low[k]));
+            arrays::from_fn(|k| f64::from(self.high[k]) - f64::from(self.low[k]));
         x * y + y * z + z * x
     }
 
     /// Twice the middle: the factor cancels.
     #[inline(always)]
     fn middle(self) -> [f32; 4] {
-        std::array::from_fn(|k| self.low[k] + self.high[k])
+        arrays::from_fn(|k| self.low[k] + self.high[k])
     }
 }
 
@@ -142,7 +142,8 @@ fn in_chunks<T: Copy + Send + Sync>(
     if items.len() < CHUNK {
         one(items)
     } else {
-        items.par_chunks(CHUNK).map(one).reduce(|| nothing, combine)
+        let parts = parallel::map(items.chunks(CHUNK), one);
+        parts.into_iter().fold(nothing, combine)
     }
 }
 
@@ -203,7 +204,7 @@ impl<const N: usize> Grid<N> {
         };
         let Box32 { low, high } = in_chunks(items, one, Box32::EMPTY, Box32::union);
         // A scale of zero puts everything into one bin, which leaves nothing to split along that axis.
-        let scale = std::array::from_fn(|k| {
+        let scale = arrays::from_fn(|k| {
             let scale = N as f32 / (high[k] - low[k]);
             if k < 3 && scale.is_finite() {
                 scale
@@ -238,8 +239,13 @@ impl<const N: usize> Grid<N> {
             }
             bins
         };
-        let merge = |a: Bins<N>, b: Bins<N>| {
-            std::array::from_fn(|axis| std::array::from_fn(|k| a[axis][k].merge(b[axis][k])))
+        let merge = |mut all: Bins<N>, more: Bins<N>| {
+            for (all, more) in all.iter_mut().zip(more) {
+                for (bin, other) in all.iter_mut().zip(more) {
+                    *bin = bin.merge(other);
+                }
+            }
+            all
         };
         in_chunks(items, one, [[Bin::EMPTY; N]; 3], merge)
     }

@@ -15,6 +15,7 @@
 use super::binary::BinaryNode;
 use super::binned_sah::Box32;
 use crate::accel::node::{LEAF, Node, WIDTH};
+use crate::geometry::arrays;
 use crate::memory;
 
 /// The wide nodes, and each leaf's range of the order: where it starts, and how many triangles it has.
@@ -59,7 +60,7 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
 impl Node {
     /// The box of a child; `None` where there is none, whose low end is above the high one.
     pub(super) fn child_box(&self, child: usize) -> Option<Box32> {
-        let end = |side: usize| [0, 1, 2].map(|axis| self.planes[2 * axis + side][child]);
+        let end = |side: usize| arrays::from_fn::<_, 3>(|axis| self.planes[2 * axis + side][child]);
         let (low, high) = (end(0), end(1));
         (low[0] <= high[0]).then(|| Box32::new(low, high))
     }

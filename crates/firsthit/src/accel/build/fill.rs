@@ -3,6 +3,7 @@
 use super::binned_sah::{Box32, larger, smaller};
 use super::weld::Sharing;
 use crate::accel::meshlet::Meshlet;
+use crate::geometry::arrays;
 use crate::simd::LANES;
 
 /// How triangles would fill a leaf, of which any first ones may become one.
@@ -75,9 +76,8 @@ impl Filling {
             leaf.size = leaf.size.max(extent(leaf.triangle(k)));
         }
         let bounds = leaf.bounds();
-        leaf.extent = (0..3)
-            .map(|k| bounds.high()[k] - bounds.low()[k])
-            .fold(0.0, f32::max);
+        let [x, y, z] = arrays::from_fn(|k| bounds.high()[k] - bounds.low()[k]);
+        leaf.extent = f32::max(x, f32::max(y, z)).max(0.0);
         // Larger than any rounding of the differences.
         leaf.size *= 1.000_001;
         leaf.extent *= 1.000_001;
@@ -102,15 +102,14 @@ impl Meshlet {
     pub(super) fn bounds(&self) -> Box32 {
         // Unused lanes repeat a vertex.
         let ends = self.vertices.each_ref();
-        Box32::new(ends.map(least), ends.map(most))
+        Box32::new(arrays::map(ends, least), arrays::map(ends, most))
     }
 }
 
 /// How far a triangle extends along an axis at most.
 fn extent([a, b, c]: [[f32; 3]; 3]) -> f32 {
-    (0..3)
-        .map(|k| a[k].max(b[k]).max(c[k]) - a[k].min(b[k]).min(c[k]))
-        .fold(0.0, f32::max)
+    let [x, y, z] = arrays::from_fn(|k| a[k].max(b[k]).max(c[k]) - a[k].min(b[k]).min(c[k]));
+    f32::max(x, f32::max(y, z)).max(0.0)
 }
 
 #[inline]

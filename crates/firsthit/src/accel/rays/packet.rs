@@ -6,7 +6,7 @@
 use std::ops::Index;
 
 use super::tree_ray::TreeRay;
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::{DVec3, Ray, arrays};
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{LANES, Lanes, WIDE};
 
@@ -97,6 +97,7 @@ impl Packet {
     }
 
     /// Moves the start of the ray in a lane.
+    #[inline]
     pub(crate) fn set_origin(&mut self, lane: usize, origin: DVec3) {
         for axis in 0..3 {
             self.origin[axis][lane % RAYS] = origin[axis];
@@ -119,7 +120,7 @@ impl Packet {
     /// `TreeRay::axes` of some rays, if they have them in common.
     #[inline(always)]
     pub(in crate::accel) fn common_axes(&self, rays: u16) -> Option<[usize; 3]> {
-        let [y, z] = self.is_along.map(|along| along & rays);
+        let [y, z] = arrays::map(self.is_along, |along| along & rays);
         let along = usize::from(y != 0) + 2 * usize::from(z != 0);
         let all = (y == 0 || y == rays) && (z == 0 || z == rays);
         all.then_some(AXES[along])
@@ -129,7 +130,7 @@ impl Packet {
     #[inline(always)]
     pub(in crate::accel) fn tree_ray(&self, lane: usize) -> TreeRay {
         let lane = lane % RAYS;
-        let [y, z] = self.is_along.map(|mask| usize::from(mask >> lane & 1));
+        let [y, z] = arrays::map(self.is_along, |mask| usize::from(mask >> lane & 1));
         let z = y + 2 * z;
         let pair = |v: &[[f32; RAYS]; 2]| [v[0][lane], v[1][lane]];
         TreeRay {

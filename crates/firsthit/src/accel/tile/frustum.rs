@@ -80,7 +80,7 @@ use crate::accel::bounds::{
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::Node;
-use crate::geometry::{DMat3, DVec3};
+use crate::geometry::{DMat3, DVec3, arrays};
 use crate::simd::Lanes;
 
 /// From a tile's first sample to its middle.
@@ -155,7 +155,9 @@ impl TileFrustum {
         let mut eye = (camera.eye - space.origin) * space.scale;
         let far = eye.abs().max_element();
         let [centre, across, down] =
-            [camera.centre, camera.across, camera.down].map(|v| v * space.scale);
+            arrays::map([camera.centre, camera.across, camera.down], |v| {
+                v * space.scale
+            });
         // Parallel rays may start anywhere on their way: near the tree, differences lose nothing.
         let mut slid = 0.0;
         if !camera.is_perspective {
@@ -165,14 +167,14 @@ impl TileFrustum {
         let reach = eye.abs().max_element() + 1.0;
         let z = largest_axis(centre);
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        let slope = [axes[0], axes[1]].map(|k| (centre[k] / centre[z]) as f32);
+        let slope = arrays::map([axes[0], axes[1]], |k| (centre[k] / centre[z]) as f32);
         let sheared = |v: DVec3| {
-            let [x, y, z] = axes.map(|k| v[k]);
+            let [x, y, z] = arrays::map(axes, |k| v[k]);
             DVec3::new(x - f64::from(slope[0]) * z, y - f64::from(slope[1]) * z, z)
         };
-        let columns = [across, down, centre].map(sheared);
+        let columns = arrays::map([across, down, centre], sheared);
         let inverse = DMat3::from_cols(columns[0], columns[1], columns[2]).inverse();
-        let rows = [0, 1, 2].map(|k| inverse.row(k));
+        let rows = arrays::from_fn::<_, 3>(|k| inverse.row(k));
         // The same rows for coordinates that are not sheared, as planes have.
         let unsheared = |row: DVec3| {
             let mut out = DVec3::ZERO;
@@ -186,7 +188,7 @@ impl TileFrustum {
         let blur = 4.0 * BLUR * (camera.largest * space.scale + far + reach);
         // The error of the rays themselves. In perspective it is largest at the tree's largest depth. Of parallel rays
         // it has any direction, so it counts along the depth too.
-        let [x, y, depth] = rows.map(unsheared);
+        let [x, y, depth] = arrays::map(rows, unsheared);
         let (off, rest, off_along) = if camera.is_perspective {
             let farthest = 1.001 * (sum(depth) - depth.dot(eye)).max(0.0);
             (camera.off * farthest, camera.rest * farthest, 0.0)
@@ -252,7 +254,7 @@ impl TileFrustum {
             let slack =
                 box_error + error + across_both * TILE_ANY_VERTEX + TILE_LEVER_OF_PLANES * sideways;
             (
-                normal.to_array().map(|x| x as f32),
+                arrays::map(normal.to_array(), |x| x as f32),
                 -((below + slack) * 1.000_01) as f32,
             )
         };
@@ -260,10 +262,10 @@ impl TileFrustum {
             axes,
             eye: sheared(eye).to_array(),
             slope,
-            rows: rows.map(|row| row.to_array().map(|x| x as f32)),
+            rows: arrays::map(rows, |row| arrays::map(row.to_array(), |x| x as f32)),
             planes: [plane(x, 1.0), plane(x, -1.0), plane(y, 1.0), plane(y, -1.0)],
-            depth: depth.to_array().map(|x| x as f32),
-            start: eye.to_array().map(|x| x as f32),
+            depth: arrays::map(depth.to_array(), |x| x as f32),
+            start: arrays::map(eye.to_array(), |x| x as f32),
             is_perspective: camera.is_perspective,
             start_depth: camera.start_depth as f32,
             slid: slid as f32,

@@ -51,6 +51,7 @@ impl Gathered {
     }
 
     /// Adds a crossing to a list, and returns its index. Without memory it is lost.
+    #[inline]
     fn add(&mut self, list: &mut CrossingList, crossing: Crossing) -> Option<u32> {
         let has_room = self.nodes.try_reserve(1).is_ok();
         let index = u32::try_from(self.nodes.len()).ok();
@@ -70,6 +71,7 @@ impl Gathered {
     }
 
     /// Says where a ray meets the triangle of a node.
+    #[inline]
     fn settle(&mut self, ray: &Ray, node: u32, hit: Option<TriangleHit>) {
         if let Some(hit) = hit.filter(|hit| ray.holds(hit.t))
             && let Some(node) = self.nodes.get_mut(node as usize)
@@ -145,6 +147,7 @@ impl CrossingList {
     }
 
     /// Adds a crossing. Without memory it is lost, which [`gather`](Self::gather) says.
+    #[inline]
     fn push(&mut self, crossing: Crossing) {
         GATHERED.with_borrow_mut(|gathered| gathered.add(self, crossing));
     }
@@ -202,11 +205,17 @@ impl CrossingList {
         }
     }
 
-    /// The nodes of the list, the last one first, once [all are finished](Self::finish_all).
-    pub(crate) fn nodes(self) -> impl Iterator<Item = Node> {
-        let at = |index: u32| GATHERED.with_borrow(|all| all.nodes.get(index as usize).copied());
-        let nodes = std::iter::successors(at(self.last), move |node| at(node.next));
-        nodes.filter(|node| !node.crossing.t.is_nan())
+    /// Calls `see` with each node of the list, the last one first, once [all are finished](Self::finish_all).
+    pub(crate) fn each(self, mut see: impl FnMut(&Node)) {
+        GATHERED.with_borrow(|all| {
+            let mut index = self.last;
+            while let Some(node) = all.nodes.get(index as usize) {
+                if !node.crossing.t.is_nan() {
+                    see(node);
+                }
+                index = node.next;
+            }
+        });
     }
 }
 
@@ -236,6 +245,7 @@ impl Kernel for LocateWaiting {
 }
 
 /// The state of a query for all crossings: see [the module](self).
+#[derive(Clone, Copy)]
 pub(crate) struct All {
     list: CrossingList,
     limit: f32,

@@ -13,6 +13,7 @@ use crate::simd::{Kernel, Lanes, set_bits};
 
 /// The state of an any-hit query: see [the module](self). It is one number, so making a
 /// packet's sixteen queries only copies the packet's limits.
+#[derive(Clone, Copy)]
 pub(crate) struct Any {
     limit: f32,
 }

@@ -14,7 +14,7 @@ use super::deferred::finish_packet;
 use super::frustum::PacketFrustum;
 use super::frustum_leaf::LeafView;
 use super::mesh_packet::MeshPacket;
-use super::query::{MeshQuery, Sink};
+use super::query::{MeshQuery, Sink, queries};
 use super::stack::Stack;
 use crate::accel::node::{LEAF, Node};
 use crate::accel::rays::packet::RAYS;
@@ -29,13 +29,13 @@ pub(super) fn coherent<L: Lanes, Q: MeshQuery>(
     l: L,
     stack: &mut Stack,
     (number, packet): (usize, &mut MeshPacket<'_>),
-    sink: &mut impl Sink<Q::Found>,
+    sink: &mut (impl Sink<Q::Found> + ?Sized),
 ) -> bool {
     let Some(frustum) = PacketFrustum::new(l, packet) else {
         return false;
     };
     let rays = packet.packet;
-    let mut queries: [Q; RAYS] = std::array::from_fn(|lane| Q::new(rays.t_max_high[lane]));
+    let mut queries: [Q; RAYS] = queries(&rays.t_max_high);
     let is_done = frustum.run(l, stack, packet, &mut queries);
     finish_packet(l, (number, packet), (frustum.rays, is_done), &queries, sink);
     is_done

@@ -14,6 +14,7 @@ use crate::shape::triangle::EdgeRule;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
 /// The state of a counting query: see [the module](self).
+#[derive(Clone, Copy)]
 pub(crate) struct Count {
     count: u32,
     limit: f32,

@@ -38,7 +38,7 @@ impl<'a> Deferred<'a> {
         l: L,
         (packet, ray): (usize, MeshRay<'a>),
         query: &Q,
-        sink: &mut impl Sink<Q::Found>,
+        sink: &mut (impl Sink<Q::Found> + ?Sized),
     ) {
         let Some((leaf, triangle)) = query.deferred() else {
             sink.put(packet, ray.lane, query.finish(l, &ray));
@@ -59,7 +59,7 @@ impl<'a> Deferred<'a> {
     pub(super) fn finish_all<L: Lanes, Q: MeshQuery>(
         &mut self,
         l: L,
-        sink: &mut impl Sink<Q::Found>,
+        sink: &mut (impl Sink<Q::Found> + ?Sized),
     ) {
         if self.count == 0 {
             return;
@@ -89,7 +89,7 @@ pub(super) fn finish_packet<L: Lanes, Q: MeshQuery>(
     (number, packet): (usize, &mut MeshPacket<'_>),
     (rays, complete): (u16, bool),
     queries: &[Q; RAYS],
-    sink: &mut impl Sink<Q::Found>,
+    sink: &mut (impl Sink<Q::Found> + ?Sized),
 ) {
     let mut deferred = Deferred::new();
     for lane in set_bits(rays) {

@@ -35,7 +35,7 @@ impl Dispatcher {
         &mut self,
         l: L,
         packets: &mut [MeshPacket<'_>],
-        sink: &mut impl Sink<Q::Found>,
+        sink: &mut (impl Sink<Q::Found> + ?Sized),
     ) {
         let (mut of_coherent, mut of_masked) = (Trials::new(), Trials::new());
         let stack = &mut self.stack;

@@ -17,7 +17,7 @@
 use crate::accel::space::Space;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, between, product, sum};
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::{DVec3, Ray, arrays};
 
 /// The error of a sum in twice the digits, as a share of its terms.
 const SHARE: f64 = f64::from_bits((1023 - 100) << 52);
@@ -44,7 +44,7 @@ impl Approach {
     /// Of a ray; of the whole line that it is on, where it begins behind its origin.
     pub(super) fn new(space: &Space, ray: &Ray) -> Self {
         let start = between(Scalar, &ray.origin.to_array(), &space.origin.to_array());
-        let mut place = start.map(|x| Double {
+        let mut place = arrays::map(start, |x| Double {
             high: x.high * space.scale,
             low: x.low * space.scale,
         });
@@ -52,8 +52,8 @@ impl Approach {
         let unit = power_of_two_below(ray.direction.abs().max_element());
         let d = ray.direction / unit;
         let squared = d.length_squared();
-        let mut error = place.map(|x| SHARE * x.high.abs());
-        let high = |place: &[Double<f64>; 3]| DVec3::from(place.map(|x| x.high));
+        let mut error = arrays::map(place, |x| SHARE * x.high.abs());
+        let high = |place: &[Double<f64>; 3]| DVec3::from(arrays::map(*place, |x| x.high));
         let mut total = 0.0;
         let mut is_there = false;
         for _ in 0..STEPS {
@@ -105,32 +105,27 @@ impl Approach {
 mod tests {
     use super::*;
     use crate::accel::mesh_tree::MeshTree;
-    use crate::accel::traverse::each::each_candidate;
+    use crate::accel::traverse::each::EachCandidate;
     use crate::accel::traverse::single::Scratch;
     use crate::shape::{Mesh, Positions};
-    use crate::simd::{self, InstructionSet, Kernel, Lanes};
+    use crate::simd::{self, InstructionSet};
 
     /// How many triangles a ray asks.
-    struct Asked<'a>(&'a MeshTree, &'a Mesh, Ray);
-
-    impl Kernel for Asked<'_> {
-        type Output = usize;
-
-        #[inline(always)]
-        fn run<L: Lanes>(self, l: L) -> usize {
-            let mut count = 0;
-            each_candidate(
-                l,
-                &mut Scratch::new(),
-                (self.0, self.1),
-                (&self.2, 0.0, false),
-                |_, t_max| {
-                    count += 1;
-                    t_max
-                },
-            );
-            count
-        }
+    fn asked(tree: &MeshTree, mesh: &Mesh, ray: &Ray) -> usize {
+        let mut count = 0;
+        let each = EachCandidate {
+            scratch: &mut Scratch::new(),
+            at_mesh: (tree, mesh),
+            ray,
+            off: 0.0,
+            with_copies: false,
+            visit: &mut |_, t_max| {
+                count += 1;
+                t_max
+            },
+        };
+        simd::run(InstructionSet::Portable, each);
+        count
     }
 
     /// A sheet of 2 * 60 * 60 triangles from -1 to 1, at a height that no number is.
@@ -158,13 +153,13 @@ mod tests {
             let slanting = along(DVec3::new(1e-120, 0.0, -3.0));
             let long = along(DVec3::new(0.0, 0.0, -3e155));
             for ray in [thirds, tenths, slanting, long] {
-                let asked = simd::run(InstructionSet::Portable, Asked(&tree, &mesh, ray));
+                let asked = asked(&tree, &mesh, &ray);
                 assert!((1..=60).contains(&asked), "{ray:?}: {asked}");
             }
             // From 10^26 on, a ray that is not along an axis is not where twice the digits say.
             let most = if far < 1e26 { 60 } else { usize::MAX };
             for (ray, most) in [(axis, 60), (aimed, most), (away, 0), (past, 0)] {
-                let asked = simd::run(InstructionSet::Portable, Asked(&tree, &mesh, ray));
+                let asked = asked(&tree, &mesh, &ray);
                 assert!(asked <= most, "{ray:?}: {asked}");
                 let is_met = most > 0;
                 assert!((asked > 0) == is_met, "{ray:?}: {asked}");

@@ -14,114 +14,156 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::geometry::Ray;
 use crate::shape::Mesh;
 use crate::shape::triangle::clear_of;
-use crate::simd::{Lanes, set_bits};
+use crate::simd::{Kernel, Lanes, set_bits};
 
 /// What ends a traversal, in place of a `t_max`.
 pub(crate) const END: f64 = f64::NEG_INFINITY;
 
-/// Calls `visit(triangle, t_max)` with each triangle that `ray`, or a ray displaced from it by up to `off`, may meet at a parameter
-/// of at most `t_max`, in any order, and perhaps with others. `visit` returns the `t_max` to go on with, not larger than before, or [`END`].
+/// What is called with a triangle and a `t_max`, and returns the `t_max` to go on with, not larger than before, or [`END`].
+pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
+
+/// Calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at most `t_max`, in
+/// any order, and perhaps with others.
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
-#[inline(always)]
-pub(crate) fn each_candidate<L: Lanes>(
-    l: L,
-    scratch: &mut Scratch,
-    (tree, mesh): (&MeshTree, &Mesh),
-    (ray, off, with_copies): (&Ray, f64, bool),
-    visit: impl FnMut(u32, f64) -> f64,
-) {
-    // In units of the tree.
-    let unsure = off * tree.space.scale;
-    let approach = if !tree.has_nodes() {
-        Approach::Somewhere
-    } else if tree.is_distant(ray.origin) || ray.t_min == f64::NEG_INFINITY {
-        Approach::new(&tree.space, ray)
-    } else if ray.t_min >= 0.0 {
-        return each_ahead(l, scratch, (tree, mesh), (ray, unsure, with_copies), visit);
-    } else {
-        // Begin a little earlier: the place at `t_min` is rounded twice, by a product and a sum.
-        let size = ray.origin.abs() + ray.at(ray.t_min).abs();
-        let rounding = f64::EPSILON * size.max_element();
-        let earlier = 2.0 * rounding / ray.direction.abs().max_element();
-        let t = ray.t_min - earlier;
-        let begin = ray.at(t);
-        if tree.is_distant(begin) || !earlier.is_finite() {
+///
+/// It is behind a pointer, so that it is compiled once and not for each query: few rays need it.
+pub(crate) struct EachCandidate<'a> {
+    pub(crate) scratch: &'a mut Scratch,
+    pub(crate) at_mesh: (&'a MeshTree, &'a Mesh),
+    pub(crate) ray: &'a Ray,
+    pub(crate) off: f64,
+    pub(crate) with_copies: bool,
+    pub(crate) visit: &'a mut Visit<'a>,
+}
+
+impl Kernel for EachCandidate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Self {
+            scratch,
+            at_mesh: (tree, mesh),
+            ray,
+            off,
+            with_copies,
+            visit,
+        } = self;
+        // In units of the tree.
+        let unsure = off * tree.space.scale;
+        let at_mesh = (tree, mesh);
+        let approach = if !tree.has_nodes() {
+            Approach::Somewhere
+        } else if tree.is_distant(ray.origin) || ray.t_min == f64::NEG_INFINITY {
             Approach::new(&tree.space, ray)
+        } else if ray.t_min >= 0.0 {
+            return each_ahead(l, scratch, at_mesh, (ray, unsure, with_copies), visit);
         } else {
-            let after = |t_max: f64| clear_of(t_max - t) + 2.0 * earlier;
-            let ahead = Ray::new(begin, ray.direction).up_to(after(ray.t_max));
-            let off = rounding * tree.space.scale + unsure;
-            let mut visit = visit;
-            let ahead = (&ahead, off, with_copies);
-            return each_ahead(l, scratch, (tree, mesh), ahead, |triangle, _| {
-                let t_max = visit(triangle, ray.t_max);
-                if t_max == END { END } else { after(t_max) }
-            });
-        }
-    };
-    let mut visit = visit;
-    match approach {
-        Approach::Past => {}
-        Approach::Near(near, off) => {
-            let visit = |triangle, _| {
-                let is_over = visit(triangle, ray.t_max) == END;
-                if is_over { END } else { f64::INFINITY }
-            };
-            each_ahead(
-                l,
-                scratch,
-                (tree, mesh),
-                (&near, off + unsure, with_copies),
-                visit,
-            );
-        }
-        Approach::Somewhere => {
-            let mut t_max = ray.t_max;
-            for &triangle in &tree.order {
-                t_max = visit(triangle, t_max);
-                if t_max == END {
-                    return;
+            // Begin a little earlier: the place at `t_min` is rounded twice, by a product and a sum.
+            let size = ray.origin.abs() + ray.at(ray.t_min).abs();
+            let rounding = f64::EPSILON * size.max_element();
+            let earlier = 2.0 * rounding / ray.direction.abs().max_element();
+            let t = ray.t_min - earlier;
+            let begin = ray.at(t);
+            if tree.is_distant(begin) || !earlier.is_finite() {
+                Approach::new(&tree.space, ray)
+            } else {
+                let after = |t_max: f64| clear_of(t_max - t) + 2.0 * earlier;
+                let ahead = Ray::new(begin, ray.direction).up_to(after(ray.t_max));
+                let off = rounding * tree.space.scale + unsure;
+                let mut visit = |triangle, _| {
+                    let t_max = visit(triangle, ray.t_max);
+                    if t_max == END { END } else { after(t_max) }
+                };
+                let ahead = (&ahead, off, with_copies);
+                return each_ahead(l, scratch, at_mesh, ahead, &mut visit);
+            }
+        };
+        match approach {
+            Approach::Past => {}
+            Approach::Near(near, off) => {
+                let mut visit = |triangle, _| {
+                    let is_over = visit(triangle, ray.t_max) == END;
+                    if is_over { END } else { f64::INFINITY }
+                };
+                let near = (&near, off + unsure, with_copies);
+                each_ahead(l, scratch, at_mesh, near, &mut visit);
+            }
+            Approach::Somewhere => {
+                let mut t_max = ray.t_max;
+                for &triangle in &tree.order {
+                    t_max = visit(triangle, t_max);
+                    if t_max == END {
+                        return;
+                    }
                 }
             }
         }
     }
 }
 
-/// [`each_candidate`] for a ray that is not distant, and may be `off` across its direction, in units of the tree.
+/// [`EachCandidate`] for a ray that is not distant, and may be `off` across its direction, in units of the tree.
 #[inline(always)]
 fn each_ahead<L: Lanes>(
     l: L,
     scratch: &mut Scratch,
-    (tree, mesh): (&MeshTree, &Mesh),
+    at_mesh: (&MeshTree, &Mesh),
     (ray, off, with_copies): (&Ray, f64, bool),
-    visit: impl FnMut(u32, f64) -> f64,
+    visit: &mut Visit<'_>,
 ) {
-    let Scratch { stack, packet, .. } = scratch;
-    packet.put(0, ray);
-    packet.prepare_blurred(l, tree, 1, off);
-    if packet.alive != 0 {
-        let in_tree = MeshPacket::new(tree, mesh, packet).ray(0);
-        let mut each = Each {
-            call: visit,
-            with_copies,
-            t_max: ray.t_max,
-            limit: in_tree.limits.t_max_high,
-        };
-        traverse(l, stack, &in_tree, &mut each);
+    l.call(EachAhead {
+        scratch,
+        at_mesh,
+        ray,
+        off,
+        with_copies,
+        visit,
+    });
+}
+
+/// A function of its own for [`each_ahead`], which has it three times.
+struct EachAhead<'a> {
+    scratch: &'a mut Scratch,
+    at_mesh: (&'a MeshTree, &'a Mesh),
+    ray: &'a Ray,
+    off: f64,
+    with_copies: bool,
+    visit: &'a mut Visit<'a>,
+}
+
+impl Kernel for EachAhead<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let (tree, mesh) = self.at_mesh;
+        let Scratch { stack, packet, .. } = self.scratch;
+        packet.put(0, self.ray);
+        packet.prepare_blurred(l, tree, 1, self.off);
+        if packet.alive != 0 {
+            let in_tree = MeshPacket::new(tree, mesh, packet).ray(0);
+            let mut each = Each {
+                call: self.visit,
+                with_copies: self.with_copies,
+                t_max: self.ray.t_max,
+                limit: in_tree.limits.t_max_high,
+            };
+            traverse(l, stack, &in_tree, &mut each);
+        }
     }
 }
 
-/// Calls a function with each candidate; see [`each_candidate`].
-struct Each<V> {
-    call: V,
+/// Calls a function with each candidate; see [`EachCandidate`].
+struct Each<'a> {
+    call: &'a mut Visit<'a>,
     /// Whether triangles in the place of others are wanted too.
     with_copies: bool,
     t_max: f64,
     limit: f32,
 }
 
-impl<V: FnMut(u32, f64) -> f64> Visitor for Each<V> {
+impl Visitor for Each<'_> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, _: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
         let leaf = &ray.tree.leaves[leaf as usize];

@@ -15,6 +15,7 @@ use crate::simd::{Aligned, LANES, Lanes, set_bits};
 use crate::shape::triangle::MeshFilter;
 
 /// The state of a query for filtered rays: see [the module](self).
+#[derive(Clone, Copy)]
 pub(crate) struct FilteredQuery<Q> {
     query: Q,
 }

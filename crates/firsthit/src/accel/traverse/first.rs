@@ -12,6 +12,7 @@ use crate::shape::Crossing;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
 /// The nearest triangle so far.
+#[derive(Clone, Copy)]
 enum Best {
     None,
     /// Certain to be met, between two depths; where is not computed yet.
@@ -41,6 +42,7 @@ impl Best {
 }
 
 /// The state of a first-hit query: see [the module](self).
+#[derive(Clone, Copy)]
 pub(crate) struct First {
     best: Best,
     limit: f32,

@@ -60,6 +60,7 @@ use crate::accel::bounds::{
 };
 use crate::accel::node::Node;
 use crate::accel::rays::packet::RAYS;
+use crate::geometry::arrays;
 use crate::simd::{Aligned, Lanes};
 
 /// The space that the rays of a packet are in.
@@ -151,8 +152,8 @@ impl PacketFrustum {
         l.store(ay, &mut at_zero[1].0);
         let last = rays.ilog2() as usize % RAYS;
         let normal = normal(
-            at_zero.each_ref().map(|x| x.0[last] - x.0[first]),
-            packet.slope.each_ref().map(|x| x[last] - x[first]),
+            arrays::from_fn(|k| at_zero[k].0[last] - at_zero[k].0[first]),
+            arrays::from_fn(|k| packet.slope[k][last] - packet.slope[k][first]),
         );
         macro_rules! along_normal {
             ($x:expr, $y:expr) => {

@@ -17,8 +17,6 @@
 //! ray ([`Lanes::smallest_of_each`]). In one list it takes as many steps as for all sixteen, each of which waits for
 //! the one before.
 
-use std::array::from_fn;
-
 use super::deferred::Deferred;
 use super::mesh_packet::{MeshPacket, MeshRay};
 use super::query::{MeshQuery, Sink};
@@ -70,6 +68,7 @@ impl WorkList {
 }
 
 /// A ray in flight.
+#[derive(Clone, Copy)]
 struct Slot<'a, Q> {
     ray: MeshRay<'a>,
     /// The number of its packet.
@@ -87,7 +86,7 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
     l: L,
     in_flight: &mut InFlight,
     packets: &[MeshPacket<'a>],
-    sink: &mut impl Sink<Q::Found>,
+    sink: &mut (impl Sink<Q::Found> + ?Sized),
 ) {
     let Some(&any) = packets.first() else {
         return;
@@ -97,7 +96,7 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
         next: 0,
         left: 0,
     };
-    let mut slots: [Slot<'a, Q>; LANES] = from_fn(|_| Slot::new(any, 0, 0));
+    let mut slots: [Slot<'a, Q>; LANES] = [Slot::new(any, 0, 0); LANES];
     let InFlight { lists, stack } = in_flight;
     let mut deferred = Deferred::new();
     let mut nodes = 0_u16;

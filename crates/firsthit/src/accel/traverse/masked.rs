@@ -11,11 +11,9 @@
 //! 20(3), 2001, for the masks. It departs in step 1, which rules out most children of a wide node for all rays at once,
 //! whatever their directions.
 
-use std::array::from_fn;
-
 use super::deferred::finish_packet;
 use super::mesh_packet::{FEWEST, MeshPacket};
-use super::query::{MeshQuery, Sink};
+use super::query::{MeshQuery, Sink, queries};
 use super::stack::Stack;
 use crate::accel::bounds::{FAR, SEGMENT};
 use crate::accel::filter::filter;
@@ -38,7 +36,7 @@ pub(super) fn masked<L: Lanes, Q: MeshQuery>(
     l: L,
     stack: &mut Stack,
     (number, packet): (usize, &mut MeshPacket<'_>),
-    sink: &mut impl Sink<Q::Found>,
+    sink: &mut (impl Sink<Q::Found> + ?Sized),
 ) -> bool {
     let all = packet.packet;
     let rays = packet.open & l.lt(l.load(&all.blur), l.splat(1e-2));
@@ -49,7 +47,7 @@ pub(super) fn masked<L: Lanes, Q: MeshQuery>(
     if around.is_wide(packet) {
         return false;
     }
-    let mut queries: [Q; RAYS] = from_fn(|lane| Q::new(all.t_max_high[lane]));
+    let mut queries: [Q; RAYS] = queries(&all.t_max_high);
     let mut alive = rays;
     let (mut visits, mut visitors) = (0, 0);
     let mut is_done = true;

@@ -174,7 +174,8 @@ fn nearest_lane(of: &[f32; LANES], mask: u16) -> usize {
 /// Puts the children of a node that are within the limit onto the stack, the nearest on top.
 #[inline(always)]
 fn push_children<L: Lanes>(l: L, stack: &mut Stack, point: &TreePoint, node: &Node, limit: f32) {
-    let [x, y, z] = point.at.map(|x| l.splat(x));
+    let [x, y, z] = point.at;
+    let (x, y, z) = (l.splat(x), l.splat(y), l.splat(z));
     macro_rules! gap {
         ($at:ident, $axis:literal) => {{
             let low = l.sub(l.load(&node.planes[2 * $axis]), $at);

@@ -6,6 +6,7 @@
 
 use super::mesh_packet::MeshRay;
 use crate::accel::filter::Candidates;
+use crate::accel::rays::packet::RAYS;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
 use crate::simd::Lanes;
@@ -21,7 +22,7 @@ pub(crate) trait Visitor {
 }
 
 /// What is asked of one ray and one mesh: its state on the way, and its answer in the end.
-pub(crate) trait MeshQuery: Visitor {
+pub(crate) trait MeshQuery: Visitor + Copy {
     /// The answer.
     type Found: Copy;
     /// Whether a ray at an edge meets one neighbour or both.
@@ -53,6 +54,18 @@ pub(crate) trait MeshQuery: Visitor {
     fn finish<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Self::Found;
     /// The answer of a ray that meets one thing at most.
     fn of_crossing(crossing: Option<Crossing>) -> Self::Found;
+}
+
+/// The queries of a packet's rays, which end at depths of at most `limits`.
+#[inline(always)]
+pub(super) fn queries<Q: MeshQuery>(limits: &[f32; RAYS]) -> [Q; RAYS] {
+    let mut queries = [Q::new(limits[0]); RAYS];
+    let mut lane = 1;
+    while lane < RAYS {
+        queries[lane] = Q::new(limits[lane]);
+        lane += 1;
+    }
+    queries
 }
 
 /// Takes the answers of packets of rays.

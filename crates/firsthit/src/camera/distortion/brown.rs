@@ -197,8 +197,9 @@ impl<const N: usize> Brown<N> {
     }
 
     /// Whether it is more than radial.
+    #[inline]
     fn is_lopsided(&self) -> bool {
-        (self.tangential, self.prism) != ([0.0; 2], [0.0; 4])
+        is_any(&self.tangential) || is_any(&self.prism)
     }
 
     /// The distorted point of (x, y); `None` past the fold.
@@ -229,7 +230,7 @@ impl<const N: usize> Brown<N> {
         let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
         let q = of.add(xx, yy);
         let [mut factor, mut rate] = value_and_slope(of, &self.radial, q);
-        if self.divisor[1..] != [0.0; 3] {
+        if is_any(&self.divisor[1..]) {
             let [below, fall] = value_and_slope(of, &self.divisor, q);
             let inverse = of.div(of.number(1.0), below);
             factor = of.mul(factor, inverse);
@@ -241,7 +242,7 @@ impl<const N: usize> Brown<N> {
         let mut by_yy = of.add(factor, of.mul(yy, double_rate));
         let mut by_xy = of.mul(xy, double_rate);
         let mut by_yx = by_xy;
-        if self.tangential != [0.0; 2] {
+        if is_any(&self.tangential) {
             let [p1, p2] = self.tangential;
             let (p1, p2) = (of.number(p1), of.number(p2));
             let (p1x, p1y) = (of.mul(p1, x), of.mul(p1, y));
@@ -267,7 +268,7 @@ impl<const N: usize> Brown<N> {
             by_yx = of.add(by_yx, both);
         }
         let [s1, s2, s3, s4] = self.prism;
-        if self.prism != [0.0; 4] {
+        if is_any(&self.prism) {
             let ([across, across_rate], [down, down_rate]) =
                 (prism(of, s1, s2, q), prism(of, s3, s4, q));
             there_x = of.add(there_x, across);
@@ -347,6 +348,16 @@ impl<const N: usize> Brown<N> {
         let mut points = shares.map(|share| share * start).chain([DVec2::ZERO]);
         points.find(|&point| self.distorted(limit, point).is_some())
     }
+}
+
+/// Whether any is not zero. A comparison of arrays would be a call.
+#[inline(always)]
+fn is_any(coefficients: &[f64]) -> bool {
+    let mut is_any = false;
+    for &coefficient in coefficients {
+        is_any |= coefficient != 0.0;
+    }
+    is_any
 }
 
 /// A polynomial's value and slope; coefficients begin with the constant.

@@ -1,11 +1,10 @@
-use rayon::prelude::*;
-
 use super::directions::{DirectionTable, place_of};
 use super::irradiance::IrradianceCache;
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
-use crate::geometry::{Color, DVec3, luminance};
+use crate::geometry::{Color, DVec3, arrays, luminance};
 use crate::memory::{self, Storage};
+use crate::parallel;
 
 /// An equirectangular (latitude-longitude) HDR map of incident radiance.
 ///
@@ -58,10 +57,12 @@ impl EnvironmentMap {
             return Err(Error::argument("texels", expected, got));
         }
         let is_radiance = |texel: &[f32; 3]| texel.iter().all(|&x| x >= 0.0 && x.is_finite());
-        if let Some(wrong) = texels
-            .par_iter()
-            .position_first(|texel| !is_radiance(texel))
-        {
+        let chunks = texels.chunks(parallel::MANY).enumerate();
+        let wrong = parallel::map(chunks, |(chunk, texels)| {
+            let place = texels.iter().position(|texel| !is_radiance(texel))?;
+            Some(chunk * parallel::MANY + place)
+        });
+        if let Some(wrong) = wrong.into_iter().flatten().next() {
             let [red, green, blue] = texels[wrong];
             let got = format!("[{red}, {green}, {blue}] in row {}", wrong / columns);
             return Err(Error::argument("texels", "finite and not negative", got));
@@ -101,7 +102,7 @@ impl EnvironmentMap {
         let [left, across] = split(place.x * self.columns as f64 - 0.5);
         let [top, down] = split(place.y * self.rows as f64 - 0.5);
         let mixed = |row| {
-            let [a, b] = [left, left + 1.0].map(|column| self.texel(column, row));
+            let [a, b] = arrays::map([left, left + 1.0], |column| self.texel(column, row));
             a + across * (b - a)
         };
         let (above, below) = (mixed(top), mixed(top + 1.0));
@@ -151,8 +152,8 @@ impl EnvironmentMap {
         let count = columns * rows;
         memory::check("the table of an environment", 2 * count * size_of::<f64>())?;
         let mut luminances = memory::filled(count, 0.0)?;
-        let lines = luminances.par_chunks_mut(columns).enumerate();
-        lines.for_each(|(row, cells)| {
+        let lines = luminances.chunks_mut(columns).enumerate();
+        parallel::each(lines, |(row, cells)| {
             let texel_rows = covered(row, rows, self.rows);
             let down = texel_rows.len() as f64;
             for texel_row in texel_rows {
@@ -204,7 +205,7 @@ fn split(position: f64) -> [f64; 2] {
 }
 
 fn color(texel: [f32; 3]) -> Color {
-    Color::from(texel.map(f64::from))
+    Color::from(arrays::map(texel, f64::from))
 }
 
 #[cfg(test)]

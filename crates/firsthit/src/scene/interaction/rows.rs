@@ -71,7 +71,7 @@ fn compute_of_shape(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
 
 impl SurfaceInteraction<'_> {
     fn know(&self, geometry: Geometry) {
-        let _: &Geometry = self.geometry.get_or_init(|| geometry);
+        self.geometry.set(Some(geometry));
     }
 }
 

@@ -55,6 +55,7 @@ impl LightHit {
 
 /// Where a ray to a light ends. What is as near to the light as rounding takes things is at the light: the ceiling that a lamp lies in, or
 /// a copy of a surface that emits.
+#[inline]
 fn end_of(ray: &Ray, distance: f64) -> f64 {
     if distance == f64::INFINITY {
         return distance;
@@ -84,6 +85,7 @@ pub(crate) enum PreparedLight {
 
 impl PreparedLight {
     /// See [`Light::sample`].
+    #[inline]
     pub(crate) fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
         match self {
             Self::Sun(sun) => Some(sun.sample(u)),
@@ -163,6 +165,7 @@ macro_rules! lights {
         impl Light {
             /// Light that arrives at a point of the world from a direction that `u`, a point of the unit square, stands for: the mean
             /// over the square is all its light. `None` where none arrives.
+            #[inline]
             pub fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample> {
                 match self { $(Self::$kind(light) => light.sample(at, u),)* }
             }

@@ -186,6 +186,7 @@ impl Mesh {
     }
 
     /// The shading normal in object space, interpolated and not of length one; `None` where the mesh has none.
+    #[inline]
     pub fn shading_normal(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
         self.normals
             .as_ref()
@@ -214,6 +215,7 @@ impl Mesh {
     }
 
     /// The linear colour; `None` where the mesh has none.
+    #[inline]
     pub fn color(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
         self.colors
             .as_ref()
@@ -229,6 +231,7 @@ impl Mesh {
     }
 
     /// Which of its object's materials a triangle takes.
+    #[inline]
     pub fn slot(&self, triangle: usize) -> usize {
         self.slots
             .as_ref()

@@ -9,7 +9,7 @@ use crate::geometry::{Bounds, DVec3, Ray, Transform};
 #[cfg(test)]
 use crate::shape::Positions;
 use crate::shape::triangle::Shear;
-use crate::shape::{Crossing, Nearest, Surface, nearest_on_triangle};
+use crate::shape::{Crossing, Nearest, Surface, nearest_on_lone_triangle};
 
 impl Surface for Arc<Mesh> {
     fn bounds(&self) -> Bounds {
@@ -38,7 +38,7 @@ impl Surface for Arc<Mesh> {
             let corners = self
                 .corners(triangle)
                 .map(|corner| place.point_in_world(corner));
-            visit(nearest_on_triangle(from, corners, primitive));
+            visit(nearest_on_lone_triangle(from, corners, primitive));
         }
     }
 

@@ -79,6 +79,16 @@ pub(crate) fn nearest_on_triangle(from: DVec3, corners: [DVec3; 3], primitive: i
     }
 }
 
+/// [`nearest_on_triangle`], compiled once for all callers that are no kernels: inlined, it is 70 kB of code.
+#[inline(never)]
+pub(crate) fn nearest_on_lone_triangle(
+    from: DVec3,
+    corners: [DVec3; 3],
+    primitive: i32,
+) -> Nearest {
+    nearest_on_triangle(from, corners, primitive)
+}
+
 #[inline(always)]
 fn moderate(from: DVec3, corners: [DVec3; 3], primitive: i32) -> Nearest {
     let found = |squared, weights| Nearest {

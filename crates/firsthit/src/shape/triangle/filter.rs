@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::{DeparturePoint, Doubtful, EdgeRule, Shear, TriangleHit};
 use crate::geometry::orientation::along_normal;
-use crate::geometry::{DVec2, DVec3, Ray, Side};
+use crate::geometry::{DVec2, DVec3, Ray, Side, arrays};
 
 /// No triangle has this number.
 const NO_TRIANGLE: u32 = u32::MAX;
@@ -48,7 +48,7 @@ impl MeshFilter {
     /// surface. Both work in place: a filter is large, and there is one for each ray.
     #[inline(always)]
     pub(crate) fn set(&mut self, skip: [Option<u32>; 2], cull: Option<Side>, is_departing: bool) {
-        self.skip = skip.map(|triangle| triangle.unwrap_or(NO_TRIANGLE));
+        self.skip = arrays::map(skip, |triangle| triangle.unwrap_or(NO_TRIANGLE));
         self.cull = cull;
         self.departure = None;
         self.is_departing = is_departing;

@@ -24,10 +24,10 @@ pub(crate) use plain::{Plain, PlainStart};
 
 use std::cmp::Ordering;
 
-use crate::geometry::DVec3;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::double::{Double, DoubleVector, between, cross, quotient};
 use crate::geometry::exact::{Expansion, Scaled, determinant, power};
+use crate::geometry::{DVec3, arrays};
 use double::left_over;
 use weights::Edges;
 
@@ -158,14 +158,8 @@ impl Meeting<f64> {
         if t_min >= 0.0 && self.corners.contains(&self.origin) {
             return true;
         }
-        let [origin, d, a, b, c] = [
-            self.origin,
-            self.direction,
-            self.corners[0],
-            self.corners[1],
-            self.corners[2],
-        ]
-        .map(DVec3::from);
+        let (origin, d) = (DVec3::from(self.origin), DVec3::from(self.direction));
+        let [a, b, c] = arrays::map(self.corners, DVec3::from);
         let (e, f, r) = (b - a, c - a, a - origin);
         let n = e.cross(f);
         let largest = |v: DVec3| v.abs().max_element();
@@ -221,7 +215,7 @@ impl Meeting<f64> {
     #[inline(always)]
     pub(crate) fn exact(&self) -> Option<Place<f64>> {
         let [first, second, third] = &self.corners;
-        let d = self.direction.map(|high| Double { high, low: 0.0 });
+        let d = arrays::map(self.direction, |high| Double { high, low: 0.0 });
         let d = Scaled::new(&d);
         let start = Scaled::new(&between(Scalar, first, &self.origin));
         let e = Scaled::new(&between(Scalar, second, first));

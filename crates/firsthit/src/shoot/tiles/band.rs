@@ -24,6 +24,7 @@ impl Kernel for Band<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(mut self, l: L) {
+        assert!(L::HAS_PACKETS, "`trace_hits` asks before");
         let plan = self.plan;
         let mut memory = Memory::take();
         let mut tiles = TILES.take().unwrap_or_else(|| TileMemory {
@@ -39,7 +40,10 @@ impl Kernel for Band<'_> {
             displacements,
         } = &mut tiles;
         let first = self.index * plan.tiles_down;
-        let [down, across] = [plan.grid.rows, plan.grid.columns].map(|n| n.div_ceil(TILE));
+        let [down, across] = [
+            plan.grid.rows.div_ceil(TILE),
+            plan.grid.columns.div_ceil(TILE),
+        ];
         let mut near = Vec::new();
         for left in (0..across).step_by(TALL) {
             plan.list_near(first, left, &mut near);

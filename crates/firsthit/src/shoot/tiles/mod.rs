@@ -28,6 +28,9 @@ pub(super) fn trace_hits(
     hits: HitSlices<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
+    if !set.has_packets() {
+        return trace_array(set, scene, rays, hits, watch);
+    }
     let fits = |grid: &PixelGrid| grid.rows.checked_mul(grid.columns) == Some(rays.len());
     let own = rays.grid().filter(fits);
     let picture = rays

@@ -18,6 +18,7 @@ pub(super) struct Pixels {
 impl Pixels {
     /// Those of the tile that begins in a row and a column of the grid and has so many; beyond them the last ones stand
     /// again.
+    #[inline]
     pub(super) fn new(
         grid: &PixelGrid,
         [row, column]: [usize; 2],

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::square::SIDE;
 use crate::accel::{TILE, TileCamera};
-use crate::geometry::{DMat3, DVec3, PixelGrid, Rays};
+use crate::geometry::{DMat3, DVec3, PixelGrid, Rays, arrays};
 use crate::scene::{Object, Scene};
 use crate::shape::Surface;
 
@@ -254,7 +254,7 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
 /// An object as curved rays may see it: anywhere, from a distance on.
 fn around(grid: &PixelGrid, index: u32, object: &Object) -> Placed {
     let bounds = object.shape().bounds();
-    let corners = bounds.corners().map(|corner| {
+    let corners = arrays::map(bounds.corners(), |corner| {
         let world = object
             .transform()
             .world_from_object()
@@ -262,7 +262,7 @@ fn around(grid: &PixelGrid, index: u32, object: &Object) -> Placed {
         world - grid.position
     });
     let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
-    let radii = corners.map(|corner| (corner - centre).length());
+    let radii = arrays::map(corners, |corner| (corner - centre).length());
     let radius = radii.into_iter().fold(0.0, f64::max);
     // Far more than rounding.
     let largest = centre.length() + radius + grid.position.abs().max_element();
@@ -299,7 +299,7 @@ impl Axes {
         });
         let axes = DMat3::from_cols(grid.right, grid.upwards, toward);
         let inverse = axes.inverse();
-        let growth = DVec3::from_array([0, 1, 2].map(|k| inverse.row(k).abs().element_sum()));
+        let growth = DVec3::from_array(arrays::from_fn(|k| inverse.row(k).abs().element_sum()));
         let longest = axes
             .x_axis
             .length()
@@ -367,8 +367,9 @@ pub(super) fn camera_of_tile(
         (grid.position, grid.toward + aside)
     };
     let matrix = map.matrix3;
-    let largest =
-        [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.abs().max_element());
+    let largest = arrays::map([matrix.x_axis, matrix.y_axis, matrix.z_axis], |axis| {
+        axis.abs().max_element()
+    });
     let growth: f64 = largest.iter().sum();
     TileCamera {
         eye: turned(start - translation),

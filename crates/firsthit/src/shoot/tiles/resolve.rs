@@ -90,7 +90,7 @@ impl TileTask<'_> {
                     self.resolve_object(l, seen, (leaf_lanes, here), block, &mut hits);
                 }
             }
-            let size = [rows - row, columns - column].map(|n| n.min(BLOCK));
+            let size = [(rows - row).min(BLOCK), (columns - column).min(BLOCK)];
             hits.write(at, size, out);
         }
     }

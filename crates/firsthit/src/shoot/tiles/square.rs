@@ -9,9 +9,9 @@ use std::ops::Range;
 use bytemuck::Pod;
 
 use crate::accel::{BLOCK, TILE};
-use crate::geometry::{DVec2, Hit};
+use crate::geometry::{DVec2, Hit, arrays};
 use crate::shoot::hits::HitSlices;
-use crate::simd::{LANES, Lanes, WIDE};
+use crate::simd::{LANES, Lanes, WIDE, set_bits};
 
 /// Pixels across and down a square of tiles.
 pub(super) const SIDE: usize = 4 * TILE;
@@ -109,9 +109,9 @@ impl HitSlices<'_> {
             for (row, weights) in l.interleave64(v, w).into_iter().enumerate() {
                 let at = at + (2 * half + row) * Square::STRIDE;
                 let lane = (2 * half + row) * BLOCK;
-                self.t[at..][..BLOCK].copy_from_slice(&ts[row * BLOCK..][..BLOCK]);
-                self.object[at..][..BLOCK].fill(object);
-                self.primitive[at..][..BLOCK].copy_from_slice(&primitives[lane..][..BLOCK]);
+                arrays::copy::<_, BLOCK>(&ts[row * BLOCK..], &mut self.t[at..]);
+                arrays::copy::<_, BLOCK>(&[object; BLOCK], &mut self.object[at..]);
+                arrays::copy::<_, BLOCK>(&primitives[lane..], &mut self.primitive[at..]);
                 let pairs: &mut [f64] = bytemuck::cast_slice_mut(&mut self.barycentric[at..]);
                 let pairs = pairs
                     .first_chunk_mut()
@@ -216,33 +216,30 @@ impl BlockOfHits {
         let mut both = [[0.0; WIDE]; 2];
         l.store64(low, &mut both[0]);
         l.store64(high, &mut both[1]);
-        let (both, own) = (both.as_flattened(), rows.as_flattened_mut());
-        for k in (0..WIDE).filter(|k| mask >> k & 1 == 1) {
-            own[2 * (WIDE * half + k)..][..2].copy_from_slice(&both[2 * k..][..2]);
+        for k in set_bits(mask.into()) {
+            for k in [2 * k, 2 * k + 1] {
+                rows[2 * half + k / WIDE][k % WIDE] = both[k / WIDE][k % WIDE];
+            }
         }
     }
 
     /// Writes those of so many rows and columns to a square, from an index on.
     #[inline(always)]
     pub(super) fn write(&self, at: usize, [rows, columns]: [usize; 2], out: &mut HitSlices<'_>) {
-        if [rows, columns] == [BLOCK, BLOCK] {
-            // Lengths that the compiler knows.
-            for row in 0..BLOCK {
-                self.copy(row, at + row * Square::STRIDE, BLOCK, out);
-            }
-        } else {
-            for row in 0..rows {
-                self.copy(row, at + row * Square::STRIDE, columns, out);
+        let t: &[f64; LANES] = bytemuck::cast_ref(&self.t);
+        for row in 0..rows {
+            let (at, lane) = (at + row * Square::STRIDE, row * BLOCK);
+            if columns == BLOCK {
+                arrays::copy::<_, BLOCK>(&t[lane..], &mut out.t[at..]);
+                arrays::copy::<_, BLOCK>(&self.object[lane..], &mut out.object[at..]);
+                arrays::copy::<_, BLOCK>(&self.primitive[lane..], &mut out.primitive[at..]);
+                arrays::copy::<_, BLOCK>(&self.barycentric[row], &mut out.barycentric[at..]);
+            } else {
+                out.t[at..][..columns].copy_from_slice(&t[lane..][..columns]);
+                out.object[at..][..columns].copy_from_slice(&self.object[lane..][..columns]);
+                out.primitive[at..][..columns].copy_from_slice(&self.primitive[lane..][..columns]);
+                out.barycentric[at..][..columns].copy_from_slice(&self.barycentric[row][..columns]);
             }
         }
-    }
-
-    #[inline(always)]
-    fn copy(&self, row: usize, at: usize, columns: usize, out: &mut HitSlices<'_>) {
-        let lane = row * BLOCK;
-        out.t[at..][..columns].copy_from_slice(&self.t.as_flattened()[lane..][..columns]);
-        out.object[at..][..columns].copy_from_slice(&self.object[lane..][..columns]);
-        out.primitive[at..][..columns].copy_from_slice(&self.primitive[lane..][..columns]);
-        out.barycentric[at..][..columns].copy_from_slice(&self.barycentric[row][..columns]);
     }
 }

@@ -13,7 +13,7 @@ use crate::accel::{
     Displacements, ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId,
     VisibilityBuffer, fill_buffer,
 };
-use crate::geometry::{DVec3, Hit, PixelGrid, Ray};
+use crate::geometry::{DVec3, Hit, PixelGrid, Ray, arrays};
 use crate::scene::Scene;
 use crate::shape::triangle::{EdgeRule, Shear};
 use crate::shoot::batch::Memory;
@@ -59,7 +59,7 @@ impl<'a> TileTask<'a> {
         displacements: &mut Displacements,
     ) -> Self {
         let grid = &plan.grid;
-        let [first_row, first_column] = tile.map(|k| k * TILE);
+        let [first_row, first_column] = arrays::map(tile, |k| k * TILE);
         let rows = (grid.rows - first_row).min(TILE);
         let columns = (grid.columns - first_column).min(TILE);
         let own = match &rays {
@@ -291,7 +291,7 @@ fn longest(grid: &PixelGrid) -> f64 {
         (0.5 * grid.height + height) * grid.upwards,
     );
     let corners = [right + up, right - up, up - right, -right - up];
-    let lengths = corners.map(|corner: DVec3| (grid.toward + corner).length());
+    let lengths = arrays::map(corners, |corner: DVec3| (grid.toward + corner).length());
     lengths.into_iter().fold(0.0, f64::max)
 }
 

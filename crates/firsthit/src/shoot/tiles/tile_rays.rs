@@ -7,7 +7,7 @@ use super::fit::{FARTHEST, is_sound, viewplane};
 use super::pixels::{HALVES, Pixels};
 use super::square::SIDE;
 use crate::accel::{BLOCK, Displacements, TILE, block_and_lane};
-use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays};
+use crate::geometry::{DMat3, DVec3, PixelGrid, Ray, Rays, arrays};
 use crate::simd::{Lanes, WIDE};
 
 /// Tiles across and down a square.
@@ -82,27 +82,30 @@ impl SquareRays {
         let columns = (grid.columns - column).min(SIDE);
         self.has_ends.fill(false);
         for origin in &mut self.origin {
-            *origin = grid.position.to_array().map(|x| [x; WIDE]);
+            *origin = arrays::map(grid.position.to_array(), |x| [x; WIDE]);
         }
         let mut row_of_directions = [[0.0; SIDE]; 3];
         for down in 0..rows.next_multiple_of(BLOCK) {
             // Where the square ends within a block, its last row again.
             if down < rows {
                 let first = (row + down) * grid.columns + column;
-                let axes = row_of_directions.each_mut();
-                rays.read_directions(first, axes.map(|axis| &mut axis[..columns]));
+                let [x, y, z] = &mut row_of_directions;
+                let axes = [&mut x[..columns], &mut y[..columns], &mut z[..columns]];
+                rays.read_directions(first, axes);
             }
             // Likewise its last ray.
             for axis in &mut row_of_directions {
-                let last = axis[columns - 1];
-                axis[columns..].fill(last);
+                for across in columns..SIDE {
+                    axis[across] = axis[columns - 1];
+                }
             }
             for across in (0..SIDE).step_by(BLOCK) {
                 let tile = down / TILE * TILES + across / TILE;
                 let (block, lane) = block_and_lane(down % TILE, across % TILE);
                 let direction = &mut self.direction[tile * HALVES + 2 * block + lane / WIDE];
-                for (to, from) in direction.iter_mut().zip(&row_of_directions) {
-                    to[lane % WIDE..][..BLOCK].copy_from_slice(&from[across..][..BLOCK]);
+                for axis in 0..3 {
+                    let from = &row_of_directions[axis][across..];
+                    arrays::copy::<_, BLOCK>(from, &mut direction[axis][lane % WIDE..]);
                 }
             }
         }
@@ -152,8 +155,8 @@ const FARTHEST_CURVED: f64 = 1.0;
 fn put<L: Lanes>(l: L, value: L::Doubles, to: &mut [f32]) {
     let mut lanes = [0.0; WIDE];
     l.store64(value, &mut lanes);
-    for (to, from) in to.iter_mut().zip(lanes) {
-        *to = from as f32;
+    for k in 0..WIDE {
+        to[k] = lanes[k] as f32;
     }
 }
 
@@ -208,7 +211,7 @@ impl TileRays<'_> {
         let [width, height] = grid.size();
         let axes = DMat3::from_cols(width * grid.right, -height * grid.upwards, grid.toward);
         let inverse = axes.inverse();
-        let rows_of_inverse = [0, 1, 2].map(|k| inverse.row(k));
+        let rows_of_inverse = arrays::from_fn::<_, 3>(|k| inverse.row(k));
         let [per_width, per_height] = [width.recip(), height.recip()];
         let mut most = l.splat64(0.0);
         for half in 0..2 * BLOCK * rows.div_ceil(BLOCK) {
@@ -355,7 +358,7 @@ impl TileRays<'_> {
         let (block, lane) = block_and_lane(row, column);
         let half = self.first + 2 * block + lane / WIDE;
         let vector = |parts: &[[f64; WIDE]; 3]| {
-            DVec3::from_array([0, 1, 2].map(|axis| parts[axis][lane % WIDE]))
+            DVec3::from_array(arrays::from_fn(|axis| parts[axis][lane % WIDE]))
         };
         let SquareRays {
             origin, direction, ..

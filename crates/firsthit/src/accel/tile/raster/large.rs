@@ -162,8 +162,11 @@ impl RasterScratch {
         )]
         let block = |x: f32| x as usize / BLOCK % BLOCK;
         let below = |first: usize| u16::MAX << first;
-        let [left, right] = [self.first_column[lane], self.last_column[lane]].map(block);
-        let [top, bottom] = [self.first_row[lane], self.last_row[lane]].map(block);
+        let (left, right) = (
+            block(self.first_column[lane]),
+            block(self.last_column[lane]),
+        );
+        let (top, bottom) = (block(self.first_row[lane]), block(self.last_row[lane]));
         let columns = (below(left) & !below(right + 1) & 0b1111) * 0b0001_0001_0001_0001;
         columns & below(BLOCK * top) & (u16::MAX >> (BLOCK * (BLOCK - 1 - bottom)))
     }

@@ -1,0 +1,37 @@
+//! `from_fn` and `map` of arrays, and copies of as many elements as the compiler knows, that are inlined whole.
+//!
+//! Those of the standard library go through functions of their own, which only an optimisation across codegen units inlines: in a
+//! kernel they would be calls, and would not be compiled for its instruction set.
+
+#![allow(
+    clippy::inline_always,
+    reason = "what is not inlined into a kernel is not compiled for its instruction set"
+)]
+
+/// An array of what `of` makes of each index; not of none.
+#[inline(always)]
+pub(crate) fn from_fn<T: Copy, const N: usize>(mut of: impl FnMut(usize) -> T) -> [T; N] {
+    let mut made = [of(0); N];
+    let mut k = 1;
+    while k < N {
+        made[k] = of(k);
+        k += 1;
+    }
+    made
+}
+
+/// An array of what `of` makes of each element.
+#[inline(always)]
+pub(crate) fn map<T: Copy, U: Copy, const N: usize>(
+    elements: [T; N],
+    mut of: impl FnMut(T) -> U,
+) -> [U; N] {
+    from_fn(|k| of(elements[k]))
+}
+
+/// Copies the first `N` elements, in registers where they are few.
+#[inline(always)]
+pub(crate) fn copy<T: Copy, const N: usize>(from: &[T], to: &mut [T]) {
+    let (from, to) = (from.first_chunk::<N>(), to.first_chunk_mut::<N>());
+    *to.expect("there is room") = *from.expect("there are as many");
+}
