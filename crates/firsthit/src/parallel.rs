@@ -5,7 +5,7 @@
 //!
 //! One part alone is the calling thread's, and needs no pool.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
@@ -101,6 +101,19 @@ pub(crate) fn all<P: Send>(
     map(parts, is_so).into_iter().all(|is_so| is_so)
 }
 
+/// The value of a cell, computed when it is first asked for.
+///
+/// Nobody waits for another who computes it: where several ask at the same time, each computes, and one value is kept. A process that
+/// was forked meanwhile would wait for a thread that it does not have, and a thread of a pool for one that waits for the pool.
+#[expect(clippy::disallowed_methods, reason = "the value is there already")]
+pub(crate) fn once<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
+    if let Some(value) = cell.get() {
+        return value;
+    }
+    let value = compute();
+    cell.get_or_init(|| value)
+}
+
 fn run(count: usize, work: &(dyn Fn(usize) + Sync)) {
     match count {
         1 => work(0),
@@ -152,6 +165,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Barrier;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     use super::*;
@@ -191,6 +205,26 @@ mod tests {
             assert!(all(0..count, |number| number < count));
             assert!(count == 0 || !all(0..count, |number| number + 1 < count));
         }
+    }
+
+    #[test]
+    fn nobody_waits_for_another_who_computes() {
+        let cell = OnceLock::new();
+        let (begun, may_end) = (Barrier::new(2), Barrier::new(2));
+        std::thread::scope(|scope| {
+            let slow = scope.spawn(|| {
+                *once(&cell, || {
+                    begun.wait();
+                    may_end.wait();
+                    1
+                })
+            });
+            begun.wait();
+            assert_eq!(*once(&cell, || 2), 2);
+            may_end.wait();
+            // What was kept first is everybody's.
+            assert_eq!(slow.join().unwrap(), 2);
+        });
     }
 
     #[test]

@@ -1,6 +1,8 @@
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use super::DVec3;
+
+use crate::parallel;
 
 /// A linear colour: red, green, blue with Rec. 709 primaries, 1 being a white surface in full light.
 ///
@@ -42,11 +44,12 @@ pub fn srgb_decode(encoded: f64) -> f64 {
 
 /// The linear value of an 8-bit level of sRGB.
 pub(crate) fn srgb_decode_level(level: u8) -> f64 {
-    static TABLE: LazyLock<[f64; 256]> = LazyLock::new(|| {
+    static TABLE: OnceLock<[f64; 256]> = OnceLock::new();
+    let table = parallel::once(&TABLE, || {
         let mut levels = 0_u8..=255;
         std::array::from_fn(|_| srgb_decode(f64::from(levels.next().unwrap_or(255)) / 255.0))
     });
-    TABLE[usize::from(level)]
+    table[usize::from(level)]
 }
 
 #[cfg(test)]

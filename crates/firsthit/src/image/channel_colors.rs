@@ -1,9 +1,10 @@
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use super::frame::{Channel, Display};
 use super::srgb::unit_byte;
 use super::tones::Tones;
 use crate::geometry::{ColorMap, DisplayTransform, fraction};
+use crate::parallel;
 
 type Rgb = [u8; 3];
 
@@ -73,7 +74,7 @@ impl ChannelColors {
             (Self::Mask, &[truth]) => [unit_byte(truth); 3],
             // The rest are numbers; misses are not finite.
             (_, value) if !value.iter().all(|number| number.is_finite()) => BLACK,
-            (Self::Distance(depths), &[t]) => VIRIDIS[usize::from(unit_byte(depths.nearness(t)))],
+            (Self::Distance(depths), &[t]) => viridis()[usize::from(unit_byte(depths.nearness(t)))],
             (Self::Direction, &[x, y, z]) => [x, y, z].map(|axis| unit_byte(axis.midpoint(1.0))),
             (Self::Position(ranges), &[x, y, z]) => {
                 [(0, x), (1, y), (2, z)].map(|(axis, at)| unit_byte(ranges[axis].fraction(at)))
@@ -87,7 +88,7 @@ impl ChannelColors {
                 };
                 let first = level();
                 if value.len() == 1 {
-                    VIRIDIS[usize::from(first)]
+                    viridis()[usize::from(first)]
                 } else {
                     [first, level(), level()]
                 }
@@ -288,8 +289,12 @@ fn hsv(hue: f64, saturation: f64, value: f64) -> Rgb {
 }
 
 /// The levels of viridis, from violet to yellow.
-static VIRIDIS: LazyLock<[Rgb; 256]> =
-    LazyLock::new(|| std::array::from_fn(|step| ColorMap::Viridis.levels(step)));
+fn viridis() -> &'static [Rgb; 256] {
+    static LEVELS: OnceLock<[Rgb; 256]> = OnceLock::new();
+    parallel::once(&LEVELS, || {
+        std::array::from_fn(|step| ColorMap::Viridis.levels(step))
+    })
+}
 
 #[cfg(test)]
 mod tests {
@@ -313,7 +318,7 @@ mod tests {
         let (colors, legend) = colors(Display::Distance, 1, t);
         assert_eq!(colors[..3], [[68, 1, 84], BLACK, [253, 231, 37]]);
         // The median is half way down from 1, and 9.5, twice as far, two thirds: a quarter of that is left.
-        assert_eq!(colors[3], VIRIDIS[64]);
+        assert_eq!(colors[3], viridis()[64]);
         let expected =
             "it from 3.25 (yellow) to 9.5 (violet), half of it nearer than 6.375; misses black";
         assert_eq!(legend.as_deref(), Some(expected));

@@ -14,7 +14,7 @@ use std::path::Path;
 use super::content::{Content, check_float32, refuse_mattes};
 use super::frame::{Channel, Data, Display};
 use super::metadata::{Encoding, KEY, Stored};
-use super::srgb::{SRGB, unpremultiplied};
+use super::srgb::{srgb, unpremultiplied};
 use crate::error::{Error, Result};
 use crate::geometry::single;
 
@@ -168,7 +168,7 @@ fn append(channel: &Channel, kind: Type, index: usize, row: &mut Vec<u8>) {
 fn color(channel: &Channel, mut places: Range<usize>) -> [u8; 4] {
     let mut color = [0.0; 4];
     color.fill_with(|| places.next().map_or(1.0, |place| channel.data.value(place)));
-    unpremultiplied(color, |color| color.map(|level| SRGB.byte(level)))
+    unpremultiplied(color, |color| color.map(|level| srgb().byte(level)))
 }
 
 /// Blue, green and red, and alpha where there is one: the bytes of the number `0xAARRGGBB`.

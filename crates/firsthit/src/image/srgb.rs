@@ -1,9 +1,13 @@
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use crate::geometry::srgb_encode;
+use crate::parallel;
 
 /// The curve, made at its first use in about a millisecond.
-pub(super) static SRGB: LazyLock<SrgbBytes> = LazyLock::new(SrgbBytes::new);
+pub(super) fn srgb() -> &'static SrgbBytes {
+    static SRGB: OnceLock<SrgbBytes> = OnceLock::new();
+    parallel::once(&SRGB, SrgbBytes::new)
+}
 
 /// More than the bytes per unit of light where the curve is steepest, 12.92 * 255: so that no two steps
 /// fall into the same part.
@@ -97,7 +101,7 @@ mod tests {
         for k in 0..=1_000_000 {
             // Fractions that are no multiples of the table's parts, and some outside 0 to 1.
             let linear = f64::from(k) / 999_983.0 * 1.2 - 0.1;
-            assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+            assert_eq!(srgb().byte(linear), formula(linear), "{linear}");
         }
         let outside = [
             f64::NAN,
@@ -108,14 +112,14 @@ mod tests {
             1e308,
         ];
         for linear in outside {
-            assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+            assert_eq!(srgb().byte(linear), formula(linear), "{linear}");
         }
     }
 
     /// The float32 on either side of every step, where a table would go wrong.
     #[test]
     fn bytes_are_those_of_the_formula_around_every_step() {
-        for step in &SRGB.steps[..255] {
+        for step in &srgb().steps[..255] {
             #[expect(
                 clippy::cast_possible_truncation,
                 reason = "the nearest float32 is wanted"
@@ -123,14 +127,14 @@ mod tests {
             let near = *step as f32;
             for linear in [near.next_down(), near, near.next_up()] {
                 let linear = f64::from(linear);
-                assert_eq!(SRGB.byte(linear), formula(linear), "{linear}");
+                assert_eq!(srgb().byte(linear), formula(linear), "{linear}");
             }
         }
     }
 
     #[test]
     fn no_part_of_the_table_holds_two_steps() {
-        for pair in SRGB.first.windows(2) {
+        for pair in srgb().first.windows(2) {
             assert!(pair[1] - pair[0] <= 1);
         }
     }

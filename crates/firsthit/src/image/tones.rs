@@ -1,4 +1,4 @@
-use super::srgb::{SRGB, unpremultiplied};
+use super::srgb::{srgb, unpremultiplied};
 use crate::geometry::{Color, DisplayTransform, ToneMap};
 
 /// How colours become bytes: a display transform, ready for many of them, and the sRGB curve.
@@ -19,7 +19,7 @@ impl Tones {
     pub(super) fn apply(&self, values: &[f64], bytes: &mut [u8]) {
         if self.tone_map == ToneMap::None {
             // The most frequent picture, and the only one whose bytes need not know their pixel.
-            let srgb = &*SRGB;
+            let srgb = srgb();
             for (byte, &value) in bytes.iter_mut().zip(values) {
                 *byte = srgb.byte(value * self.gain);
             }
@@ -43,6 +43,6 @@ impl Tones {
 
     fn rgb(&self, color: [f64; 3]) -> [u8; 3] {
         let shown = self.tone_map.apply(Color::from(color) * self.gain);
-        shown.to_array().map(|level| SRGB.byte(level))
+        shown.to_array().map(|level| srgb().byte(level))
     }
 }

@@ -1,12 +1,13 @@
 //! The list of what is looked for.
 
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use super::holes::BoundaryEdge;
 use super::report::Found;
 use super::subject::Subject;
 use super::{Facts, edges, faces, holes, scale, self_intersections, shells, vertices};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::watch::Watch;
 
 /// Something that can be wrong with a mesh or a scene.
@@ -126,10 +127,13 @@ pub const KINDS: &[Kind] = &[
 ];
 
 /// The names of all.
-static NAMES: LazyLock<String> = LazyLock::new(|| {
-    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
-    format!("one of {}", names.join(", "))
-});
+fn names() -> &'static str {
+    static NAMES: OnceLock<String> = OnceLock::new();
+    parallel::once::<String>(&NAMES, || {
+        let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        format!("one of {}", names.join(", "))
+    })
+}
 
 impl Kind {
     /// The kind of that name.
@@ -139,7 +143,7 @@ impl Kind {
     /// [`Error::Argument`] where there is none.
     pub fn named(name: &str) -> Result<&'static Self> {
         let found = KINDS.iter().find(|kind| kind.name == name);
-        found.ok_or_else(|| Error::argument("kind", &NAMES, name))
+        found.ok_or_else(|| Error::argument("kind", names(), name))
     }
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::{AlphaMode, MapRole, Material, Object, Scene, TextureMap};
 use crate::geometry::Value;
+use crate::parallel;
 use crate::shape::Mesh;
 
 /// A node or a mesh of a file. Two objects come from the same one if their labels are equal.
@@ -58,12 +59,7 @@ impl Scene {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub fn catalog(&self) -> &Catalog {
-        // Made outside of the cell: a process that is forked meanwhile would wait for a thread that it does not have.
-        let made = match self.catalog.get() {
-            Some(known) => return known,
-            None => Catalog::of(&self.objects),
-        };
-        self.catalog.get_or_init(|| Arc::new(made))
+        parallel::once::<Arc<_>>(&self.catalog, || Arc::new(Catalog::of(&self.objects)))
     }
 }
 

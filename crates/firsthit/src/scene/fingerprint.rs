@@ -16,12 +16,7 @@ impl Scene {
     /// `blake3:` and 32 hexadecimal digits: the first half of the BLAKE3 digest of all that numbers say. Made
     /// once for a scene, by all threads of the current rayon pool.
     pub fn fingerprint(&self) -> &str {
-        // Made outside of the cell: a process that is forked meanwhile would wait for a thread that it does not have.
-        let made = match self.fingerprint.get() {
-            Some(known) => return known,
-            None => self.digest().name(),
-        };
-        self.fingerprint.get_or_init(|| made)
+        parallel::once::<String>(&self.fingerprint, || self.digest().name())
     }
 
     /// Adds all that shines but surfaces, whoever chose it.

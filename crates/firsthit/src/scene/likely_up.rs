@@ -47,12 +47,7 @@ impl Scene {
             DVec3::Z => (1, 0),
             _ => return convention,
         };
-        let seen = match self.seen.get() {
-            Some(&known) => known,
-            None => self.all_seen(),
-        };
-        // Made outside of the cell: see `fingerprint`.
-        let seen = *self.seen.get_or_init(|| seen);
+        let seen = *parallel::once(&self.seen, || self.all_seen());
         // Half of the projected area faces down.
         let share = |part: DVec2, axis: usize| part[axis] / (0.5 * seen.all[axis]);
         let base = share(seen.bottom, other);

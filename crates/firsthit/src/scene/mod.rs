@@ -413,23 +413,14 @@ impl Scene {
 
     /// The surfaces that shine.
     pub(crate) fn emitters(&self) -> &Emitters {
-        // Made outside of the cell: see `fingerprint`.
-        let made = match self.emitters.get() {
-            Some(known) => return known,
-            None => Arc::new(Emitters::new(self)),
-        };
-        self.emitters.get_or_init(|| made)
+        parallel::once::<Arc<_>>(&self.emitters, || Arc::new(Emitters::new(self)))
     }
 
     /// Whether some surfaces may let light through by their alpha.
     pub(crate) fn has_translucent(&self) -> bool {
         let blends = |material: &Material| material.alpha_mode == AlphaMode::Blend;
         let has_some = |object: &Object| object.materials().iter().any(blends);
-        if let Some(&known) = self.translucent.get() {
-            return known;
-        }
-        let any = self.objects.iter().any(has_some);
-        *self.translucent.get_or_init(|| any)
+        *parallel::once(&self.translucent, || self.objects.iter().any(has_some))
     }
 
     /// Whether nothing shines: neither lights nor an environment nor surfaces.
@@ -440,17 +431,15 @@ impl Scene {
 
     /// The smallest box around all objects in the world, infinite and hidden ones left out; empty without any.
     pub fn bounds(&self) -> Bounds {
-        // By one thread: a pool's thread that waited here could take up work that asks for the bounds itself.
-        let visible = || self.objects.iter().filter(|object| !object.is_hidden());
-        let exactly = || around(visible().map(Object::bounds));
-        *self.bounds.get_or_init(exactly)
+        let visible = self.objects.iter().filter(|object| !object.is_hidden());
+        *parallel::once(&self.bounds, || around(visible.map(Object::bounds)))
     }
 
     /// A box that no ray meets anything outside of, a little larger than [`bounds`](Self::bounds); `None` where something has no end.
     pub(crate) fn blocking_bounds(&self) -> Option<Bounds> {
         let mut visible = self.objects.iter().filter(|object| !object.is_hidden());
         let is_endless = || visible.any(|object| top_tree::is_unbounded(&object.bounds()));
-        if *self.endless.get_or_init(is_endless) {
+        if *parallel::once(&self.endless, is_endless) {
             return None;
         }
         let Bounds { low, high } = self.bounds();
@@ -534,15 +523,10 @@ impl Scene {
 
     /// The first object that is not [closed](Shape::is_closed), or has parts that are cut out. An empty mesh has no part.
     pub(crate) fn first_open_object(&self) -> Option<usize> {
-        if let Some(&known) = self.first_open.get() {
-            return known;
-        }
-        // Not while others wait: one of a pool's threads may be among them.
         let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();
         let is_nothing = |object: &Object| object.is_hidden() || object.is_empty_mesh();
         let is_open = |object: &Object| !is_nothing(object) && has_gaps(object);
-        let first = self.objects.iter().position(is_open);
-        *self.first_open.get_or_init(|| first)
+        *parallel::once(&self.first_open, || self.objects.iter().position(is_open))
     }
 
     /// The objects around a point.

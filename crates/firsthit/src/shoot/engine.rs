@@ -12,6 +12,7 @@ use super::tiles::trace_hits;
 use crate::accel::InstructionSet;
 use crate::error::Result;
 use crate::geometry::{Hit, Ray, Rays};
+use crate::parallel;
 use crate::scene::Scene;
 use crate::simd;
 use crate::watch::Watch;
@@ -71,7 +72,7 @@ impl Cpu {
     /// The default one, for whoever borrows an engine.
     pub fn shared() -> &'static Self {
         static SHARED: OnceLock<Cpu> = OnceLock::new();
-        SHARED.get_or_init(Self::default)
+        parallel::once(&SHARED, Self::default)
     }
 
     /// What it computes with.

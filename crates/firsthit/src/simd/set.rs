@@ -4,6 +4,7 @@ use std::str::FromStr;
 use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
+use crate::parallel;
 
 /// A family of vector instructions that kernels are compiled for. Results do not depend on it, only times do.
 ///
@@ -84,7 +85,7 @@ impl InstructionSet {
     pub fn current() -> Result<Self> {
         static CURRENT: OnceLock<std::result::Result<InstructionSet, String>> = OnceLock::new();
         let said = || std::env::var_os(VARIABLE).filter(|name| !name.is_empty());
-        let chosen = CURRENT.get_or_init(|| match said() {
+        let chosen = parallel::once(&CURRENT, || match said() {
             None => Ok(Self::fastest()),
             Some(name) => {
                 let name = name.to_string_lossy();

@@ -6,6 +6,8 @@ use std::sync::OnceLock;
 
 use super::{Color, named, srgb_decode_level};
 
+use crate::parallel;
+
 named! {
     /// A colour map, from the colour of 0 to that of 1 in 256 steps. But for `turbo` and `spectral`, equal differences of numbers look
     /// equally large, and lighter ones are larger, or farther from the middle.
@@ -52,7 +54,7 @@ impl ColorMap {
     /// assert_eq!((srgb_encode(yellow.x) * 255.0).round(), 253.0);
     /// ```
     pub fn color(self, number: f64) -> Color {
-        let table = TABLES[self as usize].get_or_init(|| {
+        let table = parallel::once(&TABLES[self as usize], || {
             Box::new(std::array::from_fn(|step| {
                 Color::from(self.levels(step).map(srgb_decode_level))
             }))

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Environment, EnvironmentKind};
 use crate::geometry::{Color, DMat3, DVec3, unit};
+use crate::parallel;
 use crate::sampling::{Draws, TangentFrame, warp};
 
 /// The irradiance of one normal, computed when it is first asked for: it takes milliseconds.
@@ -26,7 +27,7 @@ impl PartialEq for IrradianceCache {
 
 impl IrradianceCache {
     fn get(&self, normal: DVec3, compute: impl Fn(DVec3) -> Color) -> Color {
-        let &(known, irradiance) = self.0.get_or_init(|| (normal, compute(normal)));
+        let &(known, irradiance) = parallel::once(&self.0, || (normal, compute(normal)));
         if known == normal {
             irradiance
         } else {

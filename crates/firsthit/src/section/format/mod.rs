@@ -6,12 +6,13 @@ mod svg;
 
 use std::io::{self, Write};
 use std::path::Path;
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use super::Section;
 use crate::error::{Error, Result};
 use crate::geometry::DVec2;
 use crate::image::write_whole;
+use crate::parallel;
 use crate::watch::Watch;
 
 /// A kind of file that a [`Section`] can be written to.
@@ -44,11 +45,14 @@ pub const SECTION_FORMATS: &[SectionFormat] = &[
 ];
 
 /// What a path must end in.
-static EXTENSIONS: LazyLock<String> = LazyLock::new(|| {
-    let names: Vec<&str> = SECTION_FORMATS.iter().map(|format| format.name).collect();
-    let (last, others) = names.split_last().expect("there are formats");
-    format!("a file in .{} or .{last}", others.join(", ."))
-});
+fn extensions() -> &'static str {
+    static EXTENSIONS: OnceLock<String> = OnceLock::new();
+    parallel::once::<String>(&EXTENSIONS, || {
+        let names: Vec<&str> = SECTION_FORMATS.iter().map(|format| format.name).collect();
+        let (last, others) = names.split_last().expect("there are formats");
+        format!("a file in .{} or .{last}", others.join(", ."))
+    })
+}
 
 impl SectionFormat {
     /// The format that a path's extension names.
@@ -60,7 +64,7 @@ impl SectionFormat {
         let wanted = path.extension().unwrap_or_default();
         let mut formats = SECTION_FORMATS.iter();
         let found = formats.find(|format| wanted.eq_ignore_ascii_case(format.name));
-        found.ok_or_else(|| Error::argument("output", &EXTENSIONS, path.display()))
+        found.ok_or_else(|| Error::argument("output", extensions(), path.display()))
     }
 
     /// Writes a section.

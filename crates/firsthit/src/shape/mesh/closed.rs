@@ -14,6 +14,7 @@ use super::Mesh;
 use super::weld::sort;
 use crate::error::Result;
 use crate::memory;
+use crate::parallel;
 
 /// What [`Mesh::odd_edges`] found out; equal to any other, since it follows from the triangles.
 #[derive(Clone, Default)]
@@ -52,9 +53,8 @@ impl Mesh {
         if let Some(&count) = known.get() {
             return Ok(count);
         }
-        // Not while others wait: one of a pool's threads may be among them.
         let count = self.count_odd_edges()?;
-        Ok(*known.get_or_init(|| count))
+        Ok(*parallel::once(known, || count))
     }
 
     fn count_odd_edges(&self) -> Result<usize> {

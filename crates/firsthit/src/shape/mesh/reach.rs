@@ -53,10 +53,6 @@ impl Mesh {
 
     fn blocks(&self) -> Arc<[Bounds]> {
         let Blocks(known) = &self.blocks;
-        if let Some(known) = known.get() {
-            return Arc::clone(known);
-        }
-        // Not while others wait: one of a pool's threads may be among them.
         let around = |triangles: &[[u32; 3]]| {
             let corners = triangles
                 .iter()
@@ -66,10 +62,12 @@ impl Mesh {
                 high: all.high.max(corner),
             })
         };
-        let blocks = parallel::gather(self.triangles.chunks(64 * BLOCK), |triangles| {
-            triangles.chunks(BLOCK).map(around).collect()
-        });
-        Arc::clone(known.get_or_init(|| blocks.into()))
+        let blocks = || {
+            parallel::gather(self.triangles.chunks(64 * BLOCK), |triangles| {
+                triangles.chunks(BLOCK).map(around).collect()
+            })
+        };
+        Arc::clone(parallel::once(known, || blocks().into()))
     }
 }
 

@@ -2,10 +2,11 @@
 //! Courses 2017).
 
 use std::f64::consts::{PI, TAU};
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 use super::microfacet::half;
 use crate::geometry::{Color, DVec3};
+use crate::parallel;
 
 /// A layer of fibres.
 #[derive(Debug, Clone, Copy)]
@@ -81,13 +82,17 @@ fn fitted(x: f64, alpha: f64) -> f64 {
 const SIDE: usize = 24;
 
 /// The albedo for cosines (the columns) and roughnesses (the rows) from 0 to 1.
-static ALBEDO: LazyLock<[[f64; SIDE]; SIDE]> = LazyLock::new(|| {
-    let step = 1.0 / (SIDE - 1) as f64;
-    std::array::from_fn(|row| {
-        let roughness = (row as f64 * step).max(LEAST_ROUGHNESS);
-        std::array::from_fn(|column| integrated((column as f64 * step).max(1e-3), roughness, 32))
+fn albedos() -> &'static [[f64; SIDE]; SIDE] {
+    static ALBEDOS: OnceLock<[[f64; SIDE]; SIDE]> = OnceLock::new();
+    parallel::once(&ALBEDOS, || {
+        let step = 1.0 / (SIDE - 1) as f64;
+        std::array::from_fn(|row| {
+            let roughness = (row as f64 * step).max(LEAST_ROUGHNESS);
+            let cosine = |column| (column as f64 * step).max(1e-3);
+            std::array::from_fn(|column| integrated(cosine(column), roughness, 32))
+        })
     })
-});
+}
 
 /// The albedo as a sum over directions: `steps` cosines, as many angles over half a turn.
 fn integrated(cosine: f64, roughness: f64, steps: u32) -> f64 {
@@ -117,7 +122,7 @@ fn albedo(cosine: f64, roughness: f64) -> f64 {
     };
     let ((row, down), (column, across)) = (place(roughness), place(cosine));
     let along = |row: usize| {
-        let [a, b] = [ALBEDO[row][column], ALBEDO[row][column + 1]];
+        let [a, b] = [albedos()[row][column], albedos()[row][column + 1]];
         a + across * (b - a)
     };
     along(row) + down * (along(row + 1) - along(row))
