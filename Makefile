@@ -129,7 +129,7 @@ test-light: .venv/ready
 # The viewer's page in Chromium, a report and a notebook; its scripts by the types in their comments, where npm is. What cannot be had is
 # skipped.
 BROWSER := $(OUTSIDE)/browser
-test-browser: .venv/ready wasm
+test-browser: .venv/ready
 	$(MAKE) program
 	if command -v npm > /dev/null; then \
 	    npm install --silent --no-save --prefix $(BROWSER) typescript@7.0.2 && \
@@ -164,7 +164,7 @@ MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
 CRATES := --package firsthit --package firsthit-view --package firsthit-cli
 # What cargo unpacked of ours when it last verified crates: it goes by the version and would verify that again.
 UNPACKED = $${CARGO_HOME:-$$HOME/.cargo}/registry/*/-*/firsthit-*
-dist: .venv-dist/ready wasm
+dist: .venv-dist/ready
 	$(PYTHON) packaging/pages.py --check
 	rm -rf dist $(OUTSIDE)/package
 	$(MATURIN) sdist --out dist
@@ -184,7 +184,7 @@ pages:
 DOC := RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
 
 # The site, in target/docs: see mkdocs.yml. Once .venv-docs is there, it asks no other host for anything. RUST= leaves out
-# the Rust reference and the viewer, which take cargo a while the first time. The viewer takes `make wasm` too.
+# the Rust reference and the viewer, which take cargo a while the first time.
 RUST ?= yes
 docs: .venv-docs/ready
 	$(if $(RUST),$(DOC) --quiet)
@@ -308,12 +308,11 @@ check-features:
 check-targets:
 	CARGO=$(CARGO) .ci/targets
 
-MODULE := crates/firsthit-view/module/firsthit.wasm.gz
-# The viewer as a WebAssembly module, target/wasm/firsthit.wasm. What is compiled afterwards has it inside, for reports.
+# The viewer as a WebAssembly module: the one in git, which is compiled into the program and the package, anew.
 wasm:
 	CARGO=$(CARGO) .ci/wasm module
 
-# Whether the module in Node answers as the same code does on this machine, to the byte.
+# Whether the module in git, and one that is compiled now, answer in Node as the sources do on this machine, to the byte.
 test-wasm:
 	CARGO=$(CARGO) .ci/wasm test
 
@@ -337,4 +336,4 @@ miri:
 	else echo "Miri: skipped: rustup toolchain install nightly --component miri,rust-src"; fi
 
 clean:
-	rm -rf target dist .venv .venv-bench .venv-bench-light .venv-dist .venv-docs render.png $(MODULE)
+	rm -rf target dist .venv .venv-bench .venv-bench-light .venv-dist .venv-docs render.png

@@ -151,9 +151,6 @@ assert found.all() or not found.any()
 
 
 def test_a_page_is_one_file_with_the_scene_inside(model, tmp_path):
-    module = ROOT / "crates" / "firsthit-view" / "module" / "firsthit.wasm.gz"
-    if not module.is_file():
-        pytest.skip("the WebAssembly module could not be compiled here")
     told = run(PROGRAM, "view", model, "-o", "page.html", cwd=tmp_path)
     assert told.returncode == 0, told.stderr
     page = (tmp_path / "page.html").read_text()

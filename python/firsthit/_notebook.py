@@ -7,13 +7,12 @@ import html
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from . import _firsthit
-
 if TYPE_CHECKING:
     import os
 
     import numpy.typing as npt
 
+    from . import _firsthit
     from ._camera import Camera
     from ._environment import Environment
     from ._lights import Sky
@@ -24,11 +23,6 @@ if TYPE_CHECKING:
 
 #: With more triangles inside, an output is more than 25 MB.
 _MOST_TRIANGLES = 500_000
-
-_NO_MODULE = (
-    "this build of firsthit has no WebAssembly module, which runs the page: take the package from"
-    " the index, or build it after `make wasm`"
-)
 
 
 class NotebookView:
@@ -73,18 +67,13 @@ class NotebookView:
         ------
         ValueError
             For another extension.
-        RuntimeError
-            If this build has no WebAssembly module.
         OSError
             If the system refuses to write it.
         """
         path = Path(path)
         if path.suffix.lower() not in (".html", ".htm"):
             raise ValueError(f"{path} must end in .html")
-        report = self._viewer.report()
-        if report is None:
-            raise RuntimeError(_NO_MODULE)
-        path.write_bytes(report)
+        path.write_bytes(self._viewer.report())
 
     def __repr__(self) -> str:
         """Say what it shows."""
@@ -97,11 +86,8 @@ class NotebookView:
         if self._engine == "kernel":
             # Where widgets are not shown.
             return f"<div>{shown}</div>"
-        report = self._viewer.report()
-        if report is None:
-            return f"{shown}<p>{html.escape(_NO_MODULE)}</p>"
         # Where no frame may be, what is behind it is seen.
-        page = html.escape(report.decode())
+        page = html.escape(self._viewer.report().decode())
         over = "position:absolute;inset:0;width:100%;height:100%;border:0;background:Canvas"
         may = 'sandbox="allow-scripts allow-downloads" allow="clipboard-write"'
         frame = f'<iframe title="{title}" {may} style="{over}" srcdoc="{page}"></iframe>'
@@ -133,7 +119,7 @@ def notebook_view(
     if isinstance(height, bool) or not isinstance(height, int) or height < 1:
         raise ValueError(f"height must be a positive number of pixels, got {height!r}")
     if engine is None:
-        is_page = _firsthit.Viewer.can_report() and scene._triangles() <= _MOST_TRIANGLES
+        is_page = scene._triangles() <= _MOST_TRIANGLES
         engine = "page" if is_page or not has_widgets() else "kernel"
     if engine == "kernel" and not has_widgets():
         raise ImportError('the engine "kernel" takes anywidget: pip install "firsthit[notebook]"')

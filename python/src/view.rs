@@ -6,7 +6,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use firsthit_view::server::Server;
-use firsthit_view::{Answer, AnswerError, Module};
+use firsthit_view::{Answer, AnswerError};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -51,19 +51,10 @@ impl Viewer {
         Ok(Self(Arc::new(viewer)))
     }
 
-    /// Whether there is a module that runs a report.
-    #[staticmethod]
-    fn can_report() -> bool {
-        Module::built_in().is_some()
-    }
-
-    /// The page in one file; `None` where there is no module.
-    fn report<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
-        let Some(module) = Module::built_in() else {
-            return Ok(None);
-        };
-        let report = run(py, 0, |stop| self.0.report(module, stop))?;
-        Ok(Some(PyBytes::new(py, &report)))
+    /// The page in one file.
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let report = run(py, 0, |stop| self.0.report(stop))?;
+        Ok(PyBytes::new(py, &report))
     }
 
     /// The page for a window that answers it.

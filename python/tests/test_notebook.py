@@ -6,10 +6,8 @@ import re
 
 import firsthit as fh
 import pytest
-from firsthit import _firsthit, _notebook
+from firsthit import _notebook
 from page_support import ask as ask_server
-
-HAS_MODULE = _firsthit.Viewer.can_report()
 
 
 def scene():
@@ -24,12 +22,6 @@ def test_what_a_notebook_shows_is_the_file_that_is_saved(tmp_path):
     assert "<b>" not in shown
     # Where no script runs: a picture.
     assert shown.index("data:image/png;base64,") < 300
-    if not HAS_MODULE:
-        assert "make wasm" in shown
-        with pytest.raises(RuntimeError, match="make wasm"):
-            view.save(tmp_path / "box.html")
-        assert list(tmp_path.iterdir()) == []
-        return
     assert "height:300px" in shown
     [inside] = re.findall(r'srcdoc="([^"]*)"', shown)
     view.save(tmp_path / "box.html")
@@ -79,7 +71,7 @@ def test_large_scenes_stay_with_the_kernel(monkeypatch):
     large.add(fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     assert large.view().engine == "kernel"
     assert large.view(engine="page").engine == "page"
-    assert scene().view().engine == ("page" if HAS_MODULE else "kernel")
+    assert scene().view().engine == ("page")
 
 
 def test_what_makes_no_sense_is_refused():

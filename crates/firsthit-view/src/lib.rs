@@ -33,6 +33,4 @@ pub use look::{
     Visibility,
 };
 pub use probe::Probe;
-#[cfg(feature = "page")]
-pub use report::Module;
 pub use viewer::Viewer;

@@ -59,11 +59,9 @@ pub(crate) const WORKER: &[Script] = scripts! {
     "worker.js"
 };
 
-/// The WebAssembly module, packed by gzip, where it was there when this crate was compiled: see `build.rs`.
-#[cfg(has_module)]
-pub(crate) const MODULE: Option<&[u8]> = Some(include_bytes!("../module/firsthit.wasm.gz"));
-#[cfg(not(has_module))]
-pub(crate) const MODULE: Option<&[u8]> = None;
+/// The crate `firsthit-wasm` as a module, packed by gzip. `make wasm` makes it, and `make test-wasm` compares its answers with those of the
+/// sources.
+pub(crate) const MODULE: &[u8] = include_bytes!("../module/firsthit.wasm.gz");
 
 /// The type and the bytes of a file of the page.
 #[cfg(feature = "server")]
@@ -71,7 +69,7 @@ pub(crate) fn file(path: &str) -> Option<(&'static str, &'static [u8])> {
     match path.strip_prefix('/')? {
         "" => Some(("text/html; charset=utf-8", INDEX.as_bytes())),
         "app.css" => Some(("text/css; charset=utf-8", STYLE.as_bytes())),
-        "firsthit.wasm.gz" => MODULE.map(|module| (PACKED, module)),
+        "firsthit.wasm.gz" => Some((PACKED, MODULE)),
         name => {
             let mut scripts = SCRIPTS.iter().chain(WORKER);
             let script = scripts.find(|script| script.name == name)?;

@@ -25,26 +25,15 @@ const STILL_EDGE: usize = 640;
 /// Its samples.
 const STILL_SAMPLES: u32 = 4;
 
-/// The engine that a report runs: firsthit as a WebAssembly module.
-#[derive(Debug, Clone, Copy)]
-pub struct Module(&'static [u8]);
-
-impl Module {
-    /// The one that this program was built with; `None` where it was built without: `make wasm` comes before.
-    pub fn built_in() -> Option<Self> {
-        MODULE.map(Self)
-    }
-}
-
 impl Viewer {
     /// The page in one HTML file, with the scene and an engine inside. It asks nobody for anything, and its policy would not let it.
     ///
-    /// The same scene and the same module give the same bytes on every machine.
+    /// The same scene gives the same bytes on every machine.
     ///
     /// # Errors
     ///
     /// Those of [`fhs::encode`], and [`Error::Limit`] for more than a browser reads.
-    pub fn report(&self, module: Module, watch: &dyn Watch) -> Result<Vec<u8>> {
+    pub fn report(&self, watch: &dyn Watch) -> Result<Vec<u8>> {
         let scene = fhs::encode(self.scene(), &self.world()?, watch)?;
         let scene = packed(&scene)?;
         if watch.is_stopped() {
@@ -56,7 +45,7 @@ impl Viewer {
             return Err(Error::Limit { what, got, limit });
         }
         let scene = BASE64_STANDARD.encode(scene);
-        let module = BASE64_STANDARD.encode(module.0);
+        let module = BASE64_STANDARD.encode(MODULE);
         let engine = json!({"kind": "wasm", "title": self.title, "warnings": self.warnings});
         let still = BASE64_STANDARD.encode(self.still(watch)?);
         let head = [

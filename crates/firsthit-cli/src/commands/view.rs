@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use firsthit::error::escaped;
 use firsthit::image::write_whole;
 use firsthit::watch::Watch;
+use firsthit_view::Viewer;
 use firsthit_view::server::Server;
-use firsthit_view::{Module, Viewer};
 
 use super::render::{Asked, asked_for};
 use crate::args::ViewArgs;
@@ -86,7 +86,6 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
 /// The page as a file, in place of a server.
 struct Report<'a> {
     path: &'a Path,
-    module: Module,
 }
 
 impl<'a> Report<'a> {
@@ -101,17 +100,11 @@ impl<'a> Report<'a> {
             return Err(Failure::usage(what));
         }
         output::check_other(path, &[], std::slice::from_ref(&args.file))?;
-        let module = Module::built_in().ok_or_else(|| {
-            Failure::usage(
-                "--output: this program was built without the WebAssembly module that a report runs; the Python package has it, and so has a \
-                 program that is built after `make wasm`",
-            )
-        })?;
-        Ok(Self { path, module })
+        Ok(Self { path })
     }
 
     fn write(&self, viewer: &Viewer, watch: &dyn Watch) -> Result<(), Failure> {
-        let report = viewer.report(self.module, watch)?;
+        let report = viewer.report(watch)?;
         write_whole(self.path, watch, |out| out.write_all(&report))?;
         let bytes = counted(report.len() as u64, "byte");
         say(format!("{}: {bytes}", escaped(self.path)));
