@@ -1,9 +1,9 @@
 //! Work in parts, by all threads of the current rayon pool.
 //!
-//! Here is the one loop: it calls what it does by pointer, once for each part. An iterator of rayon's own is compiled for each closure
-//! anew, 8 kB of code and more, so it is only for what is done for each of many small things.
+//! Here is the one loop: it calls what it does by pointer, once for each part. A parallel iterator of rayon's is compiled for each closure
+//! anew, 8 kB of code and more: take one only where sorting or the like is done by rayon itself.
 //!
-//! One part alone is the calling thread's, and needs no pool.
+//! One part alone is the calling thread's, and needs no pool; none needs nothing.
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -90,10 +90,14 @@ pub(crate) fn gather<P: Send, T: Send>(
     if made.len() == 1 {
         return made.swap_remove(0);
     }
-    made.into_iter().flatten().collect()
+    let mut all = Vec::with_capacity(made.iter().map(Vec::len).sum());
+    for part in &mut made {
+        all.append(part);
+    }
+    all
 }
 
-/// Whether something is so of every part.
+/// Whether something is so of every part. All are asked.
 pub(crate) fn all<P: Send>(
     parts: impl IntoIterator<Item = P>,
     is_so: impl Fn(P) -> bool + Sync,
@@ -103,8 +107,9 @@ pub(crate) fn all<P: Send>(
 
 /// The value of a cell, computed when it is first asked for.
 ///
-/// Nobody waits for another who computes it: where several ask at the same time, each computes, and one value is kept. A process that
-/// was forked meanwhile would wait for a thread that it does not have, and a thread of a pool for one that waits for the pool.
+/// Nobody waits for another who computes it: where several ask at the same time, each computes, and one value is kept. Who waited could
+/// wait for ever: a forked process has no other thread, and a pool's thread that waits inside of the computation may take up work that
+/// asks for the same value. (Nothing but the moving of a value into its cell is waited for.)
 #[expect(clippy::disallowed_methods, reason = "the value is there already")]
 pub(crate) fn once<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
     if let Some(value) = cell.get() {
@@ -116,6 +121,7 @@ pub(crate) fn once<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
 
 fn run(count: usize, work: &(dyn Fn(usize) + Sync)) {
     match count {
+        0 => {}
         1 => work(0),
         _ => (0..count).into_par_iter().for_each(work),
     }
@@ -123,6 +129,7 @@ fn run(count: usize, work: &(dyn Fn(usize) + Sync)) {
 
 fn try_run(count: usize, work: &(dyn Fn(usize) -> Result<()> + Sync)) -> Result<()> {
     match count {
+        0 => Ok(()),
         1 => work(0),
         _ => (0..count).into_par_iter().try_for_each(work),
     }

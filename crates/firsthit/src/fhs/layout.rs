@@ -3,12 +3,13 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use bytemuck::Pod;
+
 use crate::accel::{Meshlet, Node};
 use crate::error::Place;
 use crate::io::fault::{Checked, Fault};
 use crate::memory::{BLOCK_ALIGNMENT, Block, Storage};
 use crate::parallel;
-use bytemuck::Pod;
 
 /// As in PNG: a byte beyond ASCII, and line ends that a transfer as text would change.
 pub(super) const MAGIC: [u8; 8] = *b"\x89fhs\r\n\x1a\n";

@@ -1,7 +1,6 @@
 use std::sync::OnceLock;
 
 use super::DVec3;
-
 use crate::parallel;
 
 /// A linear colour: red, green, blue with Rec. 709 primaries, 1 being a white surface in full light.

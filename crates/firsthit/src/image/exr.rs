@@ -1,12 +1,5 @@
 use std::io::{self, Cursor, Write};
 
-use super::content::{Content, check_float32, picture_sides};
-use super::cryptomatte::{self, Cryptomatte};
-use super::frame::{Channel, Data, Display};
-use super::metadata::{Encoding, KEY, Stored};
-use crate::error::Result;
-use crate::geometry::single;
-use crate::parallel;
 use exr::block::writer::ChunksWriter;
 use exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
 use exr::meta::BlockDescription;
@@ -15,6 +8,14 @@ use exr::meta::attribute::{
 };
 use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use exr::prelude::{Compression, Vec2};
+
+use super::content::{Content, check_float32, picture_sides};
+use super::cryptomatte::{self, Cryptomatte};
+use super::frame::{Channel, Data, Display};
+use super::metadata::{Encoding, KEY, Stored};
+use crate::error::Result;
+use crate::geometry::single;
+use crate::parallel;
 
 /// Every sample has 32 bits.
 const BYTES: usize = 4;

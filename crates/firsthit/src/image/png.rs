@@ -1,5 +1,7 @@
 use std::io::{self, Write};
 
+use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
+
 use super::channel_colors::{ChannelColors, legend};
 use super::content::{Content, WriteSettings, picture_sides, refuse_mattes};
 use super::frame::{Channel, Display};
@@ -8,7 +10,6 @@ use super::steps;
 use crate::error::{Error, Result};
 use crate::geometry::{DisplayTransform, ToneMap};
 use crate::parallel;
-use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 /// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
 const CHUNK: usize = 1 << 16;

@@ -68,7 +68,7 @@ pub(super) fn fill(
     let parts = parts(answers, size, wanted.count);
     let mut batches = points.chunks(size).zip(parts);
     if points.len() <= BATCH {
-        // Few points need no other thread. (In Python there is then no pool.)
+        // Few points need no other thread, though they are several parts. (In Python there is then no pool.)
         return batches.try_for_each(search);
     }
     parallel::try_each(batches, search)

@@ -109,7 +109,7 @@ impl InstructionSet {
         }
     }
 
-    /// Whether kernels for many rays are compiled for what this machine runs when it is asked for the set.
+    /// Whether [`run`](super::run) with the set ends in lanes that have packets, on this machine.
     pub(crate) fn has_packets(self) -> bool {
         match self {
             Self::Portable => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),

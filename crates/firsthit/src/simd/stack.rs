@@ -20,6 +20,10 @@ pub(crate) fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     /// Only what is touched of it takes memory.
     const STACK_BYTES: usize = 16 << 20;
     static POOL: OnceLock<Option<ThreadPool>> = OnceLock::new();
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "one pool, however many ask; a child that is forked has no use for it either way"
+    )]
     let pool = POOL.get_or_init(|| {
         let builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES);
         builder.build().ok()

@@ -205,7 +205,7 @@ impl CrossingList {
         }
     }
 
-    /// Calls `see` with each node of the list, the last one first, once [all are finished](Self::finish_all).
+    /// Calls `see` with each node of the list, the last one first, once [all are finished](Self::finish_all). It may add no crossing.
     pub(crate) fn each(self, mut see: impl FnMut(&Node)) {
         GATHERED.with_borrow(|all| {
             let mut index = self.last;

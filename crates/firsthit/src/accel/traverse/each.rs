@@ -22,12 +22,12 @@ pub(crate) const END: f64 = f64::NEG_INFINITY;
 /// What is called with a triangle and a `t_max`, and returns the `t_max` to go on with, not larger than before, or [`END`].
 pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
 
-/// Calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at most `t_max`, in
+/// A kernel that calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at most `t_max`, in
 /// any order, and perhaps with others.
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
 ///
-/// It is behind a pointer, so that it is compiled once and not for each query: few rays need it.
+/// `visit` is behind a pointer, so that the kernel is compiled once and not for each query: few rays need it.
 pub(crate) struct EachCandidate<'a> {
     pub(crate) scratch: &'a mut Scratch,
     pub(crate) at_mesh: (&'a MeshTree, &'a Mesh),

@@ -5,7 +5,6 @@ mod cool_warm;
 use std::sync::OnceLock;
 
 use super::{Color, named, srgb_decode_level};
-
 use crate::parallel;
 
 named! {
