@@ -7,6 +7,7 @@
 use super::mesh_packet::MeshRay;
 use crate::accel::filter::Candidates;
 use crate::accel::rays::packet::RAYS;
+use crate::geometry::arrays;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
 use crate::simd::Lanes;
@@ -59,13 +60,7 @@ pub(crate) trait MeshQuery: Visitor + Copy {
 /// The queries of a packet's rays, which end at depths of at most `limits`.
 #[inline(always)]
 pub(super) fn queries<Q: MeshQuery>(limits: &[f32; RAYS]) -> [Q; RAYS] {
-    let mut queries = [Q::new(limits[0]); RAYS];
-    let mut lane = 1;
-    while lane < RAYS {
-        queries[lane] = Q::new(limits[lane]);
-        lane += 1;
-    }
-    queries
+    arrays::from_fn(|lane| Q::new(limits[lane]))
 }
 
 /// Takes the answers of packets of rays.
