@@ -28,7 +28,7 @@ const STILL_SAMPLES: u32 = 4;
 impl Viewer {
     /// The page in one HTML file, with the scene and an engine inside. It asks nobody for anything, and its policy would not let it.
     ///
-    /// The same scene gives the same bytes on every machine.
+    /// Its bytes follow from the scene, on every machine.
     ///
     /// # Errors
     ///

@@ -1,9 +1,9 @@
 //! Work in parts, by all threads of the current rayon pool.
 //!
 //! Here is the one loop: it calls what it does by pointer, once for each part. A parallel iterator of rayon's is compiled for each closure
-//! anew, 8 kB of code and more: take one only where sorting or the like is done by rayon itself.
+//! anew, 8 kB of code and more.
 //!
-//! One part alone is the calling thread's, and needs no pool; none needs nothing.
+//! One part is done by the calling thread, without a pool.
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 
-/// How many small things are worth a part of their own.
+/// The number of small things that are worth a part of their own.
 pub(crate) const MANY: usize = 1 << 12;
 
 /// Does `work` with each part.
@@ -50,7 +50,7 @@ pub(crate) fn try_each_with<S: Send, P: Send>(
     })
 }
 
-/// What `work` makes of each part, in their order.
+/// Maps each part by `work`; the results are in the order of the parts.
 pub(crate) fn map<P: Send, T: Send>(
     parts: impl IntoIterator<Item = P>,
     work: impl Fn(P) -> T + Sync,
@@ -63,11 +63,11 @@ pub(crate) fn map<P: Send, T: Send>(
     made.into_iter().map(Slot::into_inner).collect()
 }
 
-/// What `work` makes of each part, in their order.
+/// Maps each part by `work`; the results are in the order of the parts.
 ///
 /// # Errors
 ///
-/// As those of [`try_each`].
+/// Those of [`try_each`].
 pub(crate) fn try_map<P: Send, T: Send>(
     parts: impl IntoIterator<Item = P>,
     work: impl Fn(P) -> Result<T> + Sync,
@@ -81,7 +81,7 @@ pub(crate) fn try_map<P: Send, T: Send>(
     Ok(made.into_iter().map(Slot::into_inner).collect())
 }
 
-/// What `work` makes of all parts, side by side in their order.
+/// Maps each part to a list by `work`, and joins the lists in the order of the parts.
 pub(crate) fn gather<P: Send, T: Send>(
     parts: impl IntoIterator<Item = P>,
     work: impl Fn(P) -> Vec<T> + Sync,
@@ -97,7 +97,7 @@ pub(crate) fn gather<P: Send, T: Send>(
     all
 }
 
-/// Whether something is so of every part. All are asked.
+/// Tells whether `is_so` holds for every part. All are asked.
 pub(crate) fn all<P: Send>(
     parts: impl IntoIterator<Item = P>,
     is_so: impl Fn(P) -> bool + Sync,
@@ -107,9 +107,8 @@ pub(crate) fn all<P: Send>(
 
 /// The value of a cell, computed when it is first asked for.
 ///
-/// Nobody waits for another who computes it: where several ask at the same time, each computes, and one value is kept. Who waited could
-/// wait for ever: a forked process has no other thread, and a pool's thread that waits inside of the computation may take up work that
-/// asks for the same value. (Nothing but the moving of a value into its cell is waited for.)
+/// Several threads that ask at the same time compute it each, and the first value is kept. No thread waits for another's computation: in a
+/// forked process that thread does not exist, and a thread of a pool that waits may take up work that asks for the same value.
 #[expect(clippy::disallowed_methods, reason = "the value is there already")]
 pub(crate) fn once<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> T) -> &T {
     if let Some(value) = cell.get() {
@@ -174,6 +173,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use std::sync::Barrier;
     use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::mpsc::channel;
+    use std::thread::sleep;
+    use std::time::Duration;
 
     use super::*;
     use crate::error::Error;
@@ -217,20 +219,27 @@ mod tests {
     #[test]
     fn nobody_waits_for_another_who_computes() {
         let cell = OnceLock::new();
-        let (begun, may_end) = (Barrier::new(2), Barrier::new(2));
+        let begun = Barrier::new(2);
+        let (end, ended) = channel();
         std::thread::scope(|scope| {
             let slow = scope.spawn(|| {
                 *once(&cell, || {
                     begun.wait();
-                    may_end.wait();
+                    // Who waited for this would get 1.
+                    let _ = ended.into_iter().next();
                     1
                 })
             });
             begun.wait();
-            assert_eq!(*once(&cell, || 2), 2);
-            may_end.wait();
-            // What was kept first is everybody's.
-            assert_eq!(slow.join().unwrap(), 2);
+            let waits = scope.spawn(|| *once(&cell, || 2));
+            let is_there = (0..1000).any(|_| {
+                sleep(Duration::from_millis(10));
+                waits.is_finished()
+            });
+            end.send(()).unwrap();
+            assert!(is_there, "it waited");
+            // The value that was kept first is everybody's.
+            assert_eq!([waits.join().unwrap(), slow.join().unwrap()], [2, 2]);
         });
     }
 

@@ -1,14 +1,14 @@
-//! `from_fn` and `map` of arrays, and copies of as many elements as the compiler knows, that are inlined whole.
+//! `from_fn`, `map` and copies of arrays, for kernels: they are always inlined.
 //!
-//! Those of the standard library go through functions of their own, which only an optimisation across codegen units inlines: in a
-//! kernel they would be calls, and would not be compiled for its instruction set.
+//! The standard library's call functions that are not marked to be inlined. In a kernel these stay calls, which are not compiled for its
+//! instruction set.
 
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into a kernel is not compiled for its instruction set"
 )]
 
-/// An array of what `of` makes of each index; not of none.
+/// An array whose element `k` is `of(k)`. It has at least one.
 #[inline(always)]
 pub(crate) fn from_fn<T: Copy, const N: usize>(mut of: impl FnMut(usize) -> T) -> [T; N] {
     let mut made = [of(0); N];
@@ -20,7 +20,7 @@ pub(crate) fn from_fn<T: Copy, const N: usize>(mut of: impl FnMut(usize) -> T) -
     made
 }
 
-/// An array of what `of` makes of each element.
+/// An array whose elements are those of `elements`, mapped by `of`.
 #[inline(always)]
 pub(crate) fn map<T: Copy, U: Copy, const N: usize>(
     elements: [T; N],

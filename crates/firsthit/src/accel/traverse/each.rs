@@ -19,11 +19,11 @@ use crate::simd::{Kernel, Lanes, set_bits};
 /// What ends a traversal, in place of a `t_max`.
 pub(crate) const END: f64 = f64::NEG_INFINITY;
 
-/// What is called with a triangle and a `t_max`, and returns the `t_max` to go on with, not larger than before, or [`END`].
+/// A function of a triangle and a `t_max` that returns the `t_max` to go on with: not larger than before, or [`END`].
 pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
 
-/// A kernel that calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at most `t_max`, in
-/// any order, and perhaps with others.
+/// A kernel that calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at
+/// most `t_max`, in any order, and perhaps with others.
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
 ///
