@@ -204,23 +204,40 @@ def test_an_npy_has_its_metadata_beside_it(frame, tmp_path):
     assert fh.read_metadata(tmp_path / "z.npy") is None
 
 
+def write_all(frame, seen, folder):
+    """Return every file of a frame, in every format, with and without a scale and a tone map."""
+    for name in ("a.exr", "a.npz", "a.ply", "a.pcd", "{channel}.npy", "{channel}.png"):
+        frame.save(folder / name)
+    frame.save(folder / "shown.png", exposure=-0.5, tone_map="neutral")
+    distances = fh.render(scene(), seen, channels=("t", "range", "z"))
+    distances.save(folder / "{channel}-steps.png", png_scale=0.1)
+    mattes = fh.render(scene(), seen, channels=("crypto_object", "crypto_material"))
+    mattes.save(folder / "mattes.exr")
+    paths = [path for path in folder.iterdir() if path.suffix != ".json"]
+    assert len(paths) == 2 * len(CHANNELS) + 9
+    return paths
+
+
 @pytest.mark.parametrize("projection", ["perspective", "orthographic"])
-def test_metadata_follow_the_schema_and_the_cameras_words(projection, tmp_path):
+def test_every_file_says_what_the_schema_says_and_the_schema_says_no_more(projection, tmp_path):
     jsonschema = pytest.importorskip("jsonschema")
     schema = json.loads((ROOT / "docs" / "output-metadata.schema.json").read_text())
     validator = jsonschema.Draft202012Validator(schema)
     seen = camera(projection)
     frame = fh.render(scene(), seen, channels=CHANNELS)
-    frame.save(tmp_path / "a.exr")
-    for said in (frame.metadata, fh.read_metadata(tmp_path / "a.exr")):
+    for said in (frame.metadata, *map(fh.read_metadata, write_all(frame, seen, tmp_path))):
         validator.validate(said)
         for name in ("position", "aim", "up"):
             np.testing.assert_array_equal(said["camera"][name], getattr(seen, name))
         for name in ("focal_length", "width", "height", "rows", "columns", "projection"):
             assert said["camera"][name] == getattr(seen, name)
-    broken = json.loads(json.dumps(said))
-    del broken["camera"]["pose"]
-    assert not validator.is_valid(broken)
+        # A field without the schema, or a schema without the field, would be seen.
+        for key in said:
+            less = {other: said[other] for other in said if other != key}
+            assert validator.is_valid(less) == (key in ("shading", "colors", "display")), key
+        assert not validator.is_valid(said | {"surprise": None})
+    del said["camera"]["pose"]
+    assert not validator.is_valid(said)
 
 
 def test_the_matrices_take_positions_to_their_pixels(frame):

@@ -51,7 +51,6 @@ mod render;
 mod samples;
 mod scene_changes;
 mod scene_file;
-mod scene_schema;
 mod section;
 mod see_through;
 mod sensors;

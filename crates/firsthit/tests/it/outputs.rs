@@ -14,7 +14,6 @@ use firsthit::{
     Camera, Color, DVec3, DisplayTransform, Error, Lens, Light, Mesh, Object, Positions, Scene,
     Shader, Shading, Sphere, ToneMap, Transform, View, Viewplane, example, render,
 };
-use serde_json::Value;
 
 use crate::support::Numbers as Random;
 
@@ -56,11 +55,6 @@ fn encode(format: &Format, frame: &Frame, channel: Option<&str>) -> Vec<u8> {
         .encode(frame, channel, settings, &mut bytes, path)
         .unwrap();
     bytes
-}
-
-fn schema() -> Value {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/output-metadata.schema.json");
-    serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
 }
 
 /// The frame's other channels.
@@ -114,34 +108,6 @@ fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
     png.write(frame, Some("color"), settings, path, &())
         .unwrap();
     paths
-}
-
-#[test]
-fn every_file_says_what_the_schema_says_and_the_schema_says_no_more() {
-    let folder = tempfile::tempdir().unwrap();
-    let validator = jsonschema::validator_for(&schema()).unwrap();
-    for parallel in [false, true] {
-        for path in write_all(&frame(parallel), folder.path()) {
-            let metadata = read(&path).unwrap().metadata.unwrap();
-            let json: Value = serde_json::from_str(&metadata.to_json()).unwrap();
-            let wrong: Vec<String> = validator
-                .iter_errors(&json)
-                .map(|e| e.to_string())
-                .collect();
-            assert!(wrong.is_empty(), "{}: {wrong:?}", path.display());
-            // Everything is required but what colours alone have, and nothing else is allowed: a field without the
-            // schema, or a schema without the field, would be seen.
-            for key in json.as_object().unwrap().keys() {
-                let mut less = json.clone();
-                less.as_object_mut().unwrap().remove(key);
-                let is_optional = ["shading", "colors", "display"].contains(&key.as_str());
-                assert_eq!(validator.is_valid(&less), is_optional, "{key}");
-            }
-            let mut more = json.clone();
-            more["surprise"] = Value::Null;
-            assert!(!validator.is_valid(&more));
-        }
-    }
 }
 
 #[test]
