@@ -1,4 +1,4 @@
-//! The files of the page, by their names.
+//! The files of the page, by their names. They are statics: of a constant each place that uses it may have a copy.
 
 /// The type of scripts.
 const SCRIPT: &str = "text/javascript; charset=utf-8";
@@ -6,9 +6,9 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const PACKED: &str = "application/gzip";
 
 /// The page itself.
-pub(crate) const INDEX: &str = include_str!("../web/index.html");
+pub(crate) static INDEX: &str = include_str!("../web/index.html");
 /// How it looks.
-pub(crate) const STYLE: &str = include_str!("../web/app.css");
+pub(crate) static STYLE: &str = include_str!("../web/app.css");
 
 /// A script of the page.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ macro_rules! scripts {
 }
 
 /// Its scripts, each after those that it imports.
-pub(crate) const SCRIPTS: &[Script] = scripts! {
+pub(crate) static SCRIPTS: &[Script] = scripts! {
     "dom.js"
     "storage.js"
     "camera.js"
@@ -54,14 +54,14 @@ pub(crate) const SCRIPTS: &[Script] = scripts! {
 };
 
 /// The scripts of the worker that runs the module.
-pub(crate) const WORKER: &[Script] = scripts! {
+pub(crate) static WORKER: &[Script] = scripts! {
     "firsthit.mjs"
     "worker.js"
 };
 
 /// The crate `firsthit-wasm` as a module, packed by gzip. `make wasm` makes it, and `make test-wasm` compares its answers with those of the
 /// sources.
-pub(crate) const MODULE: &[u8] = include_bytes!("../module/firsthit.wasm.gz");
+pub(crate) static MODULE: &[u8] = include_bytes!("../module/firsthit.wasm.gz");
 
 /// The type and the bytes of a file of the page.
 #[cfg(feature = "server")]
