@@ -76,10 +76,7 @@ fn ask_everything(set: InstructionSet) {
 
 #[test]
 fn kernels_fit_on_the_small_stack_of_a_caller_and_of_its_pool() {
-    for set in InstructionSet::ALL
-        .into_iter()
-        .filter(|set| set.is_available())
-    {
+    for set in InstructionSet::available() {
         let builder = rayon::ThreadPoolBuilder::new().num_threads(2);
         let pool = builder.stack_size(STACK_BYTES).build().unwrap();
         pool.install(|| ask_everything(set));

@@ -252,19 +252,13 @@ mod tests {
         let with_nan = std::array::from_fn(|k| nan(k, A[k]));
         for (a, b) in [(A, B), (B, A)] {
             let plain = run(InstructionSet::Portable, Everything { a, b });
-            for set in InstructionSet::ALL
-                .into_iter()
-                .filter(|set| set.is_available())
-            {
+            for set in InstructionSet::available() {
                 assert_eq!(run(set, Everything { a, b }), plain, "{set:?}");
             }
         }
         // Of NaN only what comparisons, minima and maxima make of it is promised.
         let plain = run(InstructionSet::Portable, Comparisons(with_nan));
-        for set in InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available())
-        {
+        for set in InstructionSet::available() {
             assert_eq!(run(set, Comparisons(with_nan)), plain, "{set:?}");
         }
     }
@@ -303,10 +297,7 @@ mod tests {
             }
         }
         let from: Vec<i32> = (0..200).collect();
-        for set in InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available())
-        {
+        for set in InstructionSet::available() {
             for start in 0..20 {
                 for length in [0, 1, 15, 16, 17, 40, 100] {
                     let mut to = vec![-1; 200];

@@ -76,6 +76,11 @@ impl InstructionSet {
         }
     }
 
+    /// Those that this machine has, from the plainest to the fastest.
+    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+        Self::ALL.into_iter().filter(|set| set.is_available())
+    }
+
     /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `simd128`,
     /// `neon`, `avx2` or `avx512`), or the fastest of this machine where that is not set or empty. The variable is read once.
     ///
@@ -120,8 +125,7 @@ impl InstructionSet {
     }
 
     fn fastest() -> Self {
-        let available = Self::ALL.into_iter().rev().find(|set| set.is_available());
-        available.unwrap_or(Self::Portable)
+        Self::available().next_back().unwrap_or(Self::Portable)
     }
 }
 

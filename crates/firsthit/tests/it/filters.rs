@@ -127,10 +127,7 @@ fn trees_and_brute_force_agree_on_every_instruction_set() {
         let count = trace_with(&BruteForce, &scene, &rays, Count, &()).unwrap();
         let all = trace_with(&BruteForce, &scene, &rays, All::default(), &()).unwrap();
         assert!(any.iter().filter(|&&hit| hit).count() > 60);
-        for set in InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available())
-        {
+        for set in InstructionSet::available() {
             let cpu = Cpu::with(set);
             same(
                 &trace_with(&cpu, &scene, &rays, First, &()).unwrap(),
@@ -233,10 +230,7 @@ fn rays_that_leave_together_meet_what_brute_force_says() {
         let any = trace_with(&BruteForce, &scene, &rays, Any, &()).unwrap();
         let count = trace_with(&BruteForce, &scene, &rays, Count, &()).unwrap();
         met += any.iter().filter(|&&is_met| is_met).count();
-        for set in InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available())
-        {
+        for set in InstructionSet::available() {
             let cpu = Cpu::with(set);
             let found = trace_with(&cpu, &scene, &rays, First, &()).unwrap();
             same(&found, &first);
@@ -279,10 +273,7 @@ fn a_ray_that_leaves_a_disc_meets_the_neighbour_that_brute_force_says() {
     let rays = Filtered::new(&rays, leaves);
     let slow = trace_with(&BruteForce, &scene, &rays, First, &()).unwrap();
     assert_eq!(slow.object, [1]);
-    for set in InstructionSet::ALL
-        .into_iter()
-        .filter(|set| set.is_available())
-    {
+    for set in InstructionSet::available() {
         let fast = trace_with(&Cpu::with(set), &scene, &rays, First, &()).unwrap();
         same(&fast, &slow);
     }

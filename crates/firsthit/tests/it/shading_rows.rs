@@ -168,7 +168,6 @@ fn points_side_by_side_get_the_colors_that_each_gets_alone() {
     )
     .unwrap();
     let kinds = [kind("color").unwrap()];
-    let sets = InstructionSet::ALL.map(Cpu::with);
     let plain = Cpu::with(InstructionSet::Portable);
     for (number, scene) in scenes().iter().enumerate() {
         for name in Shader::NAMES {
@@ -184,12 +183,9 @@ fn points_side_by_side_get_the_colors_that_each_gets_alone() {
             different.dedup();
             // Ambient occlusion has three: 0, 1 or 2 of two samples see the sky.
             assert!(different.len() > 2, "{number} {name} {}", different.len());
-            for (set, cpu) in InstructionSet::ALL.iter().zip(&sets) {
-                if !set.is_available() {
-                    continue;
-                }
+            for set in InstructionSet::available() {
                 let shading = Shading {
-                    engine: cpu,
+                    engine: &Cpu::with(set),
                     ..shading.clone()
                 };
                 let together = render(scene, &camera, &shading, &kinds, 2, &()).unwrap();

@@ -211,8 +211,7 @@ pub(super) mod tests {
             f32::NAN,
         ];
         limits[..before.len()].copy_from_slice(&before);
-        let sets = InstructionSet::ALL.into_iter();
-        for set in sets.filter(|set| set.is_available()) {
+        for set in InstructionSet::available() {
             simd::run(set, Ending(&tree, &mesh, limits));
         }
     }

@@ -305,8 +305,7 @@ mod tests {
     fn short_rays_go_together_and_long_ones_do_not() {
         let mesh = sheet();
         let tree = MeshTree::build(&mesh);
-        let sets = InstructionSet::ALL.into_iter();
-        for set in sets.filter(|set| set.is_available()) {
+        for set in InstructionSet::available() {
             for (reach, goes) in [
                 (0.3, true),
                 (1e-6, true),
@@ -394,8 +393,7 @@ mod tests {
             let triangles = (0..12_000).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
             let mesh = Mesh::new(Positions::Double(corners.into()), triangles).unwrap();
             let tree = MeshTree::build(&mesh);
-            let sets = InstructionSet::ALL.into_iter();
-            for set in sets.filter(|set| set.is_available()) {
+            for set in InstructionSet::available() {
                 let [answered, open] = simd::run(set, Parting(&mesh, &tree));
                 has_both |= answered > 0 && open > 0;
             }

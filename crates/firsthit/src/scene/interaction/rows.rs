@@ -296,10 +296,7 @@ mod tests {
             numbers.map(|v| v.to_array().map(f64::to_bits))
         };
         let singly: Vec<_> = surfaces().iter().map(bits).collect();
-        for set in InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available())
-        {
+        for set in InstructionSet::available() {
             let together = surfaces();
             compute_geometry(set, &together);
             let known = together.iter().filter(|it| it.geometry.get().is_some());

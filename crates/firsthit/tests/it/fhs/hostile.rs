@@ -29,8 +29,8 @@ fn attack(bytes: &[u8], verify: bool) -> Result<(), String> {
         return Ok(());
     };
     let ray = Ray::new(DVec3::new(0.1, 0.2, 9.0), DVec3::NEG_Z);
-    for set in InstructionSet::ALL.iter().filter(|set| set.is_available()) {
-        let engine = Cpu::with(*set);
+    for set in InstructionSet::available() {
+        let engine = Cpu::with(set);
         let hits = trace_with(&engine, &scene, &[ray; 3][..], First, &()).unwrap();
         let hit = hits.get(0);
         if let Some(surface) = scene.interaction(&ray, &hit) {
@@ -74,8 +74,8 @@ fn ask_everything(scene: &Scene) {
         cull: Some(Side::Back),
         ..RayFilter::NONE
     };
-    for set in InstructionSet::ALL.iter().filter(|set| set.is_available()) {
-        let engine = Cpu::with(*set);
+    for set in InstructionSet::available() {
+        let engine = Cpu::with(set);
         trace_with(&engine, scene, &rays, All::default(), &()).unwrap();
         let filtered = Filtered::new(&rays[..], culls);
         trace_with(&engine, scene, &filtered, First, &()).unwrap();

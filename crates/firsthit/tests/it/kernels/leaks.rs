@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use firsthit::shape::triangle::{EdgeRule, Shear};
 use firsthit::shoot::{Any, Cpu, First, trace_with};
-use firsthit::{DVec3, Object, Ray, Scene};
+use firsthit::{DVec3, InstructionSet, Object, Ray, Scene};
 
-use super::sets;
 use crate::support::{Numbers, cases, mesh, refdata, soak_rays};
 
 /// Aims at each mesh that is closed, from a point inside, where it is, far away and in other sizes: at corners and
@@ -63,7 +62,7 @@ fn aimed(scene: &Scene, which: Range<usize>, numbers: &mut Numbers, path: &Path)
             rays.push(Ray::new(inside, target - inside));
         }
     }
-    for set in sets() {
+    for set in InstructionSet::available() {
         let engine = Cpu::with(set);
         let hits = trace_with(&engine, scene, &rays, First, &()).unwrap();
         let any = trace_with(&engine, scene, &rays, Any, &()).unwrap();

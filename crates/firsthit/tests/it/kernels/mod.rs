@@ -22,12 +22,6 @@ use rayon::ThreadPoolBuilder;
 use crate::support::generators::{PLACES, cloud, placed, rays, short_rays, soup, unshared};
 use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, rounds, soak_rays};
 
-fn sets() -> impl Iterator<Item = InstructionSet> {
-    InstructionSet::ALL
-        .into_iter()
-        .filter(|set| set.is_available())
-}
-
 /// Shoots `rays` with every instruction set and compares with brute force; returns how many hit. Then some of them once
 /// more, which begin where they hit, just before, or anywhere.
 fn checked<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
@@ -56,8 +50,11 @@ fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
     };
     let quick = Scene::build(scene.objects().to_vec(), fast).unwrap();
     // The trees that were built in little time with one of the sets: what differs is not in the kernels.
-    let last = sets().last().map(|set| (set, &quick));
-    for (set, scene) in sets().map(|set| (set, scene)).chain(last) {
+    let last = InstructionSet::available().last().map(|set| (set, &quick));
+    for (set, scene) in InstructionSet::available()
+        .map(|set| (set, scene))
+        .chain(last)
+    {
         let engine = Cpu::with(set);
         let hits = trace_with(&engine, scene, rays, First, &()).unwrap();
         let any = trace_with(&engine, scene, rays, Any, &()).unwrap();
@@ -256,7 +253,7 @@ fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
     let batch = rays(&points, 1.0, 5000, &mut numbers);
     let camera = pixels::cameras(DVec3::ZERO, 1.5, &mut numbers)[0];
     let mut hashes = Vec::new();
-    for set in sets() {
+    for set in InstructionSet::available() {
         for threads in [1, 2, 3, 7] {
             let pool = ThreadPoolBuilder::new()
                 .num_threads(threads)

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use firsthit::shoot::{Cpu, Engine, First, trace_with};
 use firsthit::{
-    Camera, DAffine3, DMat3, DVec3, Lens, Object, Plane, Ray, RayStart, Scene, Sphere, Transform,
-    View, Viewplane,
+    Camera, DAffine3, DMat3, DVec3, InstructionSet, Lens, Object, Plane, Ray, RayStart, Scene,
+    Sphere, Transform, View, Viewplane,
 };
 
-use super::{checked, sets};
+use super::checked;
 use crate::support::generators::{PLACES, placed, rays, soup};
 use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, rounds};
 
@@ -374,7 +374,7 @@ fn meshes_with_other_orders_side_by_side() {
 fn large_pictures_of_any_width() {
     let (points, triangles) = bumpy_sphere(20, 4);
     let one = Object::new(mesh(&points, triangles));
-    for set in sets() {
+    for set in InstructionSet::available() {
         let scene = Scene::new(vec![one.clone()]).unwrap();
         let engine = Cpu::with(set);
         for [rows, columns] in [[225, 613], [1031, 129], [2049, 64], [131, 1003]] {

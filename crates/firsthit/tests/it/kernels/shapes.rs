@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use firsthit::shoot::{Any, BruteForce, Cpu, First, trace, trace_with};
 use firsthit::{
-    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Filtered, Mesh, Object, Plane, Ray,
-    RayFilter, Rays, Scene, Shape, Side, Sphere, SurfaceId, Transform,
+    Cone, Cuboid, Cylinder, DAffine3, DMat3, DVec3, Disc, Filtered, InstructionSet, Mesh, Object,
+    Plane, Ray, RayFilter, Rays, Scene, Shape, Side, Sphere, SurfaceId, Transform,
 };
 
 use super::pixels::cameras;
-use super::{bits, checked, sets};
+use super::{bits, checked};
 use crate::support::generators::{PLACES, placed, rays, short_rays};
 use crate::support::{Numbers, bumpy_sphere, cases, is_full, mesh};
 
@@ -215,7 +215,7 @@ fn leaving(scene: &Scene, starts: &[Ray], numbers: &mut Numbers) -> (Vec<Ray>, V
 fn checked_filtered(scene: &Scene, rays: &[Ray], filters: &[RayFilter]) -> usize {
     let rays = Filtered::each(rays, filters);
     let expected = trace_with(&BruteForce, scene, &rays, First, &()).unwrap();
-    for set in sets() {
+    for set in InstructionSet::available() {
         let engine = Cpu::with(set);
         let hits = trace_with(&engine, scene, &rays, First, &()).unwrap();
         let any = trace_with(&engine, scene, &rays, Any, &()).unwrap();

@@ -40,10 +40,7 @@ fn bits(all: &ClosestPoints) -> Vec<Bits> {
 fn checked(scene: &Scene, points: &[[f64; 3]]) -> ClosestPoints {
     let judge = |wanted| {
         let judged = closest_points_with(Method::BruteForce, scene, points, wanted, &()).unwrap();
-        for set in InstructionSet::ALL
-            .into_iter()
-            .filter(|set| set.is_available())
-        {
+        for set in InstructionSet::available() {
             let method = Method::Trees(set);
             let found = closest_points_with(method, scene, points, wanted, &()).unwrap();
             let (found, judged) = (bits(&found), bits(&judged));
