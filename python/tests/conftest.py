@@ -1,11 +1,13 @@
 """What tests of several commands and jobs share."""
 
 import os
+import shutil
 import sys
 from pathlib import Path
 
 import pytest
 from _firsthit_program import main as program
+from dataset_support import LONG, PLANS
 
 
 @pytest.fixture
@@ -27,3 +29,15 @@ def workers_find_the_tests(monkeypatch):
     path = os.environ.get("PYTHONPATH")
     own = str(Path(__file__).parent)
     monkeypatch.setenv("PYTHONPATH", own if path is None else f"{own}{os.pathsep}{path}")
+
+
+@pytest.fixture
+def long_plan(tmp_path):
+    """A plan of many frames, in a file."""
+    text = (PLANS / "turntable.toml").read_text()
+    text = text.replace("count = 6", f"count = {LONG}").replace("columns = 96", "columns = 240")
+    folder = tmp_path / "plan"
+    folder.mkdir()
+    (folder / "plan.toml").write_text(text)
+    shutil.copy(PLANS / "yard.toml", folder)
+    return folder / "plan.toml"

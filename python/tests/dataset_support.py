@@ -4,8 +4,11 @@ import copy
 import json
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from support import FULL, ROOT
+
 PLANS = ROOT / "docs" / "datasets"
+#: The frames of a plan that is stopped in between.
+LONG = 60 if FULL else 24
 
 #: A camera and a scanner around the example's objects, with everything that can be written.
 PLAN = {

@@ -6,6 +6,7 @@ import firsthit as fh
 import mpmath
 import numpy as np
 import pytest
+from support import cases
 
 cv2 = pytest.importorskip("cv2")
 
@@ -62,7 +63,7 @@ def random_distortion(rng, count):
 @pytest.mark.parametrize("count", [0, 4, 5, 8, 12, 14])
 def test_rays_of_opencv_cameras_project_back_to_their_pixels(count):
     rng = np.random.default_rng(count)
-    for _ in range(170):
+    for _ in range(cases(170)):
         k, distortion = random_k(rng), random_distortion(rng, count)
         rvec, tvec = random_pose(rng)
         camera = fh.Camera.from_opencv(k, distortion, rvec, tvec, rows=ROWS, columns=COLUMNS)
@@ -75,7 +76,7 @@ def test_rays_of_opencv_cameras_project_back_to_their_pixels(count):
 
 def test_rays_of_opencv_fisheyes_project_back_to_their_pixels():
     rng = np.random.default_rng(7)
-    for _ in range(1000):
+    for _ in range(cases(1000)):
         k, d = random_k(rng), rng.normal(size=4) * (0.05, 0.02, 0.01, 0.003)
         k[:2, :2] *= 0.5
         rvec, tvec = random_pose(rng)

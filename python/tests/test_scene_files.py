@@ -6,6 +6,7 @@ from pathlib import Path
 import firsthit as fh
 import numpy as np
 import pytest
+from support import FULL
 
 SCENES = Path(__file__).parents[2] / "docs" / "scenes"
 
@@ -113,6 +114,8 @@ def test_shading_that_makes_no_sense_is_refused(make, words):
 @pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_examples_of_the_documentation_load_and_render(path):
     scene = fh.load(path)
-    frame = fh.render(scene, scene.camera(), channels=("color", "object"))
+    seen = scene.camera()
+    size = (seen.rows, seen.columns) if FULL else (90, 160)
+    frame = fh.render(scene, seen.resize(*size), channels=("color", "object"))
     assert len(np.unique(frame["object"])) >= 2
     assert frame["color"].std() > 0.05

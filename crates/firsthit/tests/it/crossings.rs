@@ -174,7 +174,7 @@ fn close_sheets_are_in_order() {
     let scene = scene(vec![Object::new(mesh(&points, triangles))]);
     let mesh = scene.objects()[0].mesh().unwrap().clone();
     let mut numbers = Numbers::new(3);
-    for _ in 0..200 {
+    for _ in 0..cases(200) {
         let origin = DVec3::new(0.3, 0.2, -1.0) + 0.1 * numbers.point();
         let ray = Ray::new(origin, DVec3::Z + 0.01 * numbers.point());
         let all = trace(&scene, &[ray][..], All::default(), &()).unwrap();

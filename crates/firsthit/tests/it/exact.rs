@@ -79,7 +79,7 @@ fn t_is_next_to_the_exact_one_however_far_the_corners_are() {
     let mut numbers = Numbers::new(19);
     let mut hits = 0;
     for far in [1.0, 1e1, 1e3, 1e5, 1e8, 1e12] {
-        for _ in 0..150 {
+        for _ in 0..cases(150) {
             let frame = turn(&mut numbers);
             let corners = around(&mut numbers, frame, far);
             let scene = scene(vec![Object::new(triangle(corners))]);
@@ -93,7 +93,7 @@ fn t_is_next_to_the_exact_one_however_far_the_corners_are() {
             }
         }
     }
-    assert!(hits > 2000, "{hits}");
+    assert!(hits > cases(2000), "{hits}");
 }
 
 /// The same as the second of two objects, the first of which is in front or behind by a billionth.
@@ -102,7 +102,7 @@ fn of_two_floors_close_together_the_first_is_met() {
     let mut numbers = Numbers::new(20);
     let mut hits = 0;
     for far in [1.0, 1e3, 1e6, 1e9, 1e12] {
-        for _ in 0..150 {
+        for _ in 0..cases(150) {
             let frame = turn(&mut numbers);
             let shift = 1e-9 * frame.z_axis;
             let near = around(&mut numbers, frame, 3.0).map(|corner| corner + shift);
@@ -121,7 +121,7 @@ fn of_two_floors_close_together_the_first_is_met() {
             }
         }
     }
-    assert!(hits > 1500, "{hits}");
+    assert!(hits > cases(1500), "{hits}");
 }
 
 /// Two meshes in one plane, cut differently: the exact places are the same, so the first object is met.

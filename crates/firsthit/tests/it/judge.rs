@@ -9,7 +9,7 @@ use firsthit::{
 };
 use robust::{Coord3D, orient3d};
 
-use crate::support::{Numbers, agree, bits, bumpy_sphere, mesh, rays, scene};
+use crate::support::{Numbers, agree, bits, bumpy_sphere, cases, is_full, mesh, rays, scene};
 
 /// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners.
 fn soup(count: usize, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
@@ -163,7 +163,7 @@ fn the_judge_agrees_with_exact_arithmetic() {
 /// scales: every one must hit.
 #[test]
 fn closed_meshes_do_not_leak() {
-    let (points, triangles) = bumpy_sphere(40, 9);
+    let (points, triangles) = bumpy_sphere(if is_full() { 40 } else { 15 }, 9);
     for (scale, offset) in [
         (1.0, 0.0),
         (1.0, 2e5),
@@ -195,7 +195,7 @@ fn closed_meshes_do_not_leak() {
                 }
             }
         }
-        assert!(shot > 100_000);
+        assert_eq!(shot, 27 * triangles.len());
     }
 }
 
@@ -352,7 +352,7 @@ fn instances_are_the_same_as_copies() {
     }
     let (instances, copies) = (scene(instances), scene(copies));
     assert_eq!(instances.triangles(), copies.triangles());
-    for ray in rays(&points, 4000, 32) {
+    for ray in rays(&points, cases(4000), 32) {
         let ray = Ray::new(ray.origin * 4.0, ray.direction);
         let (a, b) = (agree(&instances, &ray), agree(&copies, &ray));
         // Through a corner, triangles tie in one space and are an ulp apart in the other.

@@ -5,7 +5,7 @@ use firsthit::{Camera, DAffine3, DVec3, Object, Ray, Scene, Sphere, Transform};
 use super::checked;
 use super::pixels::cameras;
 use crate::support::generators::{PLACES, placed, soup};
-use crate::support::{Numbers, mesh};
+use crate::support::{Numbers, cases, mesh, rounds};
 
 /// A camera's rays in an array, as others make them: rounded, of any length, of a part of the picture, bent, and with
 /// rays among them that belong to no pixel.
@@ -58,7 +58,7 @@ fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {
 #[test]
 fn arrays_of_a_cameras_rays() {
     let mut hits = 0;
-    for round in 0..16 {
+    for round in rounds(16) {
         let mut numbers = Numbers::new(900 + round);
         let (scale, offset) = PLACES[round as usize % PLACES.len()];
         let (points, triangles) = soup(30, &mut numbers);
@@ -77,7 +77,7 @@ fn arrays_of_a_cameras_rays() {
             hits += checked(&scene, &rays);
         }
     }
-    assert!(hits > 20_000, "{hits}");
+    assert!(hits > cases(20_000), "{hits}");
 }
 
 /// Parallel rays that all but run along the grid they start on, and not quite on it.

@@ -50,7 +50,7 @@ fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
 #[test]
 fn curved_rays_on_soups() {
     let mut hits = 0;
-    for round in 0..8 {
+    for round in rounds(8) {
         let mut numbers = Numbers::new(7000 + round);
         let (scale, offset) = PLACES[round as usize % PLACES.len()];
         let middle = placed(&[DVec3::ZERO], scale, offset)[0];
@@ -61,14 +61,15 @@ fn curved_rays_on_soups() {
             hits += checked(&scene, &camera);
         }
     }
-    assert!(hits > 20_000, "{hits}");
+    assert!(hits > cases(20_000), "{hits}");
 }
 
 /// Triangles of a fraction of a pixel up to some pixels, which share their edges.
 #[test]
 fn curved_rays_on_sheets_of_small_triangles() {
     let mut hits = 0;
-    for round in 0..6 {
+    // Of each size at least one.
+    for round in 0..cases(6).max(3) {
         let side = [40, 12, 5][round as usize % 3];
         let mut numbers = Numbers::new(7100 + round);
         let points: Vec<DVec3> = (0..side * side)
@@ -82,7 +83,7 @@ fn curved_rays_on_sheets_of_small_triangles() {
             hits += checked(&scene, &camera);
         }
     }
-    assert!(hits > 5_000, "{hits}");
+    assert!(hits > cases(5_000), "{hits}");
 }
 
 /// More objects than are asked for without looking where they are, one behind the other and side by side.

@@ -277,7 +277,7 @@ fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
 #[test]
 fn points_are_not_met() {
     let mut numbers = Numbers::new(11);
-    for _ in 0..24 {
+    for _ in 0..cases(24) {
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for k in 0..7_u32 {
             let place = numbers.point();

@@ -10,7 +10,7 @@ use firsthit::{
 
 use super::checked;
 use crate::support::generators::{PLACES, placed, rays, soup};
-use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, rounds};
+use crate::support::{Numbers, bits, bumpy_sphere, cases, is_full, mesh, rounds};
 
 pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Camera> {
     let mut cameras = Vec::new();
@@ -61,7 +61,7 @@ pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Ca
 #[test]
 fn cameras_on_soups() {
     let mut hits = 0;
-    for round in 0..16 {
+    for round in rounds(16) {
         let mut numbers = Numbers::new(100 + round);
         let (scale, offset) = PLACES[round as usize % PLACES.len()];
         let (points, triangles) = soup([12, 60][round as usize / 8], &mut numbers);
@@ -75,7 +75,7 @@ fn cameras_on_soups() {
             hits += checked(&scene, &camera);
         }
     }
-    assert!(hits > 20_000, "{hits}");
+    assert!(hits > cases(20_000), "{hits}");
 }
 
 /// Directions with parts that are zero, of either sign, or next to nothing, through corners, where every digit counts.
@@ -141,13 +141,18 @@ fn cameras_on_instances_transforms_and_other_shapes() {
     let mixed = Scene::new(objects.clone()).unwrap();
     let meshes = Scene::new(objects[1..26].to_vec()).unwrap();
     let mut hits = 0;
-    for camera in cameras(DVec3::ZERO, 1.5, &mut numbers) {
-        hits += checked(&mixed, &camera) + checked(&meshes, &camera);
+    for (k, camera) in cameras(DVec3::ZERO, 1.5, &mut numbers).iter().enumerate() {
+        if k % 2 == 0 || is_full() {
+            hits += checked(&mixed, camera);
+        }
+        if k % 2 == 1 || is_full() {
+            hits += checked(&meshes, camera);
+        }
     }
     let one = Scene::new(vec![objects[1].clone()]).unwrap();
     let rays = rays(&points, 1.0, cases(3000), &mut numbers);
     hits += checked(&mixed, &rays) + checked(&meshes, &rays) + checked(&one, &rays);
-    assert!(hits > 5_000, "{hits}");
+    assert!(hits > cases(5_000), "{hits}");
 }
 
 /// The triangles of a square grid with so many points along a side, two in each cell.
