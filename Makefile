@@ -37,8 +37,11 @@ gallery: .venv/ready
 	$(VENV)/maturin develop --release --quiet
 	$(VENV)/python docs/gallery/make.py $(ONLY)
 
-# One selection of packages for all that tests compile: with another one, dependencies have other features, and all is compiled anew.
-TEST := $(CARGO) test --workspace
+# One selection of packages for all that tests compile: with another one, dependencies have other features, and all is compiled anew. Tests
+# run on what people install, which the program and the Python package share.
+TEST := $(CARGO) test --workspace --release
+# With the checks for overflow and the assertions that a release is without, and compiled by parts, for edits.
+TEST_CHECKED := $(CARGO) test --workspace
 
 # After each edit: format, lints, and the tests whose names contain ROOM, as `make quick ROOM=lint` has it, or all unit tests.
 ROOM ?=
@@ -49,13 +52,13 @@ quick:
 quick-steps:
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --quiet --workspace -- -D warnings
-	$(TEST) --quiet --lib $(if $(ROOM),--test it $(ROOM))
+	$(TEST_CHECKED) --quiet --lib $(if $(ROOM),--test it $(ROOM))
 
 timed-%:
 	@$(TIMED) "$*" $(MAKE_QUIETLY) $*
 
 # Before each commit: every kind of test there is, random ones with fewer cases. FIRSTHIT_TEST=full is for all cases.
-TESTS := test-rust test-python test-scripts
+TESTS := test-programs test-rust test-python test-scripts
 test:
 	@$(TIMED) "make $(if $(filter full,$(FIRSTHIT_TEST)),test-full,test)" $(MAKE_QUIETLY) $(TESTS:%=timed-%)
 	@$(if $(filter full,$(FIRSTHIT_TEST)),,echo "left out: most cases of random tests and most parts of long ones (make test-full)")
@@ -67,20 +70,32 @@ test-full:
 # What .ci/run leaves out: releases compiled as their users would, each feature alone, other targets and compilers, other programs, and
 # attacks for as long as they take; NIGHTLY_RAYS is the length of its soak. Some of it is skipped, with a line that says so, where this machine cannot do it.
 NIGHTLY_RAYS ?= 10000000
-NIGHTLY := test-release check-features check-targets check-oldest miri test-neon attack test-cluster test-browser test-compat test-light soak
+NIGHTLY := test-release test-checked check-features check-targets check-oldest miri test-neon attack test-cluster test-browser test-compat test-light soak
 nightly:
 	@$(TIMED) "make nightly" $(MAKE_QUIETLY) --keep-going $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
 	@echo "left out: fuzz, bench"
 
+# All that tests compile, and beside it the environment that the package is built and tested in.
+test-programs:
+	@$(MAKE_QUIETLY) --jobs 2 .venv/ready test-programs-rust
+	$(VENV)/maturin develop --release --quiet
+.PHONY: test-programs test-programs-rust test-checked
+test-programs-rust:
+	$(TEST) --quiet --no-run
+
 # Some tests read files that are not ours to copy. They are ignored, with the reason, unless those are beside the clone.
 REFDATA := $(wildcard ../shared/refdata)
+IGNORED_TOO := $(if $(REFDATA),-- --include-ignored --skip soak)
 test-rust:
-	$(TEST) $(if $(REFDATA),-- --include-ignored --skip soak)
+	$(TEST) $(IGNORED_TOO)
+
+test-checked:
+	FIRSTHIT_TEST=full $(TEST_CHECKED) $(IGNORED_TOO)
 
 # Where ../shared/refdata is beside the clone, rays from inside closed meshes at their corners and edges. A hundredth as many on random
 # soups, every kernel against brute force, which takes a millisecond for a ray. A tenth as many that cross closed meshes in pairs, and as
 # many again that cross and leave closed meshes of real files.
-SOAK := $(TEST) --release --test it -- --ignored --nocapture
+SOAK := $(TEST) --test it -- --ignored --nocapture
 soak:
 	$(if $(REFDATA),FIRSTHIT_SOAK=$(RAYS) $(SOAK) kernels::leaks::soak)
 	FIRSTHIT_SOAK=$$(($(RAYS) / 100)) $(SOAK) --exact kernels::soak
@@ -92,7 +107,6 @@ test-python: .venv/ready
 	$(VENV)/maturin develop --release --quiet
 	$(VENV)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 	$(VENV)/python -m mypy.stubtest firsthit._firsthit
-	$(VENV)/mypy python/firsthit python/_firsthit_program python/examples
 
 # What people install, in an environment of its own: the wheel of dist/, its source distribution, a new Cargo project. Nothing is compiled
 # twice; `test-release` compiles each as its user would (packaging/tests/conftest.py).
@@ -264,16 +278,15 @@ target/scenes/ready: benches/scenes.py | .venv-bench/ready
 	    echo "bench: not all scenes could be made; see benches/scenes.py"
 
 # Files that attack, little memory, kills: a sample of them, or (make attack) all.
+ATTACKS := hostile memory torn
 test-scripts: program
 	.ci/inlined $(PROGRAM)
-	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM) --quick
-	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM) --quick
-	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM) --quick
+	@$(MAKE_QUIETLY) --jobs 2 $(ATTACKS:%=attack-%) SAMPLE=--quick
 
-attack: program
-	$(PYTHON) $(SCRIPTS)/hostile.py $(PROGRAM)
-	$(PYTHON) $(SCRIPTS)/memory.py $(PROGRAM)
-	$(PYTHON) $(SCRIPTS)/torn.py $(PROGRAM)
+SAMPLE ?=
+attack: $(ATTACKS:%=attack-%)
+attack-%: program
+	$(PYTHON) $(SCRIPTS)/$*.py $(PROGRAM) $(SAMPLE)
 
 # With the Python package selected, the library's dependencies have the features that they have there, and all is compiled once.
 program:
@@ -296,6 +309,7 @@ check: .venv/ready
 	$(DOC)
 	$(VENV)/ruff check
 	$(VENV)/ruff format --check
+	$(VENV)/mypy python/firsthit python/_firsthit_program python/examples
 	$(PYTHON) packaging/pages.py --check
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
