@@ -38,9 +38,9 @@ gallery: .venv/ready
 	$(VENV)/python docs/gallery/make.py $(ONLY)
 
 # One selection of packages for all that tests compile: with another one, dependencies have other features, and all is compiled anew. Tests
-# run on what people install, which the program and the Python package share.
+# run on the library of a release, which the program and the Python package share.
 TEST := $(CARGO) test --workspace --release
-# With the checks for overflow and the assertions that a release is without, and compiled by parts, for edits.
+# With the checks for overflow and the assertions that a release is without, and compiled by parts: for edits, and test-checked.
 TEST_CHECKED := $(CARGO) test --workspace
 
 # After each edit: format, lints, and the tests whose names contain ROOM, as `make quick ROOM=lint` has it, or all unit tests.
@@ -61,7 +61,7 @@ timed-%:
 TESTS := test-programs test-rust test-python test-scripts
 test:
 	@$(TIMED) "make $(if $(filter full,$(FIRSTHIT_TEST)),test-full,test)" $(MAKE_QUIETLY) $(TESTS:%=timed-%)
-	@$(if $(filter full,$(FIRSTHIT_TEST)),,echo "left out: most cases of random tests and most parts of long ones (make test-full)")
+	@$(if $(filter full,$(FIRSTHIT_TEST)),,echo "left out: most cases of random tests, most parts of long ones, most pages of docs/ (make test-full)")
 
 # All cases; .ci/run does this. What people install is tested by `test-installed`.
 test-full:

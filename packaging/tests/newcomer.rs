@@ -84,10 +84,7 @@ fn main() -> Result<()> {
     let ball = Object::new(Sphere::new(DVec3::new(0.2, 0.2, 0.2), 0.1)?);
     let alone = Scene::new(vec![Object::new(hills(60)?)])?;
     let together = Scene::new(vec![Object::new(hills(60)?), ball])?;
-    for set in InstructionSet::ALL {
-        if !set.is_available() {
-            continue;
-        }
+    for set in InstructionSet::available() {
         for scene in [&alone, &together] {
             let (scene, engine) = (scene.clone(), Cpu::with(set));
             println!("{}, on rayon's threads", set.name());

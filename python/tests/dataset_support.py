@@ -8,7 +8,7 @@ from support import FULL, ROOT
 
 PLANS = ROOT / "docs" / "datasets"
 #: The frames of a plan that is stopped in between.
-LONG = 60 if FULL else 24
+LONG = 60 if FULL else 30
 
 #: A camera and a scanner around the example's objects, with everything that can be written.
 PLAN = {

@@ -296,7 +296,11 @@ fn shoot_and_info_take_scene_files() {
 fn schema_prints_what_is_in_the_documentation() {
     let lab = Lab::new();
     let printed = lab.ok("schema").stdout;
-    assert!(printed == fs::read(docs().join("scene.schema.json")).unwrap());
+    let committed = fs::read(docs().join("scene.schema.json")).unwrap();
+    assert!(
+        printed == committed,
+        "run: firsthit schema > docs/scene.schema.json"
+    );
 }
 
 #[test]

@@ -136,9 +136,8 @@ impl FromStr for InstructionSet {
     ///
     /// [`Error::Argument`] for any other name, and for a set that this machine does not have.
     fn from_str(name: &str) -> Result<Self> {
-        let known = Self::ALL.into_iter().find(|set| set.name() == name);
-        known
-            .filter(|set| set.is_available())
+        Self::available()
+            .find(|set| set.name() == name)
             .ok_or_else(|| Error::argument("instruction set", Self::expected(), name))
     }
 }
@@ -152,6 +151,14 @@ mod tests {
         for set in InstructionSet::ALL {
             assert_eq!(set.name().parse().ok(), set.is_available().then_some(set));
         }
+    }
+
+    #[test]
+    fn the_plainest_comes_first_and_the_fastest_last() {
+        let sets: Vec<_> = InstructionSet::available().collect();
+        assert_eq!(sets.first(), Some(&InstructionSet::Portable));
+        assert_eq!(sets.last(), Some(&InstructionSet::fastest()));
+        assert!(sets.is_sorted_by_key(|set| *set as u8));
     }
 
     #[test]

@@ -11,8 +11,8 @@ use firsthit::image::{
 };
 use firsthit::scene::DirectionalLight;
 use firsthit::{
-    Camera, Color, DVec3, DisplayTransform, Error, Lens, Light, Mesh, Object, Positions, Scene,
-    Shader, Shading, Sphere, ToneMap, Transform, View, Viewplane, example, render,
+    Color, DVec3, DisplayTransform, Error, Light, Mesh, Object, Positions, Scene, Shader, Shading,
+    Sphere, ToneMap, Transform, example, render,
 };
 
 use crate::support::Numbers as Random;
@@ -21,17 +21,9 @@ const ROWS: usize = 37;
 const COLUMNS: usize = 50;
 
 /// The example scene with every channel, small.
-fn frame(parallel: bool) -> Frame {
+fn frame() -> Frame {
     let scene = example::scene().unwrap();
-    let view = *example::camera(ROWS, COLUMNS).unwrap().view();
-    let camera = Camera::new(View {
-        lens: Lens::Flat(Viewplane {
-            parallel,
-            ..*view.lens.viewplane().unwrap()
-        }),
-        ..view
-    })
-    .unwrap();
+    let camera = example::camera(ROWS, COLUMNS).unwrap();
     let shade = Shading {
         background: example::background(),
         ..Shader::default().on(&scene)
@@ -113,7 +105,7 @@ fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
 #[test]
 fn files_hold_the_values_and_say_where_they_come_from() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(false);
+    let frame = frame();
     let scene = example::scene().unwrap();
     for path in write_all(&frame, folder.path()) {
         // What point clouds hold is judged in point_clouds.rs.
@@ -162,7 +154,7 @@ fn files_hold_the_values_and_say_where_they_come_from() {
 
 #[test]
 fn the_same_frame_gives_the_same_bytes_whatever_the_threads() {
-    let frame = frame(false);
+    let frame = frame();
     for format in FORMATS {
         let channel = (format.holds == Holds::OneChannel).then_some("z");
         let bytes = |threads| {
@@ -179,7 +171,7 @@ fn the_same_frame_gives_the_same_bytes_whatever_the_threads() {
 #[test]
 fn files_of_different_formats_compare_channel_by_channel() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(false);
+    let frame = frame();
     let [exr, npz] = ["a.exr", "a.npz"].map(|name| folder.path().join(name));
     write(&frame, &exr).unwrap();
     write(&frame, &npz).unwrap();
@@ -203,7 +195,7 @@ fn files_of_different_formats_compare_channel_by_channel() {
 fn a_16_bit_png_refuses_what_it_cannot_hold_and_names_the_pixel() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("z.png");
-    let frame = frame(false);
+    let frame = frame();
     let values = |index: usize| frame.channel("z").unwrap().data.value(index);
     let finite = (0..ROWS * COLUMNS).filter(|&k| values(k).is_finite());
     let by_value = |a: &usize, b: &usize| values(*a).total_cmp(&values(*b));
@@ -289,7 +281,7 @@ fn two_channels_never_share_a_name_in_a_file() {
 #[test]
 fn a_sidecar_of_another_array_is_not_believed() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(false);
+    let frame = frame();
     let [z, object] = ["z.npy", "object.npy"].map(|name| folder.path().join(name));
     write_channel(&frame, "z", &z).unwrap();
     write_channel(&frame, "object", &object).unwrap();
@@ -372,7 +364,7 @@ fn the_fingerprint_sees_what_a_picture_would() {
 #[test]
 fn damaged_files_are_refused_or_read_but_never_a_panic() {
     let folder = tempfile::tempdir().unwrap();
-    let frame = frame(false);
+    let frame = frame();
     let mut random = Random::new(4);
     let (mut refused, mut tried) = (0, 0);
     for format in FORMATS {
@@ -424,7 +416,7 @@ fn files_that_claim_more_than_they_hold_are_refused_before_memory_is_taken() {
     npy.extend((header.len() as u16).to_le_bytes());
     npy.extend(header.bytes());
     refuse("a.npy", &npy, "longer than the file");
-    let tiny = encode(format_named("exr").unwrap(), &frame(false), None);
+    let tiny = encode(format_named("exr").unwrap(), &frame(), None);
     // The data window's and the display window's last corner.
     let corner: Vec<u8> = [COLUMNS as u32 - 1, ROWS as u32 - 1]
         .iter()
@@ -457,7 +449,7 @@ fn files_that_claim_more_than_they_hold_are_refused_before_memory_is_taken() {
 fn metadata_that_are_nonsense_are_a_note_and_the_numbers_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    let bytes = encode(format_named("exr").unwrap(), &frame(false), None);
+    let bytes = encode(format_named("exr").unwrap(), &frame(), None);
     let mut changed = bytes.clone();
     let key = b"metadata_version";
     let at = bytes

@@ -143,6 +143,7 @@ fn a_shader_is_told_its_pixel_and_its_sample() {
 
 #[test]
 fn every_engine_makes_the_same_picture() {
+    // Brute force takes a millisecond for a ray.
     let rows = if is_full() { 0..30 } else { 13..16 };
     let camera = small_camera().crop(rows, 0..40).unwrap();
     let scene = example::scene().unwrap();
@@ -157,6 +158,8 @@ fn every_engine_makes_the_same_picture() {
         )
     };
     let slow = render(&BruteForce);
+    let has_two = |values: &Vec<u64>| values.iter().any(|&value| value != values[0]);
+    assert!(slow.iter().filter(|values| has_two(values)).count() > kinds.len() / 2);
     for set in InstructionSet::available() {
         assert!(render(&Cpu::with(set)) == slow, "{set:?}");
     }

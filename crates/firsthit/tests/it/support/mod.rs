@@ -4,7 +4,7 @@ pub(crate) mod generators;
 pub(crate) mod npz;
 pub(crate) mod rational;
 
-use std::ops::{Div, Range};
+use std::ops::{Add, Div, Range};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -94,9 +94,11 @@ pub(crate) fn is_full() -> bool {
     std::env::var_os("FIRSTHIT_TEST").is_some_and(|which| which == "full")
 }
 
-/// A seventh of `all`, or `all` for `make test-full`: how many cases a test takes, and how many answers of a kind they must give.
-pub(crate) fn cases<N: From<u8> + Div<Output = N>>(all: N) -> N {
-    all / N::from(if is_full() { 1 } else { FEWER })
+/// A seventh of `all`, rounded up, or `all` for `make test-full`: how many cases a test takes, and how many answers of a kind they must
+/// give.
+pub(crate) fn cases<N: From<u8> + Add<Output = N> + Div<Output = N>>(all: N) -> N {
+    let share = if is_full() { 1 } else { FEWER };
+    (all + N::from(share - 1)) / N::from(share)
 }
 
 /// The rounds of a test that has `all`, each with its own seed.
