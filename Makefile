@@ -1,5 +1,6 @@
 # The commands of this house. Nothing is built outside the clone.
 
+# A command of one word.
 CARGO ?= cargo
 PYTHON ?= python3
 VENV := .venv/bin
@@ -12,6 +13,16 @@ OUTSIDE := target/outside
 SECONDS_EACH ?= 900
 SCRIPTS := crates/firsthit-cli/tests/scripts
 PROGRAM := target/release/firsthit
+
+# Programs are run from where they are built, whatever the user's own projects have.
+export CARGO_TARGET_DIR := $(CURDIR)/target
+unexport CARGO_BUILD_TARGET
+# $(call develop,FOLDER): the package, built and installed into that environment. On its own, maturin takes the one that is active.
+develop = env -u CONDA_PREFIX VIRTUAL_ENV="$(CURDIR)/$(1)" $(or $(MATURIN_OF),$(1))/bin/maturin develop --quiet --profile $(or $(2),release)
+
+# All cases of the tests, or nothing for some of them.
+export FIRSTHIT_TEST := $(strip $(FIRSTHIT_TEST))
+$(if $(FIRSTHIT_TEST:full=),$(error FIRSTHIT_TEST must be full or not be set, got $(FIRSTHIT_TEST)))
 
 # How many rays `make soak` shoots.
 RAYS ?= 100000000
@@ -34,7 +45,7 @@ render: program
 
 # The pictures of docs/gallery.md, by the page's own commands. ONLY="chess cornell" makes two of them.
 gallery: .venv/ready
-	$(VENV)/maturin develop --release --quiet
+	$(call develop,.venv)
 	$(VENV)/python docs/gallery/make.py $(ONLY)
 
 # One selection of packages for all that tests compile: with another one, dependencies have other features, and all is compiled anew. Tests
@@ -46,21 +57,22 @@ TEST_CHECKED := $(CARGO) test --workspace
 # After each edit: format, lints, and the tests whose names contain ROOM, as `make quick ROOM=lint` has it, or all unit tests.
 ROOM ?=
 quick:
-	@$(TIMED) "make quick" $(MAKE_QUIETLY) quick-steps
+	@exec $(TIMED) "make quick" $(MAKE_QUIETLY) quick-steps
 	@echo "left out: $(if $(ROOM),other tests,integration tests), Python, scripts (make test)"
 .PHONY: quick-steps
 quick-steps:
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --quiet --workspace -- -D warnings
-	$(TEST_CHECKED) --quiet --lib $(if $(ROOM),--test it $(ROOM))
+	$(if $(ROOM),$(TEST_CHECKED) --quiet --tests $(ROOM) -- --list | grep -c ': test$$' > /dev/null || { echo "no test has $(ROOM) in its name"; exit 1; })
+	$(TEST_CHECKED) --quiet $(if $(ROOM),--tests $(ROOM),--lib --bins)
 
 timed-%:
-	@$(TIMED) "$*" $(MAKE_QUIETLY) $*
+	@exec $(TIMED) "$*" $(MAKE_QUIETLY) $*
 
 # Before each commit: every kind of test there is, random ones with fewer cases. FIRSTHIT_TEST=full is for all cases.
 TESTS := test-programs test-rust test-python test-scripts
 test:
-	@$(TIMED) "make $(if $(filter full,$(FIRSTHIT_TEST)),test-full,test)" $(MAKE_QUIETLY) $(TESTS:%=timed-%)
+	@exec $(TIMED) "make $(if $(filter full,$(FIRSTHIT_TEST)),test-full,test)" $(MAKE_QUIETLY) --jobs 1 $(TESTS:%=timed-%)
 	@$(if $(filter full,$(FIRSTHIT_TEST)),,echo "left out: most cases of random tests, most parts of long ones, most pages of docs/ (make test-full)")
 
 # All cases; .ci/run does this. What people install is tested by `test-installed`.
@@ -72,13 +84,13 @@ test-full:
 NIGHTLY_RAYS ?= 10000000
 NIGHTLY := test-release test-checked check-features check-targets check-oldest miri test-neon attack test-cluster test-browser test-compat test-light soak
 nightly:
-	@$(TIMED) "make nightly" $(MAKE_QUIETLY) --keep-going $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
+	@exec $(TIMED) "make nightly" $(MAKE_QUIETLY) --jobs 1 --keep-going $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
 	@echo "left out: fuzz, bench"
 
 # All that tests compile, and beside it the environment that the package is built and tested in.
 test-programs:
 	@$(MAKE_QUIETLY) --jobs 2 .venv/ready test-programs-rust
-	$(VENV)/maturin develop --release --quiet
+	$(call develop,.venv)
 .PHONY: test-programs test-programs-rust test-checked
 test-programs-rust:
 	$(TEST) --quiet --no-run
@@ -104,10 +116,11 @@ soak:
 
 # The package, built and tested in an environment of its own.
 test-python: .venv/ready
-	$(VENV)/maturin develop --release --quiet
+	$(call develop,.venv)
 	$(VENV)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 	$(VENV)/python -m mypy.stubtest firsthit._firsthit
 
+$(if $(and $(filter test-installed,$(MAKECMDGOALS)),$(filter test-release,$(MAKECMDGOALS))),$(error both have their wheel in dist/: one after the other))
 # What people install, in an environment of its own: the wheel of dist/, its source distribution, a new Cargo project. Nothing is compiled
 # twice; `test-release` compiles each as its user would (packaging/tests/conftest.py).
 test-installed: WHEEL_PROFILE = release
@@ -116,7 +129,7 @@ test-installed test-release: dist
 	$(PYTHON) -m venv --clear $(OUTSIDE)/venv
 	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl anywidget pytest mypy
 	WHEEL_PROFILE=$(WHEEL_PROFILE) $(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
-	cd $(OUTSIDE) && venv/bin/pytest -q -c /dev/null --rootdir . -p no:cacheprovider --confcutdir $(CURDIR)/python/tests $(CURDIR)/python/tests/test_notebook.py
+	cd $(OUTSIDE) && venv/bin/pytest -q -c /dev/null --rootdir . -p no:cacheprovider --confcutdir "$(CURDIR)/python/tests" "$(CURDIR)/python/tests/test_notebook.py"
 
 # What stands in for trimesh and Open3D (docs/compat.md), by the peers' own tests and beside the peers.
 COMPAT = $(OUTSIDE)/compat
@@ -134,10 +147,11 @@ test-compat: .venv/ready
 
 # Pictures beside those of Mitsuba 3: ten scenes, sixteen runs of each, a z-test.
 LIGHT_PEER = $(OUTSIDE)/light
+test-light test-browser: MATURIN_OF = .venv
 test-light: .venv/ready
 	$(PYTHON) -m venv $(LIGHT_PEER)
 	$(LIGHT_PEER)/bin/pip install --quiet --requirement python/light_tests/requirements.txt
-	VIRTUAL_ENV=$(LIGHT_PEER) $(VENV)/maturin develop --release --quiet
+	$(call develop,$(LIGHT_PEER))
 	$(LIGHT_PEER)/bin/python python/light_tests/mitsuba_z.py --pictures $(LIGHT_PEER)
 
 # The viewer's page in Chromium, a report and a notebook; its scripts by the types in their comments, where npm is. What cannot be had is
@@ -152,8 +166,8 @@ test-browser: .venv/ready
 	if command -v chromedriver > /dev/null; then \
 	    $(PYTHON) -m venv $(BROWSER)/venv && \
 	    $(BROWSER)/venv/bin/pip install --quiet --requirement python/browser_tests/requirements.txt && \
-	    VIRTUAL_ENV=$(BROWSER)/venv $(VENV)/maturin develop --release --quiet && \
-	    FIRSTHIT=$(CURDIR)/$(PROGRAM) $(BROWSER)/venv/bin/python -m pytest python/browser_tests; \
+	    $(call develop,$(BROWSER)/venv) && \
+	    FIRSTHIT="$(CURDIR)/$(PROGRAM)" $(BROWSER)/venv/bin/python -m pytest python/browser_tests; \
 	else echo "the viewer in a browser: skipped: chromium and chromedriver are not there"; fi
 
 # Jobs in parts on Dask and Ray, in a network of their own where one can be had; kills and damage at random.
@@ -163,7 +177,7 @@ CLUSTER = PYTHONPATH=python $(OUTSIDE)/cluster/bin/python
 test-cluster: .venv/ready
 	$(PYTHON) -m venv $(OUTSIDE)/cluster
 	$(OUTSIDE)/cluster/bin/pip install --quiet --requirement python/cluster_tests/requirements.txt
-	$(VENV)/maturin develop --release --quiet
+	$(call develop,.venv)
 	$(CLUSTER) -m pytest -rs python/cluster_tests
 	$(CLUSTER) python/cluster_tests/kills.py workers $(KILLS)
 	$(CLUSTER) python/cluster_tests/kills.py drivers $(KILLS)
@@ -177,7 +191,7 @@ IS_RELEASE = $(filter dist,$(WHEEL_PROFILE))
 MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
 CRATES := --package firsthit --package firsthit-view --package firsthit-cli
 # What cargo unpacked of ours when it last verified crates: it goes by the version and would verify that again.
-UNPACKED = $${CARGO_HOME:-$$HOME/.cargo}/registry/*/-*/firsthit-*
+UNPACKED = "$${CARGO_HOME:-$$HOME/.cargo}"/registry/*/-*/firsthit-*
 dist: .venv-dist/ready
 	$(PYTHON) packaging/pages.py --check
 	rm -rf dist $(OUTSIDE)/package
@@ -231,27 +245,27 @@ bench: .venv-bench/ready target/scenes/ready
 # The same for the Python package and for whole processes.
 bench-python: .venv-bench/ready target/scenes/ready
 	$(CARGO) build --release --package firsthit-cli
-	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
+	$(call develop,.venv-bench)
 	.venv-bench/bin/python benches/python.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
 	.venv-bench/bin/python benches/process.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
 
 # All hits, nearest points and lines of sight beside Open3D, FCPW, trimesh and embreex. Open3D is 400 MB; what is not there is left out.
 bench-queries: .venv-bench/ready target/scenes/ready
 	.venv-bench/bin/pip install --quiet open3d==0.20.0 fcpw==1.2.0 libusb-package scipy rtree || echo "bench: open3d or fcpw cannot be installed here"
-	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
+	$(call develop,.venv-bench)
 	.venv-bench/bin/python benches/queries.py $(if $(SCENES),--scenes $(SCENES)) $(if $(ROUNDS),--rounds $(ROUNDS))
 
 # A driving lidar beside Open3D and embreex, on one core. It makes its terrain where target/scenes has none.
 bench-lidar: .venv-bench/ready
 	.venv-bench/bin/pip install --quiet open3d==0.20.0 libusb-package || echo "bench: open3d cannot be installed here"
-	VIRTUAL_ENV=$(CURDIR)/.venv-bench .venv-bench/bin/maturin develop --release --quiet
+	$(call develop,.venv-bench)
 	.venv-bench/bin/python benches/lidar.py $(if $(TURNS),--turns $(TURNS)) $(if $(ROUNDS),--rounds $(ROUNDS))
 
 # Pictures beside Mitsuba 3 and Blender's Cycles, on two cores: half an hour. For every day:
 # make bench-light ONLY=shaded ROUNDS=1 LIGHT="--size 320x180 --samples 16". Mitsuba's fast variant needs LLVM from 16 on
 # (apt-get install libllvm22). With ISA=avx2 firsthit alone is limited. PNGs of all are in target/light.
 bench-light: .venv-bench-light/ready target/scenes/ready
-	VIRTUAL_ENV=$(CURDIR)/.venv-bench-light .venv-bench-light/bin/maturin develop --profile dist --quiet
+	$(call develop,.venv-bench-light,dist)
 	.venv-bench-light/bin/python benches/light.py $(if $(ONLY),--only $(ONLY)) $(if $(ROUNDS),--rounds $(ROUNDS)) \
 	    $(if $(ISA),--isa $(ISA)) $(LIGHT) \
 	    $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)-light$(if $(ISA),-$(ISA)).md)
@@ -294,7 +308,7 @@ program:
 
 # Fuzzes every loader, one after the other; see docs/robustness.md.
 fuzz:
-	SECONDS_EACH=$(SECONDS_EACH) fuzz/run
+	env -u CARGO_TARGET_DIR SECONDS_EACH=$(SECONDS_EACH) fuzz/run
 
 .venv/ready: python/requirements-dev.txt
 	$(PYTHON) -m venv .venv

@@ -15,7 +15,9 @@ ROOT = Path(__file__).parents[2]
 TESTDATA = ROOT / "testdata"
 
 #: Whether tests take all cases: FIRSTHIT_TEST=full, which is `make test-full`.
-FULL = os.environ.get("FIRSTHIT_TEST") == "full"
+FULL = os.environ.get("FIRSTHIT_TEST", "") == "full"
+if os.environ.get("FIRSTHIT_TEST", "") not in ("", "full"):
+    raise ValueError("FIRSTHIT_TEST must be full or not be set")
 #: Otherwise they take one of so many.
 FEWER = 7
 

@@ -90,8 +90,16 @@ pub(crate) fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>)
 const FEWER: u8 = 7;
 
 /// Whether random tests take all cases.
+///
+/// # Panics
+///
+/// Where `FIRSTHIT_TEST` says something else: nobody shall take a part of the tests for all.
 pub(crate) fn is_full() -> bool {
-    std::env::var_os("FIRSTHIT_TEST").is_some_and(|which| which == "full")
+    match std::env::var("FIRSTHIT_TEST").as_deref() {
+        Ok("full") => true,
+        Err(_) | Ok("") => false,
+        Ok(other) => panic!("FIRSTHIT_TEST must be full or not be set, got {other}"),
+    }
 }
 
 /// A seventh of `all`, rounded up, or `all` for `make test-full`: how many cases a test takes, and how many answers of a kind they must
@@ -123,7 +131,9 @@ pub(crate) fn refdata() -> PathBuf {
 
 /// How many rays a soak shoots: `FIRSTHIT_SOAK`, see the Makefile.
 pub(crate) fn soak_rays() -> usize {
-    std::env::var("FIRSTHIT_SOAK").map_or(1_000_000, |text| text.parse().unwrap())
+    let rays = std::env::var("FIRSTHIT_SOAK").map_or(1_000_000, |text| text.parse().unwrap());
+    assert!(rays > 0, "a soak without rays");
+    rays
 }
 
 pub(crate) fn scene(objects: Vec<Object>) -> Scene {
