@@ -71,7 +71,7 @@ def test_large_scenes_stay_with_the_kernel(monkeypatch):
     large.add(fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     assert large.view().engine == "kernel"
     assert large.view(engine="page").engine == "page"
-    assert scene().view().engine == ("page")
+    assert scene().view().engine == "page"
 
 
 def test_what_makes_no_sense_is_refused():

@@ -1,4 +1,4 @@
-"""What the JSON Schema of scene files refuses, the reader refuses, and the other way round."""
+"""The JSON Schema of scene files and their reader refuse the same files."""
 
 import json
 import tomllib
@@ -13,7 +13,7 @@ jsonschema = pytest.importorskip("jsonschema")
 DOCS = ROOT / "docs"
 SCHEMA = json.loads((DOCS / "scene.schema.json").read_text())
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
-#: What colours refer to: no table, but a value of several forms.
+#: The definition of colours: no table, but a value of several forms.
 COLOR = "#/$defs/color"
 
 
@@ -205,7 +205,7 @@ def is_known_to_the_reader_alone(name: str, wrong) -> bool:
     return values.get(name) == wrong or (name == "file" and isinstance(wrong, str))
 
 
-#: What is no value of most keys.
+#: Values that most keys do not take.
 WRONG = [True, "?", -7.5, [], [[1]], {"a": 1}, 0, [0, 0, 0]]
 
 

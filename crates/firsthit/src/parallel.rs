@@ -67,7 +67,7 @@ pub(crate) fn map<P: Send, T: Send>(
 ///
 /// # Errors
 ///
-/// Those of [`try_each`].
+/// The first error of `work`, as [`try_each`] returns it.
 pub(crate) fn try_map<P: Send, T: Send>(
     parts: impl IntoIterator<Item = P>,
     work: impl Fn(P) -> Result<T> + Sync,
