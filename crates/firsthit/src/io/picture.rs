@@ -122,6 +122,27 @@ mod tests {
         assert!(decoded(&bytes, None, LoadSettings::default()).is_err());
     }
 
+    /// As decoded, and as the texture: four bytes a texel each.
+    #[test]
+    fn a_texture_takes_twice_its_texels_of_the_memory_allowed() {
+        let bytes = png(256, 128);
+        let with_left = |left| {
+            let settings = LoadSettings {
+                max_memory: left + bytes.len() as u64,
+                ..LoadSettings::default()
+            };
+            let path = "a.png".as_ref();
+            let mut report = Report::new(path, settings);
+            report.budget.charge_read(path, bytes.len()).unwrap();
+            decode(&bytes, None, &mut report)
+        };
+        let needed = 2 * 4 * 256 * 128;
+        with_left(needed).unwrap();
+        let error = with_left(needed - 1).unwrap_err();
+        let words = "it takes 256 KiB of memory, 256 KiB are left of what is allowed (--max-memory raises the limit)";
+        assert_eq!(error, words);
+    }
+
     #[test]
     fn what_is_no_picture_is_said_to_be_none() {
         for bytes in [&b""[..], b"GIF89a", b"not a picture", &png(4, 4)[..60]] {

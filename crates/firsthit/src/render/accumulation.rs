@@ -289,6 +289,10 @@ mod tests {
                 Accumulation::add(one, (Color::splat(value), 1.0), false);
             }
         }
+        // Half of its samples are 0.4 and half are 1: 0.3 from their mean.
+        let error = 0.3 / f64::from(32 - 1).sqrt();
+        let shown = srgb_encode(0.7) - srgb_encode(0.7 - error);
+        assert!((known.error(20 * 64 + 60) - shown).abs() < 1e-12);
         // The loud pixel is in the fourth tile of the second row of three.
         let active = Activity::at(&known, shape, 32, 0.005);
         let expected = [false, false, true, true].repeat(3);

@@ -233,6 +233,23 @@ mod tests {
         }
     }
 
+    /// The sums of each column's numbers, each number as often as its row says, counted from 1: another digit and another order have
+    /// another sum. Taken from lists of other people's programs: for the VLP-32C a decoder of its packets, for the elevations of
+    /// Hesai's the driver of Apollo.
+    #[test]
+    fn a_laser_with_a_wrong_digit_is_told_from_its_makers() {
+        fn check<const N: usize>(name: &str, table: &[[f64; N]], sums: [f64; N]) {
+            for (column, sum) in sums.into_iter().enumerate() {
+                let rows = (1_u32..).zip(table);
+                let got: f64 = rows.map(|(row, of)| f64::from(row) * of[column]).sum();
+                assert!((got - sum).abs() < 1e-6, "{name}, column {column}: {got}");
+            }
+        }
+        check("VLP-32C", &VLP_32C, [256.086, -2.8]);
+        check("Pandar 40P", &PANDAR_40P, [-5918.19, -887.628, 20_829.49]);
+        check("Pandar64", &PANDAR_64, [-12_271.448, -800.216, 46_288.704]);
+    }
+
     #[test]
     fn a_turn_of_the_vlp_16_takes_its_clock() {
         let pattern = LidarModel::Vlp16.pattern(10.0, None, 0.0).unwrap();
