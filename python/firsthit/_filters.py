@@ -16,8 +16,14 @@ if TYPE_CHECKING:
 
     #: Objects and primitives, for each ray or for all.
     Surfaces = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]
-    #: The same with the two weights of places on them.
-    Places = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]]
+    #: The same with the two weights of places on them, and the side that a ray starts on: 1 the
+    #: front, -1 the back, 0 none, so that it goes through.
+    Places = tuple[
+        npt.NDArray[np.int32],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.int8],
+    ]
 
 #: A ray with this mask meets every object that has any bit.
 ALL = 0xFFFFFFFF
@@ -73,9 +79,10 @@ class Filters:
             identifiers, primitive = self.skip
             skip = elements(identifiers, shape, part), elements(primitive, shape, part)
         if self.left is not None:
-            identifiers, primitive, weights = self.left
+            identifiers, primitive, weights, sides = self.left
             both = elements(identifiers, shape, part), elements(primitive, shape, part)
-            left = (*both, elements(weights, shape, part, 1).reshape(-1, 2))
+            there = elements(weights, shape, part, 1).reshape(-1, 2)
+            left = (*both, there, elements(sides, shape, part))
         return masks, self.cull, skip, left, only
 
 

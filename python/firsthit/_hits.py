@@ -276,6 +276,10 @@ class Hits(Attributed):
         touch it at the start, but everything else, however near. There is no epsilon. Of another
         shape it does not meet the surface where it starts, but the far side if it goes inwards.
 
+        At an edge or a vertex of an open mesh a ray may leave its triangle and go into another one
+        around that point, as from the bottom of a valley into a slope. It is stopped there, at a
+        ``t`` next to 0. One that goes against all of these triangles goes through, as in a face.
+
         Between objects of different transforms, and from shapes that are no mesh, positions round:
         what is nearer than 2^-40 of the largest coordinate is not met.
 
@@ -308,10 +312,12 @@ class Hits(Attributed):
         array([2., 2.])
         """
         _, identifiers, primitive, weights = self._arrays
+        along = (self.direction * self.normal).sum(-1)
         places = (
             identifiers.reshape(self._shape),
             primitive.reshape(self._shape),
             weights.reshape(*self._shape, 2),
+            np.where(along < 0, 1, -1).astype(np.int8),
         )
         return leaving(self.position, places, directions)
 

@@ -168,7 +168,10 @@ class Sights(Traceable):
         ways = -hits.normal if directions is None else _of_length_one(directions)
         leaving = rays_of(hits.leave(ways), None)
         assert leaving.filters is not None
-        filters = Filters(left=leaving.filters.left, only=hits.object)
+        assert leaving.filters.left is not None
+        *places, sides = leaving.filters.left
+        # From no side: at edges too they go through.
+        filters = Filters(left=(*places, np.zeros_like(sides)), only=hits.object)
         rays = Rays(leaving.arrays, leaving.shape, filters=filters)
         with following(progress, rays.length) as report:
             found = shoot_rays(built, rays, use, report)

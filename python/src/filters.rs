@@ -19,6 +19,7 @@ type Places<'py> = (
     PyReadonlyArray1<'py, i32>,
     PyReadonlyArray1<'py, i32>,
     PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray1<'py, i8>,
 );
 
 /// Filters as they come: masks, the name of the side that is culled, surfaces that are skipped, places that are left, objects that alone
@@ -34,7 +35,7 @@ pub(crate) struct FilterArrays<'py>(
 );
 
 /// The arrays of [`Places`].
-type PlaceSlices<'a> = (&'a [i32], &'a [i32], &'a [[f64; 2]]);
+type PlaceSlices<'a> = (&'a [i32], &'a [i32], &'a [[f64; 2]], &'a [i8]);
 
 /// [`FilterArrays`] for a number of rays.
 pub(crate) struct Filters<'a> {
@@ -55,11 +56,11 @@ impl FilterArrays<'_> {
             .transpose()?;
         let skip = skip.as_ref();
         let skip = skip.map(|(object, primitive)| identifiers(object, primitive, count));
-        let left = left.as_ref().map(|(object, primitive, weights)| {
+        let left = left.as_ref().map(|(object, primitive, weights, sides)| {
             let (object, primitive) = identifiers(object, primitive, count)?;
             let weights = weights.as_slice().map_err(not_contiguous)?;
             let weights = of_count(weights.as_chunks::<2>().0, count)?;
-            Ok::<_, PyErr>((object, primitive, weights))
+            Ok::<_, PyErr>((object, primitive, weights, slice(sides, count)?))
         });
         let side = |name: &String| {
             Side::from_name(name).ok_or_else(|| PyValueError::new_err("expected a side's name"))
@@ -108,12 +109,18 @@ impl Filters<'_> {
         let skip = self
             .skip
             .and_then(|(object, primitive)| surface(*of(object, index), *of(primitive, index)));
-        let departure = self.left.and_then(|(object, primitive, weights)| {
+        let departure = self.left.and_then(|(object, primitive, weights, sides)| {
             let surface = surface(*of(object, index), *of(primitive, index))?;
             let barycentric = DVec2::from(*of(weights, index));
+            let side = match of(sides, index).signum() {
+                1 => Some(Side::Front),
+                -1 => Some(Side::Back),
+                _ => None,
+            };
             Some(Departure {
                 surface,
                 barycentric,
+                side,
             })
         });
         RayFilter {

@@ -168,6 +168,7 @@ impl Strokes<'_> {
             departure: Departure {
                 surface: surface(left.triangle),
                 barycentric: left.weights(share),
+                side: None,
             },
             skip: skip.map(|triangle| triangle.map(surface)),
             is_outline,
@@ -273,6 +274,7 @@ impl Strokes<'_> {
                     primitive,
                 },
                 barycentric: DVec2::NAN,
+                side: None,
             },
             skip: [None; 2],
             is_outline: !is_drawn,

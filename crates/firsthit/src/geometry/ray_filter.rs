@@ -69,6 +69,7 @@ impl Side {
 /// let departure = Departure {
 ///     surface: SurfaceId { object: 0, primitive: 0 },
 ///     barycentric: DVec2::new(0.1, 0.3),
+///     side: None,
 /// };
 /// let filter = RayFilter { departure: Some(departure), ..RayFilter::NONE };
 /// // From a point that rounding has put under the triangle.
@@ -81,8 +82,12 @@ impl Side {
 pub struct Departure {
     /// The surface.
     pub surface: SurfaceId,
-    /// In a triangle the weights of the corners 1 and 2, as in a [`Hit`](super::Hit). One that is not finite counts as 0.
+    /// In a triangle the weights of the corners 1 and 2, as in a [`Hit`](super::Hit). One that is not finite counts as 0, and so does
+    /// one that moves the point by less than it is rounded, so that what is next to an edge or a vertex is there.
     pub barycentric: DVec2,
+    /// The side of the surface that the ray starts on, if it starts on one. At an edge or a vertex of an open mesh a ray that goes from
+    /// this side into one of the triangles around it is stopped there. `None`: it goes through.
+    pub side: Option<Side>,
 }
 
 /// What a ray does not meet.

@@ -5,7 +5,7 @@
 //! 3. Take where it first meets the same object; it meets no other.
 
 use crate::error::Result;
-use crate::geometry::{DVec3, Filtered, Hit, Ray, RayFilter};
+use crate::geometry::{DVec3, Departure, Filtered, Hit, Ray, RayFilter};
 use crate::memory;
 use crate::nearest::{ClosestPoints, Wanted, closest_points};
 use crate::scene::Scene;
@@ -76,7 +76,12 @@ fn inwards(scene: &Scene, from: &ClosestPoints, k: usize) -> (Ray, RayFilter) {
         // It meets nothing.
         return (Ray::new(DVec3::NAN, DVec3::Z), RayFilter::NONE);
     };
-    let (ray, filter) = surface.leave(-surface.normal());
-    let only = Some(hit.object);
-    (ray, RayFilter { only, ..filter })
+    let (ray, mut filter) = surface.leave(-surface.normal());
+    filter.only = Some(hit.object);
+    // It goes through, also at edges.
+    filter.departure = (filter.departure).map(|departure| Departure {
+        side: None,
+        ..departure
+    });
+    (ray, filter)
 }

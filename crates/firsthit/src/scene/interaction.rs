@@ -9,7 +9,7 @@ pub(crate) use rows::compute_geometry;
 
 use super::{Colored, MapRole, Material, Object, Scene};
 use crate::geometry::{
-    Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, SurfaceId, moderation, unit,
+    Color, DVec2, DVec3, Departure, Hit, Ray, RayFilter, Side, SurfaceId, moderation, unit,
 };
 use crate::shape::{Mesh, Shape, Surface, mesh};
 
@@ -144,7 +144,8 @@ impl<'a> SurfaceInteraction<'a> {
     }
 
     /// A ray from the hit on, and the filter that goes with it: it meets neither the surface it leaves, nor the neighbours that touch
-    /// it at the start, but everything else, however near. No offset is needed.
+    /// it at the start, but everything else, however near. No offset is needed. At an edge or a vertex of an open mesh a ray from the side
+    /// that was met into a neighbour is stopped there, at the least `t` above 0.
     ///
     /// ```
     /// use firsthit::shoot::{First, trace};
@@ -175,6 +176,11 @@ impl<'a> SurfaceInteraction<'a> {
         let departure = Departure {
             surface: SurfaceId { object, primitive },
             barycentric,
+            side: Some(if self.is_front() {
+                Side::Front
+            } else {
+                Side::Back
+            }),
         };
         RayFilter {
             departure: Some(departure),

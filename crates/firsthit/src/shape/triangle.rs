@@ -32,10 +32,12 @@
 
 mod crossed;
 mod departure;
+mod fan;
 mod filter;
 mod place;
 
 pub(crate) use departure::DeparturePoint;
+pub(crate) use fan::Around;
 pub(crate) use filter::MeshFilter;
 pub(crate) use place::{Meeting, Place, Plain, PlainStart, Plane, Start};
 

@@ -10,6 +10,7 @@ use super::ray_query::{RayQuery, Sink};
 use super::ray_state::RayState;
 use super::scene_walk::{Instance, SceneWalk};
 use super::single::SingleRay;
+use super::start::met_at_start;
 use crate::accel::{
     self, Dispatcher, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch,
     WalkStack,
@@ -331,11 +332,15 @@ fn set_filters(
     for (lane, index) in range.enumerate() {
         let whole = rays.filter(index);
         unseen |= u16::from(!filter::sees(&whole, 0, object)) << lane;
+        let ray = packet.ray(lane);
         let filter = packet.filter_mut(lane);
         filter::set_mesh_filter(filter, scene, &whole, 0);
         let departure = filter.departure();
         let is_easy = match departure {
-            Some(point) => tree.is_sharp_from(point),
+            Some(point) => {
+                tree.is_sharp_from(point)
+                    && met_at_start(scene, &whole, (0, &ray, filter)).is_none()
+            }
             // It leaves no triangle of this mesh.
             None => whole.departure.is_none(),
         };

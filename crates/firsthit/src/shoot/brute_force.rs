@@ -5,6 +5,7 @@ use super::filter;
 use super::query::Answers;
 use super::ray_query::{AnyHit, EveryHit, FirstHit, RayQuery, Sink};
 use super::scaled_ray::ScaledRay;
+use super::start::met_at_start;
 use crate::accel::MeshQuery;
 use crate::error::{Error, Result};
 use crate::geometry::{Hit, Ray, RayFilter, Rays};
@@ -115,6 +116,9 @@ fn all_crossings<Q: MeshQuery>(
         crossings.into_iter().flatten().for_each(accept);
         return;
     };
+    met_at_start(scene, filter, (index, &ray, &of_mesh))
+        .into_iter()
+        .for_each(&mut accept);
     let shear = Shear::new(&ray);
     for triangle in 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX) {
         let how = (Q::EDGES, &of_mesh);

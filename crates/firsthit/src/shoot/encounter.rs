@@ -7,6 +7,7 @@
 
 use super::filter;
 use super::scaled_ray::ScaledRay;
+use super::start::met_at_start;
 use crate::accel::{EachCandidate, InstructionSet, Scratch};
 use crate::geometry::{Hit, Ray, RayFilter, Side, SurfaceId};
 use crate::scene::{Object, Scene};
@@ -119,6 +120,11 @@ impl<'a> Encounters<'a> {
         };
         match (object.shape(), scene.mesh_tree(index as usize)) {
             (Shape::Mesh(mesh), Some(tree)) => {
+                if let Some((ray, filter)) = &within
+                    && let Some(crossing) = met_at_start(scene, self.filter, (index, ray, filter))
+                {
+                    touched.accept(crossing);
+                }
                 let off = touched
                     .mesh_filter
                     .departure()

@@ -25,6 +25,7 @@ mod scaled_ray;
 mod scene_walk;
 mod shapes;
 mod single;
+mod start;
 mod tiles;
 mod visible;
 

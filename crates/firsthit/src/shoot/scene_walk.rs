@@ -9,6 +9,7 @@ use super::filter;
 use super::ray_query::{FirstHit, RayQuery};
 use super::ray_state::RayState;
 use super::scaled_ray::ScaledRay;
+use super::start::met_at_start;
 use crate::accel::{END, EachCandidate, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::{Hit, Ray};
 use crate::scene::{OnTheWay, Scene};
@@ -84,6 +85,11 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             match (object.shape(), scene.mesh_tree(index as usize)) {
                 (Shape::Mesh(mesh), Some(tree)) => {
                     let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
+                    if Q::IS_FILTERED
+                        && let Some(met) = met_at_start(scene, filter, (index, &ray, &*in_mesh))
+                    {
+                        state.cross(scene, index, met);
+                    }
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
                     let is_near = is_near && (!Q::IS_FILTERED || is_sharp(tree, in_mesh));
                     if is_plain && is_near && tree.has_nodes() {
@@ -195,7 +201,7 @@ impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
             at_mesh: (tree, mesh),
             ray,
             off: filter.departure().map_or(0.0, |point| point.off),
-            with_copies: Q::ALL || Q::IS_FILTERED,
+            with_copies: Q::ALL || !filter.meets_everything(),
             // Behind the pointer nothing is compiled for the instruction set but what is called as a kernel.
             visit: &mut |triangle, t_max| {
                 l.call(OneTriangle {

@@ -7,10 +7,12 @@ use std::path::Path;
 
 use firsthit::load::{LoadSettings, load};
 use firsthit::shoot::{Count, First, trace};
-use firsthit::{DVec2, DVec3, Departure, Filtered, Mesh, Object, Ray, RayFilter, Scene, SurfaceId};
+use firsthit::{
+    DVec2, DVec3, Departure, Filtered, Mesh, Object, Ray, RayFilter, Scene, Side, SurfaceId,
+};
 use num_traits::Signed;
 
-use crate::support::rational::{Exact, cross, dot, exact, minus, number};
+use crate::support::rational::{cross, dot, exact, minus, point_left};
 use crate::support::{Numbers, refdata, soak_rays};
 
 /// Meshes of ten files that the manifest calls closed and without degenerate triangles.
@@ -132,6 +134,7 @@ fn leaving(scene: &Scene, count: usize, numbers: &mut Numbers) -> (Vec<Ray>, Vec
         let departure = Some(Departure {
             surface,
             barycentric,
+            side: Some(Side::Front),
         });
         let filter = RayFilter {
             departure,
@@ -147,10 +150,7 @@ fn leaving(scene: &Scene, count: usize, numbers: &mut Numbers) -> (Vec<Ray>, Vec
 /// Whether a ray from the exact place meets a triangle ahead of it, in rational arithmetic.
 fn is_ahead(mesh: &Mesh, from: &Departure, way: DVec3, triangle: usize) -> bool {
     let left = usize::try_from(from.surface.primitive).unwrap();
-    let [a, b, c] = mesh.corners(left).map(exact);
-    let [v, w] = from.barycentric.to_array().map(number);
-    let (e, f) = (minus(&b, &a), minus(&c, &a));
-    let start: Exact = std::array::from_fn(|k| &a[k] + &v * &e[k] + &w * &f[k]);
+    let start = point_left(mesh.corners(left), from.barycentric);
     let [a, b, c] = mesh
         .corners(triangle)
         .map(|corner| minus(&exact(corner), &start));
@@ -181,6 +181,7 @@ fn soak_rays_that_leave_closed_meshes_do_not_meet_what_they_leave() {
                 let Departure {
                     surface,
                     barycentric,
+                    ..
                 } = filters[k].departure.unwrap();
                 assert_ne!(hits.primitive[k], surface.primitive, "{file}: {ray:?}");
                 if hits.t[k] * ray.direction.length() < 1e-12 * size {

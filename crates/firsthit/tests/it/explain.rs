@@ -514,6 +514,7 @@ fn the_place_that_a_ray_leaves_is_at_its_start() {
         let departure = Some(Departure {
             surface,
             barycentric,
+            side: Some(Side::Front),
         });
         let filter = RayFilter {
             departure,

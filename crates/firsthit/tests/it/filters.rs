@@ -7,10 +7,9 @@ use firsthit::{
     InstructionSet, Mesh, Object, Plane, Ray, RayFilter, Rays, Scene, Side, Sphere, SurfaceId,
     Transform,
 };
-use num_rational::BigRational;
-use num_traits::{One, Signed, Zero};
+use num_traits::{Signed, Zero};
 
-use crate::support::rational::{Exact, cross, dot, exact, minus, number};
+use crate::support::rational::{Exact, cross, dot, exact, minus, point_left};
 use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, scene};
 
 /// A closed mesh twice, once moved and turned, soups with copies of triangles, and one of each other shape.
@@ -264,6 +263,7 @@ fn a_ray_that_leaves_a_disc_meets_the_neighbour_that_brute_force_says() {
             primitive: 0,
         },
         barycentric: DVec2::NAN,
+        side: None,
     };
     let leaves = RayFilter {
         departure: Some(departure),
@@ -293,18 +293,9 @@ fn is_met(from: &Exact, d: &Exact, corners: [DVec3; 3]) -> bool {
     !slope.is_zero() && (dot(&n, &a) / slope).is_positive()
 }
 
-/// The point of a triangle with these weights.
-fn point_of(corners: [DVec3; 3], barycentric: DVec2) -> Exact {
-    let [a, b, c] = corners.map(exact);
-    let w = number(barycentric.y);
-    let v = number(barycentric.x).min(BigRational::one() - &w);
-    let (e, f) = (minus(&b, &a), minus(&c, &a));
-    std::array::from_fn(|k| &a[k] + &v * &e[k] + &w * &f[k])
-}
-
 /// What a ray that leaves a triangle meets, by rational arithmetic.
 fn met_from(mesh: &Mesh, start: (usize, DVec2), way: DVec3) -> Vec<i32> {
-    let from = point_of(mesh.corners(start.0), start.1);
+    let from = point_left(mesh.corners(start.0), start.1);
     let d = exact(way);
     (0..mesh.triangles().len())
         .filter(|&triangle| is_met(&from, &d, mesh.corners(triangle)))
@@ -321,15 +312,16 @@ fn leaving(triangle: usize, barycentric: DVec2) -> RayFilter {
         departure: Some(Departure {
             surface,
             barycentric,
+            side: None,
         }),
         ..RayFilter::NONE
     }
 }
 
-/// Weights inside, at edges, at corners, and beside those by a last digit.
+/// Weights inside, at edges, at corners, and beside those by little more than the rounding.
 fn weights(numbers: &mut Numbers) -> DVec2 {
     let v = numbers.unit();
-    let tiny = f64::EPSILON * numbers.unit();
+    let tiny = 2_f64.powi(-44) * numbers.unit();
     match numbers.below(8) {
         0 => DVec2::new(v, 1.0 - v),
         1 => DVec2::new(v, 0.0),

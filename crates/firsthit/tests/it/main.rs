@@ -41,6 +41,7 @@ mod measure;
 mod names;
 mod nearest;
 mod newcomers;
+mod open;
 mod oracle;
 mod outputs;
 mod point_clouds;

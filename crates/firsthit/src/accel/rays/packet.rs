@@ -106,7 +106,7 @@ impl Packet {
 
     /// The ray in a lane.
     #[inline(always)]
-    pub(in crate::accel) fn ray(&self, lane: usize) -> Ray {
+    pub(crate) fn ray(&self, lane: usize) -> Ray {
         let lane = lane % RAYS;
         let vector = |v: &[[f64; RAYS]; 3]| DVec3::new(v[0][lane], v[1][lane], v[2][lane]);
         Ray {

@@ -2,7 +2,7 @@
 //!
 //! 1. Hand a candidate to the query where the filter cannot matter: it is met for certain, and ahead of the ray's start for certain,
 //!    no side is culled, and neither it nor a copy in its place is skipped.
-//! 2. For any other candidate, and for each copy in its place, the exact test of [`MeshFilter`] decides.
+//! 2. For any other candidate the exact test of [`MeshFilter`] decides, and for each copy in its place where the filter tells them apart.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
@@ -51,15 +51,36 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
             let copies = tree.copies_of(triangle).iter().map(|&[_, copy]| copy);
             std::iter::once(triangle).chain(copies)
         };
-        let is_ahead = is_certain && ray.limits.begin_before(low);
-        if is_ahead && ray.filter().meets_all_of(here) {
+        let meets_all = ray.filter().meets_all_of(here);
+        if meets_all && is_certain && ray.limits.begin_before(low) {
             return self
                 .query
                 .visit_one(l, ray, (leaf, lane), (low, high), is_certain);
         }
-        for triangle in here() {
-            if let Some(crossing) = ray.intersect_filtered(l, Self::EDGES, triangle) {
-                self.query.see(l, ray, crossing);
+        if !meets_all {
+            for triangle in here() {
+                if let Some(crossing) = ray.intersect_filtered(l, Self::EDGES, triangle) {
+                    self.query.see(l, ray, crossing);
+                }
+            }
+            return;
+        }
+        // Copies have the same corners in the same order: the first answers for all.
+        let mut triangles = here();
+        let first = triangles.next();
+        let crossing = first.and_then(|first| ray.intersect_filtered(l, Self::EDGES, first));
+        let Some(crossing) = crossing else {
+            return;
+        };
+        self.query.see(l, ray, crossing);
+        if Self::EDGES == EdgeRule::Once {
+            for copy in triangles {
+                let primitive = copy.cast_signed();
+                let copied = Crossing {
+                    primitive,
+                    ..crossing
+                };
+                self.query.see(l, ray, copied);
             }
         }
     }

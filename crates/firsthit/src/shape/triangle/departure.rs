@@ -4,6 +4,9 @@
 //! to float64, which may be on the other side of the triangle, or of a neighbour. So a triangle is met where the ray from P
 //! itself meets it, at an exact `t > 0`: never the one that is left, for that is met at zero; nor a neighbour that touches it in P.
 //!
+//! A triangle that has all corners of the one that is left whose weights are not zero holds P: the line meets it there and nowhere ahead,
+//! or runs in its plane. At a vertex these are all triangles around it. Elsewhere:
+//!
 //! 1. Compute the sides as for a ray from the origin, and `t`, in twice the digits if need be. Where rounding and the distance from the
 //!    origin to P cannot matter, they decide.
 //! 2. Elsewhere compute the sides' and `t`'s signs without rounding, from P.
@@ -27,15 +30,18 @@ use crate::geometry::double::{Double, between, difference, sum};
 use crate::geometry::exact::{Expansion, Scaled, determinant, power};
 use crate::geometry::{DVec2, DVec3, Ray};
 
-/// How far the origin may be off the point, as a share of the largest coordinate of a corner.
+/// How far the origin may be off the point, as a share of the largest coordinate of a corner. What is nearer to an edge or a corner is
+/// there.
 const OFF: f64 = 8.0 * f64::EPSILON;
 
 /// The point of a triangle that a ray leaves; see [the module](self).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeparturePoint {
-    corners: [DVec3; 3],
+    pub(super) corners: [DVec3; 3],
     /// Those of the corners 1 and 2: neither is negative, and together they are at most 1. The first may need two numbers.
     weights: [[f64; 2]; 2],
+    /// Which of the three weights are not zero.
+    pub(super) has_weight: [bool; 3],
     /// The point, rounded: where the ray starts.
     pub(crate) rounded: DVec3,
     /// No coordinate of the point is farther off that.
@@ -43,26 +49,83 @@ pub(crate) struct DeparturePoint {
 }
 
 impl DeparturePoint {
+    /// The point with these weights of the corners 1 and 2. A weight that moves it by less than its rounding is zero: a ray that is
+    /// aimed at a vertex rounds as much, and leaves that.
     #[inline]
     pub(crate) fn new(corners: [DVec3; 3], barycentric: DVec2) -> Self {
         #[expect(clippy::manual_clamp, reason = "NaN becomes zero; clamp would keep it")]
         let within = |weight: f64| weight.max(0.0).min(1.0);
         let [v, w] = [within(barycentric.x), within(barycentric.y)];
         let both = sum(Scalar, v, w);
-        let v = if both.high > 1.0 || (both.high == 1.0 && both.low > 0.0) {
-            let Double { high, low } = difference(Scalar, 1.0, w);
-            [high, low]
-        } else {
-            [v, 0.0]
-        };
+        let u = (1.0 - both.high) - both.low;
         let [a, b, c] = corners;
         let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let longest = (b - a).abs().max((c - a).abs()).max((c - b).abs());
+        let off = OFF * largest + f64::MIN_POSITIVE;
+        let mut has_weight = [u, v, w].map(|weight| weight * longest.max_element() > off);
+        if has_weight == [false; 3] {
+            // The triangle is no larger than that.
+            let heaviest = if u >= v.max(w) {
+                0
+            } else {
+                1 + usize::from(w > v)
+            };
+            has_weight[heaviest] = true;
+        }
+        let (weights, rounded) = match has_weight {
+            [_, false, false] => ([[0.0; 2]; 2], a),
+            [false, true, false] => ([[1.0, 0.0], [0.0; 2]], b),
+            [false, false, true] => ([[0.0; 2], [1.0, 0.0]], c),
+            [is_in, has_v, has_w] => {
+                let w = if has_w { w } else { 0.0 };
+                let v = match (is_in, has_v) {
+                    (_, false) => [0.0; 2],
+                    (true, true) => [v, 0.0],
+                    (false, true) => {
+                        let Double { high, low } = difference(Scalar, 1.0, w);
+                        [high, low]
+                    }
+                };
+                let rounded = a + (v[0] * (b - a) + w * (c - a));
+                ([v, [w, 0.0]], rounded)
+            }
+        };
         Self {
             corners,
-            weights: [v, [w, 0.0]],
-            rounded: a + (v[0] * (b - a) + w * (c - a)),
-            off: OFF * largest + f64::MIN_POSITIVE,
+            weights,
+            has_weight,
+            rounded,
+            off,
         }
+    }
+
+    /// Whether the point is a corner or on an edge.
+    #[inline(always)]
+    pub(crate) fn is_at_edge(&self) -> bool {
+        self.has_weight != [true; 3]
+    }
+
+    /// Whether a triangle has all corners that the point is made from, so that it holds the point.
+    #[inline(always)]
+    pub(crate) fn is_held_by(&self, corners: &[DVec3; 3]) -> bool {
+        let [a, b, c] = &self.corners;
+        let [has_a, has_b, has_c] = self.has_weight;
+        (!has_a || corners.contains(a))
+            && (!has_b || corners.contains(b))
+            && (!has_c || corners.contains(c))
+    }
+
+    /// The point's weights of the corners 1 and 2 of a triangle that [holds](Self::is_held_by) it.
+    pub(crate) fn weights_in(&self, corners: [DVec3; 3]) -> DVec2 {
+        let [[v, _], [w, _]] = self.weights;
+        let own = [1.0 - v - w, v, w];
+        let mut weights = [0.0; 3];
+        for (corner, weight) in self.corners.iter().zip(own) {
+            if let Some(k) = corners.iter().position(|other| other == corner) {
+                weights[k] += weight;
+            }
+        }
+        DVec2::new(weights[1], weights[2])
     }
 
     /// Where a ray from the point meets a triangle ahead of it. The ray's origin is the rounded point.
@@ -74,6 +137,9 @@ impl DeparturePoint {
         edges: EdgeRule,
         corners: [DVec3; 3],
     ) -> Option<TriangleHit> {
+        if self.is_held_by(&corners) || self.is_in_level_plane(&corners) {
+            return None;
+        }
         let seen = shear.seen(corners);
         let doubt = seen.doubt() + 16.0 * self.off * (seen.across + self.off);
         let (least, most) = seen.least_and_most();
@@ -131,11 +197,20 @@ impl DeparturePoint {
 }
 
 impl DeparturePoint {
-    /// Whether the triangle that is left lies in the plane of another, and the point with it. Such a triangle is met at zero or
-    /// not at all. Files hold copies of surfaces, and this is some fifty times as fast as [`Exact`].
+    /// Whether the triangle that is left and another lie in one plane across an axis, as the layers of drawings do. Such a triangle is met
+    /// at zero or not at all.
+    #[inline(always)]
+    fn is_in_level_plane(&self, corners: &[DVec3; 3]) -> bool {
+        let [a, b, c] = self.corners;
+        let [p, q, r] = *corners;
+        let is_level = a.cmpeq(b) & a.cmpeq(c);
+        (is_level & a.cmpeq(p) & a.cmpeq(q) & a.cmpeq(r)).any()
+    }
+
+    /// Whether the triangle that is left lies in the plane of another, and the point with it. This is some fifty times as fast as
+    /// [`Exact`].
     fn is_in_plane(&self, corners: [DVec3; 3]) -> bool {
         let mut others = self.corners.iter().filter(|&own| !corners.contains(own));
-        // Most are exact copies.
         let Some(first) = others.next() else {
             return true;
         };

@@ -15,8 +15,8 @@ pub(crate) struct MeshFilter {
     /// Triangles that are not met.
     skip: [u32; 2],
     cull: Option<Side>,
-    /// The triangle that the ray leaves, if it is one of this mesh, and where.
-    departure: Option<(u32, DeparturePoint)>,
+    /// Where the ray starts, if it leaves a triangle of this mesh, or of another in its space.
+    departure: Option<DeparturePoint>,
     /// Whether the ray leaves any surface, be it none of this mesh's space.
     is_departing: bool,
 }
@@ -35,10 +35,10 @@ impl MeshFilter {
         Self { cull, ..Self::NONE }
     }
 
-    /// The ray leaves a triangle of another mesh in the same space.
+    /// The ray leaves a triangle, and meets everything else.
     pub(crate) fn leaving(point: DeparturePoint) -> Self {
         Self {
-            departure: Some((NO_TRIANGLE, point)),
+            departure: Some(point),
             is_departing: true,
             ..Self::NONE
         }
@@ -54,11 +54,10 @@ impl MeshFilter {
         self.is_departing = is_departing;
     }
 
-    /// The ray leaves a triangle, of this mesh if it has a number, at a point by the weights of its corners 1 and 2.
+    /// The ray leaves a triangle at a point by the weights of its corners 1 and 2.
     #[inline(always)]
-    pub(crate) fn leave(&mut self, triangle: Option<u32>, corners: [DVec3; 3], weights: DVec2) {
-        let triangle = triangle.unwrap_or(NO_TRIANGLE);
-        self.departure = Some((triangle, DeparturePoint::new(corners, weights)));
+    pub(crate) fn leave(&mut self, corners: [DVec3; 3], weights: DVec2) {
+        self.departure = Some(DeparturePoint::new(corners, weights));
     }
 
     /// Whether the ray leaves a surface: then its `t` decides as it is, since it is measured from a rounded start.
@@ -68,7 +67,7 @@ impl MeshFilter {
 
     /// Where the ray starts, if it leaves a triangle.
     pub(crate) fn departure(&self) -> Option<&DeparturePoint> {
-        self.departure.as_ref().map(|(_, point)| point)
+        self.departure.as_ref()
     }
 
     /// Whether the ray meets every triangle ahead of its start that a ray without a filter meets.
@@ -100,14 +99,21 @@ impl MeshFilter {
             return None;
         }
         let hit = match &self.departure {
-            Some((left, _)) if *left == triangle => None,
-            Some((_, point)) => point.intersect(ray, shear, edges, corners),
+            Some(point) => point.intersect(ray, shear, edges, corners),
             None => shear.intersect_by(edges, corners, settle),
         }?;
-        let is_met = self
-            .cull
-            .is_none_or(|side| side != side_met(ray.direction, corners));
-        is_met.then_some(hit)
+        self.faces(ray.direction, corners).then_some(hit)
+    }
+
+    /// Whether the filter lets a ray meet a triangle that its line meets.
+    pub(crate) fn admits(&self, direction: DVec3, (triangle, corners): (u32, [DVec3; 3])) -> bool {
+        !self.skip.contains(&triangle) && self.faces(direction, corners)
+    }
+
+    /// Whether a ray comes to a side of a triangle that is not culled.
+    #[inline(always)]
+    fn faces(&self, direction: DVec3, corners: [DVec3; 3]) -> bool {
+        (self.cull).is_none_or(|side| side != side_met(direction, corners))
     }
 }
 

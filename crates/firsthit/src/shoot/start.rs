@@ -1,0 +1,86 @@
+//! Rays that leave an edge or a corner of an open mesh, and are stopped there: see `shape/triangle/fan.rs`.
+
+use crate::accel::{EachCandidate, InstructionSet, MeshTree, Scratch};
+use crate::geometry::{DVec3, Ray, RayFilter};
+use crate::scene::Scene;
+use crate::shape::triangle::{Around, DeparturePoint, MeshFilter};
+use crate::shape::{Crossing, Mesh};
+use crate::simd;
+
+/// What stops a ray, given in the space of an object, at the point of that object which it leaves. `t` is the least above zero.
+///
+/// Closed meshes stop no ray: it crosses them as often as its start says.
+#[inline(always)]
+pub(super) fn met_at_start(
+    scene: &Scene,
+    whole: &RayFilter,
+    (index, ray, filter): (u32, &Ray, &MeshFilter),
+) -> Option<Crossing> {
+    let is_possible = filter.departure().is_some_and(DeparturePoint::is_at_edge);
+    if is_possible {
+        search(scene, whole, (index, ray, filter))
+    } else {
+        None
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn search(
+    scene: &Scene,
+    whole: &RayFilter,
+    (index, ray, filter): (u32, &Ray, &MeshFilter),
+) -> Option<Crossing> {
+    let departure = whole.departure?;
+    let side = departure.side?;
+    let point = filter.departure()?;
+    let object = &scene.objects()[index as usize];
+    let mesh = object.mesh()?;
+    // Without memory to find out, it is as good as closed: nothing is stopped.
+    if departure.surface.object != index.cast_signed() || mesh.is_closed().unwrap_or(true) {
+        return None;
+    }
+    let around = around(scene.mesh_tree(index as usize), mesh, point);
+    let triangle = point.stopped_by(ray.direction, side, &around)?;
+    let corners = mesh.corners(triangle as usize);
+    let crossing = Crossing {
+        t: f64::MIN_POSITIVE,
+        primitive: triangle.cast_signed(),
+        barycentric: point.weights_in(corners),
+    };
+    let is_met = filter.admits(ray.direction, (triangle, corners))
+        && !object.is_cut_out(mesh, triangle as usize, crossing.barycentric);
+    (is_met && ray.holds(crossing.t)).then_some(crossing)
+}
+
+/// The triangles that hold a point, of those in one place the lowest.
+fn around(tree: Option<&MeshTree>, mesh: &Mesh, point: &DeparturePoint) -> Vec<Around> {
+    let mut around = Vec::new();
+    let mut look_at = |triangle: u32| {
+        let corners = mesh.corners(triangle as usize);
+        if point.is_held_by(&corners) {
+            around.push((triangle, corners));
+        }
+    };
+    if let Some(tree) = tree {
+        // Any ray from there comes to all of them.
+        let ray = Ray::new(point.rounded, DVec3::new(7.0, 10.0, 10.5)).up_to(f64::MIN_POSITIVE);
+        let each = EachCandidate {
+            scratch: &mut Scratch::new(),
+            at_mesh: (tree, mesh),
+            ray: &ray,
+            off: point.off,
+            with_copies: false,
+            visit: &mut |triangle, t_max| {
+                look_at(triangle);
+                t_max
+            },
+        };
+        let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
+        simd::run(set, each);
+    } else {
+        let triangles = 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX);
+        triangles.for_each(look_at);
+    }
+    around
+}
