@@ -41,7 +41,7 @@ pub struct Bvh {
     /// The root first; the children of a node stand side by side.
     pub(super) nodes: Vec<Node>,
     /// The indices of the boxes, those of a leaf side by side.
-    pub(super) order: Vec<u32>,
+    pub(crate) order: Vec<u32>,
     /// Where each box is; made when one is first [moved](Self::refit).
     pub(super) places: Option<Places>,
 }
@@ -73,6 +73,18 @@ impl Bvh {
     /// See [`Bvh::build`].
     pub(crate) fn slack(&self) -> f64 {
         self.slack
+    }
+
+    /// How many nodes a ray that meets the root's box is expected to meet, by their surfaces: Goldsmith and Salmon, "Automatic Creation of
+    /// Object Hierarchies for Ray Tracing", IEEE Computer Graphics and Applications 7(5), 1987.
+    pub(crate) fn expected_visits(&self) -> f64 {
+        let surface = |node: &Node| {
+            let [x, y, z] =
+                arrays::from_fn(|axis| f64::from(node.high[axis]) - f64::from(node.low[axis]));
+            x * y + y * z + z * x
+        };
+        let all: f64 = self.nodes.iter().map(surface).sum();
+        self.nodes.first().map_or(0.0, |root| all / surface(root))
     }
 
     /// What the tree takes in memory, but for what it keeps once a box has moved.

@@ -16,6 +16,11 @@ const LISTED: usize = 64;
 const MOST_SHAPES: u32 = 16;
 const MOST_OTHERS: u32 = 8;
 
+/// A tree that was fitted is built anew where a ray is expected to meet so many times more boxes than when it was built. That is asked
+/// after moves of one object in 32, since finding it out takes as long as fitting that many.
+const WORN: f64 = 1.25;
+const MOVES_EACH: usize = 32;
+
 /// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
 /// the boxes of all objects. Then this object goes without a box.
 const LARGEST_SLACK: f64 = 1e-8;
@@ -35,7 +40,9 @@ pub(super) struct TopTree {
     pub(super) duplicates: Duplicates,
     /// A box around each object.
     boxes: Vec<Bounds>,
-    /// How often an object was moved since the tree was built.
+    /// How many boxes a ray was expected to meet when the tree was built.
+    expected_visits: f64,
+    /// How often an object was moved since that was last compared.
     moves: usize,
 }
 
@@ -116,8 +123,10 @@ impl TopTree {
                 objects[k as usize].padded(boxes[k as usize], slack)
             }
         };
+        let tree = Bvh::build(count, padded, slack);
         Self {
-            tree: Bvh::build(count, padded, slack),
+            expected_visits: tree.expected_visits(),
+            tree,
             outside,
             lone_shapes: (listed
                 .iter()
@@ -131,8 +140,7 @@ impl TopTree {
     }
 
     /// Fits the tree to objects that were moved. Each takes time in proportion to the tree's depth; the first call
-    /// also finds all leaves. After more moves than there are objects the tree is built anew, since fitted boxes
-    /// overlap more and more.
+    /// also finds all leaves. The tree is built anew once fitted boxes overlap too much.
     pub(super) fn moved(&mut self, objects: &[Object], moved: &[u32]) {
         for &index in moved {
             self.boxes[index as usize] = objects[index as usize].box_around();
@@ -141,12 +149,20 @@ impl TopTree {
                 *listed = Candidate::new(objects, &self.duplicates, index, bounds);
             }
         }
+        let is_fitted = moved.iter().all(|&index| self.fit(objects, index));
         self.moves += moved.len();
-        let is_fitted =
-            self.moves <= objects.len() && moved.iter().all(|&index| self.fit(objects, index));
-        if !is_fitted {
+        if !is_fitted || self.is_worn() {
             self.rebuild(objects);
         }
+    }
+
+    /// Whether fitting has made the tree much worse than it was built.
+    fn is_worn(&mut self) -> bool {
+        if self.moves * MOVES_EACH < self.boxes.len() {
+            return false;
+        }
+        self.moves = 0;
+        self.tree.expected_visits() > WORN * self.expected_visits
     }
 
     /// Builds the tree anew, after objects were hidden or shown.
@@ -348,5 +364,69 @@ impl OnTheWay<'_> {
         let tree = self.tree?;
         let walk = self.walk.get_or_insert_with(|| tree.walk(ray, stack));
         walk.next(t_max, stack)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Transform;
+    use crate::shape::Sphere;
+
+    /// Balls in places without order, other ones for another seed, all of them `beside` those.
+    fn balls(seed: u64, beside: f64) -> Vec<Object> {
+        let mut state = seed;
+        let mut coordinate = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 40) as f64 * 1e-5 + beside
+        };
+        let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+        let mut place = || DVec3::new(coordinate(), coordinate(), coordinate());
+        (0..200)
+            .map(|_| Object::new(ball).placed(Transform::translation(place()).unwrap()))
+            .collect()
+    }
+
+    fn tree(objects: &[Object]) -> TopTree {
+        TopTree::new(objects, objects.iter().map(Object::box_around).collect())
+    }
+
+    #[test]
+    fn after_all_objects_moved_a_ray_meets_as_many_boxes_as_in_a_new_scene() {
+        let before = balls(1, 0.0);
+        for step in [200, 50, 7] {
+            let mut fitted = tree(&before);
+            let mut objects = before.clone();
+            let after = balls(2, 0.0);
+            for first in (0..200).step_by(step) {
+                let moved: Vec<u32> = (first..200.min(first + step)).map(|k| k as u32).collect();
+                for &k in &moved {
+                    objects[k as usize] = after[k as usize].clone();
+                }
+                fitted.moved(&objects, &moved);
+                let built = tree(&objects).tree.expected_visits();
+                let visits = fitted.tree.expected_visits();
+                assert!(
+                    visits < 2.0 * built,
+                    "{step} {first}: {visits}, {built} where it is new"
+                );
+            }
+            let built = tree(&objects).tree.expected_visits();
+            assert!(fitted.tree.expected_visits() < 1.5 * built, "{step}");
+        }
+    }
+
+    #[test]
+    fn a_tree_that_is_as_good_as_new_is_not_built_anew() {
+        let mut fitted = tree(&balls(1, 0.0));
+        let (visits, order) = (fitted.tree.expected_visits(), fitted.tree.order.clone());
+        let all: Vec<u32> = (0..200).collect();
+        for step in 0..300 {
+            fitted.moved(&balls(1, 1e-6 * f64::from(step)), &all);
+        }
+        assert!((fitted.tree.expected_visits() / visits - 1.0).abs() < 1e-3);
+        assert_eq!(fitted.tree.order, order);
     }
 }
