@@ -57,11 +57,6 @@ impl ScaledRay {
         (ray.is_valid() && !object.is_out_of_range()).then_some(ray)
     }
 
-    /// The smallest and the largest `t` of the caller's ray.
-    pub(super) fn range(&self) -> (f64, f64) {
-        (self.t_min.next_up(), self.t_max)
-    }
-
     /// What was met of the object `index`, as a hit of the ray that the caller has.
     #[inline(always)]
     pub(super) fn hit(&self, index: u32, crossing: Crossing) -> Option<Hit> {

@@ -111,7 +111,9 @@ fn crossings_are_those_of_a_ray_beside() {
                 let t_exactly = nearest(&at.t);
                 assert!((t - t_exactly).abs() <= f64::EPSILON * t_exactly);
             }
-            assert!(all.hits.t[range.clone()].is_sorted());
+            // Hits in one place may have neighbouring `t` in any order.
+            let t = &all.hits.t[range.clone()];
+            assert!(t.is_sorted_by(|a, b| *a <= b.next_up()));
             touched += usize::from(first.object[k] == 0 && range.is_empty());
             total += range.len();
         }
@@ -180,7 +182,7 @@ fn close_sheets_are_in_order() {
         let all = trace(&scene, &[ray][..], All::default(), &()).unwrap();
         let expected: Vec<i32> = crossed(&ray, &mesh).iter().map(|at| at.triangle).collect();
         assert_eq!(all.hits.primitive, expected, "{ray:?}");
-        assert!(all.hits.t.is_sorted());
+        assert!(all.hits.t.is_sorted_by(|a, b| *a <= b.next_up()));
         let two = trace(&scene, &[ray][..], All { nearest: Some(2) }, &()).unwrap();
         assert_eq!(two.hits.primitive, expected[..2]);
         assert_eq!(two.offsets, [0, 2]);

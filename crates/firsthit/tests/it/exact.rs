@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firsthit::shoot::{Cpu, Engine, First, trace};
+use firsthit::shoot::{All, Count, Cpu, Engine, First, trace};
 use firsthit::{
     Camera, DAffine3, DMat3, DVec3, Hit, Lens, Mesh, Object, Ray, Scene, Shape, Transform,
     Viewplane,
@@ -94,6 +94,38 @@ fn t_is_next_to_the_exact_one_however_far_the_corners_are() {
         }
     }
     assert!(hits > cases(2000), "{hits}");
+}
+
+/// The exact `t` is next to halfway between two float64.
+#[test]
+fn a_hit_has_one_t_whatever_else_is_in_the_scene_and_whatever_is_asked() {
+    let corners = [
+        DVec3::new(0.525_731_112_119_133_6, -0.850_650_808_352_04, 0.0),
+        DVec3::new(0.0, -0.525_731_112_119_133_6, -0.850_650_808_352_04),
+        DVec3::new(0.850_650_808_352_04, 0.0, -0.525_731_112_119_133_6),
+    ];
+    let [a, b, c] = corners;
+    let alone = triangle(corners);
+    let more = mesh(&[a, b, c, DVec3::splat(5.0)], vec![[0, 1, 2], [1, 2, 3]]);
+    let ray = Ray::new(DVec3::new(-2.5, -0.5, -0.5), DVec3::X);
+    let t = agree(&scene(vec![Object::new(alone.clone())]), &ray).t;
+    for meshes in [
+        vec![&alone],
+        vec![&more],
+        vec![&alone, &more],
+        vec![&more, &alone],
+    ] {
+        let count = meshes.len();
+        let objects = meshes.into_iter().map(|mesh| Object::new(mesh.clone()));
+        let scene = scene(objects.collect());
+        assert_eq!(agree(&scene, &ray).t, t);
+        let all = trace(&scene, &[ray], All::default(), &()).unwrap();
+        assert_eq!(all.hits.t, vec![t; count]);
+        assert_eq!(all.hits.object, (0..count as i32).collect::<Vec<_>>());
+        let up_to = [t, t.next_down()].map(|t_max| ray.up_to(t_max));
+        let counts = trace(&scene, &up_to, Count, &()).unwrap();
+        assert_eq!(counts, [count as u32, 0]);
+    }
 }
 
 /// The same as the second of two objects, the first of which is in front or behind by a billionth.
