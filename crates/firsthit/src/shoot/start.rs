@@ -1,5 +1,7 @@
 //! Rays that leave an edge or a corner of an open mesh, and are stopped there: see `shape/triangle/fan.rs`.
 
+use std::cell::Cell;
+
 use crate::accel::{EachCandidate, InstructionSet, MeshTree, Scratch};
 use crate::geometry::{DVec3, Ray, RayFilter};
 use crate::scene::Scene;
@@ -53,6 +55,11 @@ fn search(
     (is_met && ray.holds(crossing.t)).then_some(crossing)
 }
 
+thread_local! {
+    /// Memory for [`around`], to be used again.
+    static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
+}
+
 /// The triangles that hold a point, of those in one place the lowest.
 fn around(tree: Option<&MeshTree>, mesh: &Mesh, point: &DeparturePoint) -> Vec<Around> {
     let mut around = Vec::new();
@@ -65,8 +72,9 @@ fn around(tree: Option<&MeshTree>, mesh: &Mesh, point: &DeparturePoint) -> Vec<A
     if let Some(tree) = tree {
         // Any ray from there comes to all of them.
         let ray = Ray::new(point.rounded, DVec3::new(7.0, 10.0, 10.5)).up_to(f64::MIN_POSITIVE);
+        let mut scratch = SCRATCH.take().unwrap_or_else(Scratch::new);
         let each = EachCandidate {
-            scratch: &mut Scratch::new(),
+            scratch: &mut scratch,
             at_mesh: (tree, mesh),
             ray: &ray,
             off: point.off,
@@ -78,6 +86,7 @@ fn around(tree: Option<&MeshTree>, mesh: &Mesh, point: &DeparturePoint) -> Vec<A
         };
         let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
         simd::run(set, each);
+        SCRATCH.set(Some(scratch));
     } else {
         let triangles = 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX);
         triangles.for_each(look_at);

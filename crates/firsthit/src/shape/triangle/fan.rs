@@ -10,7 +10,7 @@
 //!    each arc that it crosses on the way is a change of sides.
 //! 3. So it is known on which side of the whole surface the ray goes on. On the side where it starts it is free.
 //! 4. On the other side it is stopped, if it could have started from any of the triangles: if it is in front of one of them. A ray that
-//!    goes against all of them is meant to go through, as in a face.
+//!    goes against all of them is meant to go through, as in a face. (One in front of all of them is free, and both are told apart first.)
 //!
 //! The signs of determinants decide, without rounding. Where one is zero, the way ends a little beside the end of T's arc, and then the
 //! direction is moved a little to the side where the ray starts.
@@ -44,69 +44,114 @@ impl DeparturePoint {
         around: &[Around],
     ) -> Option<u32> {
         let outwards = if side == Side::Front { 1.0 } else { -1.0 };
-        let own = self.arcs(self.corners);
-        let [from, to] = &own.first()?.ends;
+        if self.is_plainly_free(outwards * direction, around) {
+            return None;
+        }
+        let d = scaled(direction);
+        let height = |arc: &Arc| outwards * sign(&arc.ends[0], &arc.ends[1], &d);
         let is_other =
             |(_, corners): &&Around| !self.corners.iter().all(|own| corners.contains(own));
-        let others: Vec<Arc> = (around.iter().filter(is_other))
+        let own = self.arcs(self.corners);
+        let others = around.iter().filter(is_other);
+        let others: Vec<Arc> = others
             .flat_map(|&(_, corners)| self.arcs(corners))
+            .flatten()
             .collect();
-        let d = scaled(direction);
-        let normal = outwards * high(from).cross(high(to));
+        let own_height = height(own[0].as_ref()?);
+        let heights: Vec<f64> = others.iter().map(height).collect();
+        let own: Vec<&Arc> = own.iter().flatten().collect();
+        let face_one_way = || others.len() <= MANY && face_one_way(&own, &others);
+        let is_any_above = heights.iter().any(|&height| height > 0.0);
+        let is_above_all = own_height > 0.0 && heights.iter().all(|&height| height > 0.0);
+        if (own_height < 0.0 && !is_any_above) || (is_above_all && face_one_way()) {
+            return None;
+        }
+        let mut all = own.iter().copied().chain(&others);
+        if all.any(|arc| arc.has(&d, direction)) {
+            return None;
+        }
+        let [from, to] = &own[0].ends;
         let way = Way {
             direction: &d,
             ends: [from, to],
-            upwards: &scaled(normal),
+            upwards: &scaled(outwards * high(from).cross(high(to))),
         };
-        if own.iter().chain(&others).any(|arc| arc.has(&d, direction)) {
-            return None;
-        }
-        let height = outwards * sign(from, to, &d);
-        let is_under_own = height < 0.0;
         let crossed = others.iter().filter(|arc| way.crosses(arc)).count();
+        let is_under_own = own_height < 0.0;
         let is_inside = is_under_own != (crossed % 2 == 1);
-        let is_above = |arc: &Arc| outwards * sign(&arc.ends[0], &arc.ends[1], &d) > 0.0;
-        let could_start =
-            || others.len() <= MANY && face_one_way(&own, &others) && others.iter().any(is_above);
-        if !is_inside || (is_under_own && !could_start()) {
+        if !is_inside || (is_under_own && !face_one_way()) {
             return None;
         }
         let is_under = |&&(_, corners): &&Around| {
-            let arcs = self.arcs(corners);
-            arcs.first()
-                .is_some_and(|arc| outwards * sign(&arc.ends[0], &arc.ends[1], &d) < 0.0)
+            let [arc, _] = self.arcs(corners);
+            arc.is_some_and(|arc| height(&arc) < 0.0)
         };
         let number = |&(number, _): &Around| number;
         let under = around.iter().filter(is_under).map(number).min();
         under.or_else(|| around.iter().map(number).min())
     }
 
+    /// Whether plain float64 says that a ray goes against all of the triangles, or is in front of all and they face one way. Most do.
+    fn is_plainly_free(&self, direction: DVec3, around: &[Around]) -> bool {
+        let mut heights = around.iter().map(|(_, corners)| {
+            let [a, b, c] = *corners;
+            let (e, f) = (b - a, c - a);
+            let height = e.cross(f).dot(direction);
+            let largest = e.abs().max_element() * f.abs().max_element();
+            let unsure = 64.0 * f64::EPSILON * largest * direction.abs().max_element();
+            (height.abs() > unsure + f64::MIN_POSITIVE).then_some(height > 0.0)
+        });
+        let Some(Some(is_above)) = heights.next() else {
+            return false;
+        };
+        if !heights.all(|other| other == Some(is_above)) {
+            return false;
+        }
+        // Of two that face one way, no edge at the point begins or ends both.
+        let edges = |k: usize| {
+            let (_, corners) = around[k];
+            let is_here = |corner: DVec3| {
+                self.corners
+                    .iter()
+                    .zip(self.has_weight)
+                    .any(|(own, has)| has && *own == corner)
+            };
+            (0..3)
+                .map(move |k| (corners[k], corners[(k + 1) % 3]))
+                .filter(move |&(p, q)| is_here(p) || is_here(q))
+        };
+        let is_again =
+            |k: usize| edges(k).any(|edge| (0..k).any(|l| edges(l).any(|other| other == edge)));
+        !is_above || (around.len() <= MANY && !(1..around.len()).any(is_again))
+    }
+
     /// A triangle that holds the point, as seen from there.
-    fn arcs(&self, corners: [DVec3; 3]) -> Vec<Arc> {
+    fn arcs(&self, corners: [DVec3; 3]) -> [Option<Arc>; 2] {
         let own = self.corners.iter().zip(self.has_weight);
         let mut own = own.filter_map(|(corner, has_weight)| has_weight.then_some(corner));
         let place = |corner| corners.iter().position(|other| other == corner);
         let Some(first) = own.next().and_then(place) else {
-            return Vec::new();
+            return [None, None];
         };
         let [a, b, c] = [0, 1, 2].map(|k| corners[(first + k) % 3]);
-        let arc = |ends: [DoubleVector<f64>; 2]| Arc {
-            ends: ends.map(|end| Scaled::new(&end)),
+        let arc = |from: &DoubleVector<f64>, to: &DoubleVector<f64>| {
+            let ends = [from, to].map(Scaled::new);
+            Some(Arc { ends })
         };
         let from_a = |corner: DVec3| between(Scalar, &corner.to_array(), &a.to_array());
         match own.next().and_then(place) {
-            None => vec![arc([from_a(b), from_a(c)])],
+            None => [arc(&from_a(b), &from_a(c)), None],
             // It has no area.
-            Some(second) if second == first => Vec::new(),
+            Some(second) if second == first => [None, None],
             Some(second) => {
                 // From the edge's one end over the third corner to its other end.
                 let third = corners[3 - first - second];
                 let edge = from_a(corners[second]);
                 let (over, back) = (from_a(third), edge.map(minus));
                 if third == c {
-                    vec![arc([edge, over]), arc([over, back])]
+                    [arc(&edge, &over), arc(&over, &back)]
                 } else {
-                    vec![arc([over, edge]), arc([back, over])]
+                    [arc(&over, &edge), arc(&back, &over)]
                 }
             }
         }
@@ -162,23 +207,31 @@ fn not_zero(signs: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Whether neighbours face the same side: no two arcs begin, or end, in one direction.
-fn face_one_way(own: &[Arc], others: &[Arc]) -> bool {
-    let all: Vec<&Arc> = own.iter().chain(others).collect();
+fn face_one_way(own: &[&Arc], others: &[Arc]) -> bool {
+    let all: Vec<&Arc> = own.iter().copied().chain(others).collect();
+    let is_one = |p: &Scaled, q: &Scaled| p.unit == q.unit && high(p) == high(q);
     let is_twice = |k: usize| {
-        (0..k).any(|l| {
-            let of_both = |end: usize| {
-                high(&all[k].ends[end]) * all[k].ends[end].unit
-                    == high(&all[l].ends[end]) * all[l].ends[end].unit
-            };
-            of_both(0) || of_both(1)
-        })
+        let is_of = |end: usize| (0..k).any(|l| is_one(&all[k].ends[end], &all[l].ends[end]));
+        is_of(0) || is_of(1)
     };
     !(1..all.len()).any(is_twice)
 }
 
-/// The sign of a determinant, or a number with it.
+/// The sign of a determinant: in float64 where that is sure of it.
 fn sign(p: &Scaled, q: &Scaled, r: &Scaled) -> f64 {
-    let value = determinant(p, q, r).high;
+    let (a, b, c) = (high(p), high(q), high(r));
+    let value = a.dot(b.cross(c));
+    // Each of six products is rounded at most eight times, and so are its factors.
+    let [x, y, z] = c.abs().to_array();
+    let [u, v, w] = b.abs().to_array();
+    let size = a
+        .abs()
+        .dot(DVec3::new(v * z + w * y, w * x + u * z, u * y + v * x));
+    let value = if value.abs() > 16.0 * f64::EPSILON * size {
+        value
+    } else {
+        determinant(p, q, r).high
+    };
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 
