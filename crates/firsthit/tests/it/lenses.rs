@@ -381,6 +381,40 @@ fn beyond_the_fold_there_is_no_ray() {
     assert!(aside(1.5).is_none());
 }
 
+/// Of double spheres too: where the second sphere folds, and where the first does, whose centre is then inside the second.
+#[test]
+fn directions_of_double_spheres_do_not_share_a_pixel() {
+    let of = |xi: f64, alpha: f64| {
+        let own = [("xi", xi), ("alpha", alpha)];
+        calibrated(Projection::DoubleSphere, 60.0, &own)
+    };
+    let camera = of(-0.7751, 0.8668);
+    // To the right, down and ahead.
+    let seen = |[x, y, z]: [f64; 3]| camera.project(DVec3::new(x, -y, -z));
+    assert_eq!(seen([0.6444, 0.4649, 0.6071]), None);
+    assert!(seen([0.5758, 0.4154, 0.7042]).is_some());
+    let pairs = [
+        (-0.7751, 0.8668),
+        (-0.2, 0.6),
+        (0.5, 0.5),
+        (1.0, 0.4),
+        (1.4, 0.7),
+    ];
+    for (xi, alpha) in pairs {
+        let camera = of(xi, alpha);
+        let radii = (0..1000).map(|k| {
+            let (sin, cos) = (std::f64::consts::PI * f64::from(k) / 1000.0).sin_cos();
+            let pixel = camera.project(DVec3::new(sin, 0.0, -cos));
+            pixel.map(|pixel| pixel.x)
+        });
+        let radii: Vec<Option<f64>> = radii.collect();
+        let seen = radii.iter().take_while(|radius| radius.is_some()).count();
+        assert!(seen > 200, "{xi} {alpha}: {seen}");
+        assert!(radii[..seen].is_sorted_by(|a, b| a < b), "{xi} {alpha}");
+        assert!(radii[seen..].iter().all(Option::is_none), "{xi} {alpha}");
+    }
+}
+
 /// A camera whose normalised image is `pixels` to a unit, with the middle of the picture ahead.
 fn calibrated(projection: Projection, pixels: f64, own: &[(&str, f64)]) -> Camera {
     let middle = [("fx", pixels), ("fy", pixels), ("cx", 100.0), ("cy", 100.0)];

@@ -33,6 +33,7 @@ mod io_polygons;
 mod io_regressions;
 mod judge;
 mod kernels;
+mod lens_round_trips;
 mod lenses;
 mod light;
 mod lint;

@@ -101,14 +101,20 @@ impl<const N: usize> Brown<N> {
         if !is_lopsided {
             return Some(radial / radius * point);
         }
-        let start = if radius == 0.0 {
-            DVec2::ZERO
-        } else {
-            radial / radius * point
+        let solve = |radial: f64| {
+            let start = if radius == 0.0 {
+                DVec2::ZERO
+            } else {
+                radial / radius * point
+            };
+            let start = self.before_fold(limit, start)?;
+            let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
+            self.is_before_fold(limit, found).then_some(found)
         };
-        let start = self.before_fold(limit, start)?;
-        let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
-        self.is_before_fold(limit, found).then_some(found)
+        // Where the radial distortion hardly rises, the rest of it moves the place far, and a fold may be on the way from the first.
+        let others = [1.5, 0.5, 2.5].into_iter();
+        let mut others = others.take_while(|_| radius < limit.distorted);
+        solve(radial).or_else(|| others.find_map(|share| solve(share * radial)))
     }
 
     /// [`undistort`](Self::undistort) for a single point or several at once, by Newton's method from the prepared start; known where it
@@ -300,6 +306,17 @@ impl<const N: usize> Brown<N> {
 
     /// The radius before radial distortion of one after it, which is within the limit.
     fn undistorted_radius(&self, limit: &Limit, radius: f64) -> Option<f64> {
+        if limit.distorted == f64::INFINITY && limit.undistorted.is_finite() {
+            // Up to a pole, where the quotient is not even of a sign: numerator and divisor alone are finite, and cross zero once.
+            let crossing = |r: f64| {
+                let q = r * r;
+                let [above, rise] = value_and_slope(Scalar, &self.radial, q);
+                let [below, fall] = value_and_slope(Scalar, &self.divisor, q);
+                let slope = above + 2.0 * (q * rise - radius * r * fall);
+                [r * above - radius * below, slope]
+            };
+            return Some(invert(0.0, [0.0, limit.undistorted], radius, crossing));
+        }
         let radial = |r: f64| {
             let q = r * r;
             let [factor, rate] = self.radial(q);
@@ -322,7 +339,8 @@ impl<const N: usize> Brown<N> {
     /// Whether there is no fold on the way from the middle to a point: past it there may be other places that are not turned over.
     ///
     /// The way is looked at from where a fold may be on. A step is a sixteenth of the way at most, and a quarter of the radius: what
-    /// folds near the middle is as wide as its radius, however far out the point is.
+    /// folds near the middle is as wide as its radius, however far out the point is. Where the determinant is least between two steps,
+    /// it is looked at more closely: a fold may be as narrow as it likes.
     fn is_before_fold(&self, limit: &Limit, point: DVec2) -> bool {
         let end = point.length();
         let mut radius = limit.probed;
@@ -332,14 +350,36 @@ impl<const N: usize> Brown<N> {
         if radius == 0.0 {
             radius = end / 256.0;
         }
+        // A last step that tells whether it falls or rises at the point.
+        let almost = end * (1.0 - 1.0 / 1024.0);
+        let determinant = |radius: f64| {
+            let mapped = self.distorted(limit, radius / end * point);
+            mapped.map_or(0.0, |mapped| mapped.determinant())
+        };
+        let mut last = [[radius, f64::INFINITY]; 2];
         // Written so that a NaN is looked at.
-        while radius < end {
-            if self.distorted(limit, radius / end * point).is_none() {
+        loop {
+            let here = [radius, determinant(radius)];
+            let [before, middle] = last;
+            if here[1] == 0.0
+                || (middle[1] < before[1] && middle[1] <= here[1])
+                    && !is_above_zero([before, middle, here], determinant)
+            {
                 return false;
             }
-            radius += (end / 16.0).min(radius / 4.0);
+            if radius >= end || radius.is_nan() {
+                return true;
+            }
+            last = [middle, here];
+            let next = radius + (end / 16.0).min(radius / 4.0);
+            radius = if next < almost {
+                next
+            } else if radius < almost {
+                almost
+            } else {
+                end
+            };
         }
-        self.distorted(limit, point).is_some()
     }
 
     /// The point, or the first on the way to the middle that is on this side of the fold.
@@ -348,6 +388,38 @@ impl<const N: usize> Brown<N> {
         let mut points = shares.map(|share| share * start).chain([DVec2::ZERO]);
         points.find(|&point| self.distorted(limit, point).is_some())
     }
+}
+
+/// Whether a function is above zero between three places, the middle one of which is the least, where it is at its least in between: by
+/// golden section (Kiefer, "Sequential Minimax Search for a Maximum", Proceedings of the AMS 4(3), 1953).
+fn is_above_zero([low, middle, high]: [[f64; 2]; 3], f: impl Fn(f64) -> f64) -> bool {
+    /// They leave a hundred-thousandth of the interval.
+    const STEPS: u32 = 24;
+    const SHARE: f64 = 0.381_966_011_250_105_1;
+    let (mut low, mut least, mut high) = (low[0], middle, high[0]);
+    for _ in 0..STEPS {
+        let is_below = least[0] - low > high - least[0];
+        let end = if is_below { low } else { high };
+        let x = least[0] + SHARE * (end - least[0]);
+        let there = [x, f(x)];
+        // Written so that a NaN fails.
+        let is_above = there[1] > 0.0;
+        if !is_above {
+            return false;
+        }
+        let (kept, dropped) = if there[1] < least[1] {
+            (there, least[0])
+        } else {
+            (least, x)
+        };
+        if dropped < kept[0] {
+            low = dropped;
+        } else {
+            high = dropped;
+        }
+        least = kept;
+    }
+    true
 }
 
 /// Whether any is not zero. A comparison of arrays would be a call.

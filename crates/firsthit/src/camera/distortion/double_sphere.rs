@@ -1,6 +1,6 @@
 //! The double sphere model: two spheres whose centres are `xi` apart, then a pinhole beside the second one's.
 //!
-//! Usenko, Demmel and Cremers, "The Double Sphere Camera Model", 3DV 2018, equations 40 to 52.
+//! Usenko, Demmel and Cremers, "The Double Sphere Camera Model", 3DV 2018, equations 40 to 42 and 46 to 52.
 
 use super::unified::{backmost, check_alpha, height};
 use super::{Distortion, Limit};
@@ -13,18 +13,10 @@ use crate::geometry::{DVec2, DVec3, require};
 parameters! {
     /// The double sphere model.
     pub struct DoubleSphere {
-        /// The distance between the spheres' centres; above -1.
+        /// The distance between the spheres' centres; above -1. Above 1 directions are seen whose -z is below 1 / xi of their length.
         xi = 0.0,
         /// From 0 to 1, as in the unified model.
         alpha = 0.0,
-    }
-}
-
-impl DoubleSphere {
-    /// How far behind the camera directions are still seen, as -z over the length: the paper's w2.
-    fn backmost(&self) -> f64 {
-        let (w1, xi) = (-backmost(self.alpha), self.xi);
-        (w1 + xi) / (2.0 * w1 * xi + xi * xi + 1.0).sqrt()
     }
 }
 
@@ -45,7 +37,7 @@ impl Distortion for DoubleSphere {
     ) -> ([A::Number; 3], A::Mask) {
         let Self { xi, alpha } = *self;
         let r2 = square(of, x, y);
-        let (mz, _) = height(of, alpha, r2);
+        let (mz, rest) = height(of, alpha, r2);
         let mz2 = of.mul(mz, mz);
         let under = of.add(mz2, of.mul(of.number(1.0 - xi * xi), r2));
         let factor = of.div(
@@ -54,9 +46,11 @@ impl Distortion for DoubleSphere {
         );
         let z = of.sub(of.mul(factor, mz), of.number(xi));
         let direction = [of.mul(factor, x), of.mul(factor, y), z];
-        let length = of.sqrt(of.add(square(of, direction[0], direction[1]), of.mul(z, z)));
-        // Beyond the model's end the formula gives what is seen elsewhere, or a NaN, which is nowhere below.
-        let known = of.lt(of.mul(of.number(-self.backmost()), length), z);
+        // Written so that a NaN is not known.
+        let mut known = of.lt(of.number(0.0), rest) & of.lt(of.number(0.0), under);
+        if xi >= 1.0 {
+            known = known & of.lt(of.number(0.0), mz);
+        }
         (direction, known)
     }
 
@@ -66,13 +60,14 @@ impl Distortion for DoubleSphere {
         let z = direction.z;
         let r2 = aside.length_squared();
         let d1 = (r2 + z * z).sqrt();
-        // Written so that a NaN fails.
-        let is_seen = z > -self.backmost() * d1;
+        let deeper = xi * d1 + z;
+        let d2 = (r2 + deeper * deeper).sqrt();
+        // Up to the fold of the second sphere; and of the first, which has one where the second's centre is outside it. The paper's w2,
+        // which takes a direction of the first sphere for one of the second, is not where they are. Written so that a NaN fails.
+        let is_seen = deeper > backmost(alpha) * d2 && (xi <= 1.0 || xi * z > -d1);
         if !is_seen {
             return None;
         }
-        let deeper = xi * d1 + z;
-        let d2 = (r2 + deeper * deeper).sqrt();
         let divisor = alpha * d2 + (1.0 - alpha) * deeper;
         (divisor > 0.0).then(|| aside / divisor)
     }
