@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use firsthit::camera::{Focus, PixelMatrix, StandardView};
 use firsthit::{DVec3, RayStart};
 
 use crate::values::{self, Parameters, Target};
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Camera")]
+#[command(next_help_heading = "Camera", group(ArgGroup::new("in other words").args(["intrinsics", "pose"]).multiple(true)))]
 pub(crate) struct CameraArgs {
     /// A camera of the file, by its name or its number (from 0), as firsthit info lists them; or the picture or point cloud that
     /// firsthit made with a camera, such as out.exr. The options below override what it says [default: the first one of a
@@ -48,7 +48,7 @@ pub(crate) struct CameraArgs {
     pub(crate) up: Option<DVec3>,
     /// The vertical field of view: degrees from the picture's lower to its upper edge; of a fisheye those of the circle that
     /// touches the longer edges, of a panorama those across [default: 45; 180 of a fisheye, 360 of a panorama]
-    #[arg(long, value_name = "DEGREES", value_parser = values::fov, conflicts_with_all = ["viewplane", "focal_length", "orthographic"], allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = values::fov, conflicts_with_all = ["viewplane", "focal_length", "orthographic", "parameters"], allow_hyphen_values = true)]
     pub(crate) fov: Option<f64>,
     /// The distance from the camera to the viewplane, in scene units
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, requires = "viewplane", allow_hyphen_values = true)]
@@ -75,7 +75,7 @@ pub(crate) struct CameraArgs {
     /// camera, the first pixel's centre is (0, 0); colmap: the same with (0.5, 0.5); ros: as opencv with the inverse matrix;
     /// opengl, blender, gltf, nerfstudio: x right, y up, z backwards, the matrix takes the camera to the world, (0.5, 0.5);
     /// pytorch3d: x left, y up, z forwards, the matrix takes rows of the world to the camera, (0.5, 0.5)
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::camera::Convention::NAMES), hide_possible_values = true)]
+    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::camera::Convention::NAMES), hide_possible_values = true, requires = "in other words")]
     pub(crate) convention: Option<String>,
     /// Perspective rays go through a viewplane, and orthographic ones are parallel. Panoramas: equirectangular, cylindrical,
     /// cube_map, octahedral. Fisheyes: equidistant, equisolid, stereographic, orthographic_fisheye, with --fov, by default 180.

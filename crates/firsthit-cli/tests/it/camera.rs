@@ -179,6 +179,11 @@ fn impossible_cameras_are_refused_by_their_parameter() {
             "cannot be used with",
         ),
         ("--fov 180", "degrees between 0 and 180"),
+        (
+            "--projection equirectangular --fov 90 --parameters vertical_fov=60",
+            "cannot be used with",
+        ),
+        ("--convention ros", "--intrinsics <FX,FY,CX,CY[,SKEW]>"),
         ("--focal-length 3", "--viewplane <WxH>"),
         (
             "--focal-length 0 --viewplane 3x2",

@@ -53,6 +53,36 @@ objects    4 in all
 }
 
 #[test]
+fn no_option_of_the_camera_goes_with_a_ray_of_ones_own() {
+    let lab = lab();
+    lab.write("pose.txt", "1 0 0 0 0 1 0 0 0 0 1 0");
+    for option in [
+        "--aperture 0.1",
+        "--focus 2",
+        "--aperture 0.1 --focus 2",
+        "--convention ros",
+        "--convention ros --pose pose.txt",
+        "--convention ros --intrinsics 4,4,2,1 --size 4x3",
+        "--projection opencv --parameters k1=0.1",
+        "--camera 0",
+        "--colmap . --image a",
+        "--view top",
+        "--position 1,2,3",
+        "--aim 1,2,3",
+        "--look-at auto",
+        "--up 0,0,1",
+        "--fov 40",
+        "--viewplane 1x1 --focal-length 1",
+        "--orthographic",
+        "--ray-start eye",
+        "--size 4x3",
+    ] {
+        let words = format!("probe squares.obj --ray 0,0,5,0,0,-1 {option}");
+        lab.fails(&words, 2, "cannot be used with");
+    }
+}
+
+#[test]
 fn limits_sides_and_hidden_objects_are_reasons() {
     let lab = lab();
     let reasons = |arguments: &str| {
