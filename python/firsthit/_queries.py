@@ -13,6 +13,7 @@ from ._arrays import count, fits, numbers, threads_or_all
 from ._hits import Hits
 from ._leaving import rays_of
 from ._progress import following, later
+from ._region import check_pixels
 from ._rounding import is_single
 from ._sensor import Sensor
 from ._source import Source, hits_arrays
@@ -131,6 +132,7 @@ class Queries(Traceable):
         if isinstance(origins, Sensor):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
+            check_pixels(*origins.shape)
             limits = [numbers("t_min", t_min), numbers("t_max", t_max)]
             for name, limit in zip(("t_min", "t_max"), limits, strict=True):
                 if not fits(limit.shape, (origins.rows, origins.columns)):

@@ -4,6 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+#: No memory has a byte for each: addresses have 47 bits.
+_MOST = 1 << 47
+
+
+def check_pixels(rows: int, columns: int) -> None:
+    """Refuse a picture of which no memory could hold a byte for each pixel."""
+    if rows * columns > _MOST:
+        raise MemoryError(f"{rows} rows of {columns} pixels do not fit into memory")
+
 
 class Region(NamedTuple):
     """A part of a picture: its first row and the one behind its last, and likewise its columns."""
@@ -16,6 +25,12 @@ class Region(NamedTuple):
     @classmethod
     def of(cls, region: object, shape: tuple[int, int]) -> Region:
         """Check what a user gave, for pictures of a shape."""
+        part = cls._part(region, shape)
+        check_pixels(*part.shape)
+        return part
+
+    @classmethod
+    def _part(cls, region: object, shape: tuple[int, int]) -> Region:
         if region is None:
             return cls(0, shape[0], 0, shape[1])
         slices = tuple(region) if isinstance(region, tuple | list) else (region,)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ._region import check_pixels
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -49,6 +51,7 @@ class Sensor:
         origins, directions : (rows, columns, 3) array of float64
             In world space; directions of length one, but for a `RaySensor`. Row 0 is the top row.
         """
+        check_pixels(*self.shape)
         origins, directions = self._native.rays((0, self.rows), 0)
         shape = (self.rows, self.columns, 3)
         return origins.reshape(shape), directions.reshape(shape)

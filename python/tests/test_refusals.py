@@ -165,3 +165,23 @@ def test_numbers_that_are_not_finite_go_without_a_warning_where_they_are_taken(n
     assert np.isinf(hits.t).all()
     assert np.isinf(ball().shoot(number, [0, 0, 1], dtype=np.float32).t).all()
     assert not ball().occluded(number, [0, 0, 1]).any()
+
+
+@pytest.mark.parametrize("size", [2**31, 2**32, 2**62])
+def test_a_picture_of_more_pixels_than_any_memory_is_one_error(size):
+    scene = ball()
+    camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, size, size)
+    for ask in (
+        lambda: fh.render(scene, camera),
+        lambda: fh.render(scene, camera, channels="z"),
+        lambda: next(iter(fh.render_progressively(scene, camera))),
+        lambda: scene.shoot(camera),
+        lambda: scene.shoot(camera, t_max=3),
+        lambda: scene.shoot_all(camera),
+        lambda: scene.occluded(camera),
+        camera.rays,
+    ):
+        with pytest.raises(MemoryError, match=f"{size} rows of {size} pixels do not fit"):
+            ask()
+    part = fh.render(scene, camera, channels="z", region=np.s_[:2, :3])
+    assert part["z"].shape == (2, 3)
