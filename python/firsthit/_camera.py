@@ -405,7 +405,8 @@ class Camera(Sensor):
         convention : str
             Whose words these are; it is never guessed. The table below says what each means.
         pose : (4, 4) or (3, 4) array_like, optional
-            The pose, without a scale or a mirror; the identity if left out.
+            The pose, without a scale or a mirror; the identity if left out. A rotation whose
+            numbers are up to 1e-3 off, as of three decimals, becomes the nearest one.
         projection : str
             ``perspective``, or one with distortion, such as ``opencv``.
         parameters : mapping of str to float, optional
@@ -421,6 +422,11 @@ class Camera(Sensor):
         ValueError
             For matrices of another shape or kind, an unknown convention, a focal length that is not
             positive, and what `Camera` refuses.
+
+        Warns
+        -----
+        FirsthitWarning
+            For a rotation that is rounded to less than four decimals.
 
         Notes
         -----

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import number, numbers, vector
+from ._errors import warn
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -78,13 +79,20 @@ def check_skew(model: str, skew: float) -> None:
 
 
 def pose4(value: npt.ArrayLike | None) -> list[list[float]]:
-    """Return a 4 x 4 matrix; the last row may be missing."""
+    """Return a 4 x 4 matrix; the last row may be missing, and a rotation be rounded."""
     if value is None:
         return np.eye(4).tolist()
     array = numbers("pose", value)
     if array.shape == (3, 4):
         array = np.vstack([array, (0.0, 0.0, 0.0, 1.0)])
-    return _matrix("pose", array, (4, 4))
+    made = _matrix("pose", array, (4, 4))
+    orthonormal = _firsthit.orthonormalised(made)
+    if orthonormal is None:
+        return made
+    turned, off = orthonormal
+    what = "the rotation is rounded, and the nearest one is taken: numbers change by up to"
+    warn(f"pose: {what} {off:.1e}")
+    return turned
 
 
 def rigid(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -450,6 +450,12 @@ pub(crate) fn rotation(vector: [f64; 3]) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| rotation.row(row).to_array())
 }
 
+/// A pose with a rounded rotation: with the nearest one, and how far off it was.
+#[pyfunction]
+pub(crate) fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64)> {
+    firsthit::camera::orthonormalised(pose)
+}
+
 /// Position, aim and up; rows and columns; projection and ray start; the lens' numbers by their names.
 pub(crate) type ViewOut = (
     [[f64; 3]; 3],

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use firsthit::camera::{
-    Aim, ColmapImages, Convention, Description, Lens, Opening, PixelMatrix, StandardView, Viewplane,
+    Aim, ColmapImages, Convention, Description, Lens, Opening, PixelMatrix, StandardView,
+    Viewplane, orthonormalised,
 };
 use firsthit::error::{escape_controls, escaped};
 use firsthit::sensor::camera_of;
@@ -11,7 +12,7 @@ use firsthit::world::{NamedCamera, World};
 use firsthit::{Camera, DVec3, Projection, Scene};
 
 use crate::args::CameraArgs;
-use crate::console::in_words;
+use crate::console::{in_words, warn};
 use crate::failure::Failure;
 use crate::hints::{span, triple};
 use crate::values::Target;
@@ -444,7 +445,13 @@ fn posed(
         numbers.extend([0.0, 0.0, 0.0, 1.0]);
     }
     let row = |k: usize| [0, 1, 2, 3].map(|column| numbers[4 * k + column]);
-    let pose = convention.pose([row(0), row(1), row(2), row(3)]);
+    let mut pose = [row(0), row(1), row(2), row(3)];
+    if let Some((turned, off)) = orthonormalised(pose) {
+        let what = "the rotation is rounded, and the nearest one is taken: numbers change by up to";
+        warn(&[format!("{}: {what} {off:.1e}", escaped(path))]);
+        pose = turned;
+    }
+    let pose = convention.pose(pose);
     let pose = pose.map_err(|error| wrong(&error.to_string()))?;
     Ok(Description {
         position: Some(pose.translation),

@@ -368,6 +368,22 @@ fn what_makes_no_camera_is_told() {
     lab.fails(&pose, 3, "without a scale or a mirror");
 }
 
+#[test]
+fn a_pose_of_three_decimals_is_taken_with_a_warning() {
+    let lab = Lab::with_square();
+    let render =
+        "render square.ply -o x.npy --channels z --size 5x3 --pose pose.txt --convention ros";
+    lab.write("pose.txt", "0.867 0.5 0 1\n-0.5 0.867 0 2\n0 0 1 3\n");
+    let outcome = lab.ok(render);
+    let expected =
+        "pose.txt: the rotation is rounded, and the nearest one is taken: numbers change by up to";
+    assert!(outcome.stderr.contains(expected), "{}", outcome.stderr);
+    lab.write("pose.txt", "0.866 0.5 0 1\n-0.5 0.866 0 2\n0 0 1 3\n");
+    assert!(!lab.ok(render).stderr.contains("rounded"));
+    lab.write("pose.txt", "0.87 0.5 0 1\n-0.5 0.87 0 2\n0 0 1 3\n");
+    lab.fails(render, 3, "without a scale or a mirror");
+}
+
 /// Two images of the camera of `an_intrinsic_matrix_and_a_pose_make_the_camera`: from above and from nearer.
 const CAMERAS_OF_COLMAP: &str = "1 PINHOLE 5 3 4 4 2.5 1.5\n2 FOV 5 3 4 4 2.5 1.5 0.9\n";
 const IMAGES_OF_COLMAP: &str =

@@ -168,6 +168,38 @@ pub(super) fn is_rotation(matrix: &DMat3) -> bool {
     off.iter().all(|x| x.abs() < 1e-4) && matrix.determinant() > 0.0
 }
 
+/// A pose whose rotation is none to 1e-4, but no number of which is farther than 1e-3 from one, as where a file has three decimals: the
+/// pose with the nearest rotation, and how far a number was off. `None` for all others. It is the same for every [`Convention`].
+///
+/// ```
+/// use firsthit::camera::orthonormalised;
+///
+/// let turned = |c: f64| [[c, 0.5, 0.0, 1.0], [-0.5, c, 0.0, 2.0], [0.0, 0.0, 1.0, 3.0], [0.0, 0.0, 0.0, 1.0]];
+/// assert_eq!(orthonormalised(turned(0.866)), None);
+/// let (again, off) = orthonormalised(turned(0.867)).unwrap();
+/// assert!((again[0][0].hypot(again[0][1]) - 1.0).abs() < 1e-15 && off < 1e-3);
+/// ```
+pub fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64)> {
+    const FARTHEST: f64 = 1e-3;
+    let column = |k: usize| DVec3::new(pose[0][k], pose[1][k], pose[2][k]);
+    let given = DMat3::from_cols(column(0), column(1), column(2));
+    let square = (given.transpose() * given - DMat3::IDENTITY).to_cols_array();
+    // Else the steps below may not come near. Written so that a NaN fails.
+    let is_near = square.iter().all(|x| x.abs() < 0.1) && given.determinant() > 0.0;
+    if !is_near || is_rotation(&given) {
+        return None;
+    }
+    // The polar factor by Newton's method, each step of which squares what is off (Higham, "Computing the Polar Decomposition", 1986).
+    let nearest = (0..5).fold(given, |m, _| (m + m.inverse().transpose()) * 0.5);
+    let off = (nearest - given).to_cols_array();
+    let off = off.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let mut turned = pose;
+    for (k, row) in turned.iter_mut().take(3).enumerate() {
+        row[..3].copy_from_slice(&nearest.row(k).to_array());
+    }
+    (off <= FARTHEST).then_some((turned, off))
+}
+
 /// The rotation about `vector` by its length in radians, as `cv2.Rodrigues` has it.
 ///
 /// ```
@@ -283,6 +315,45 @@ mod tests {
             let back = convention.pose(m).unwrap();
             assert!(back.abs_diff_eq(camera.world_from_camera(), 1e-14));
         }
+    }
+
+    /// The columns of a rotation, rounded.
+    #[test]
+    fn poses_of_three_decimals_are_made_orthonormal_and_others_left() {
+        let mut made = 0;
+        for k in 0..200 {
+            let angle = f64::from(k);
+            let vector = DVec3::new(
+                libm::sin(angle),
+                libm::cos(2.0 * angle),
+                libm::sin(0.7 * angle),
+            );
+            let pose_of = |m: DMat3| {
+                let row = |k: usize| [m.row(k).x, m.row(k).y, m.row(k).z, 4.0];
+                [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
+            };
+            let turn = rotation(vector);
+            assert_eq!(orthonormalised(pose_of(turn)), None);
+            let rounded = turn.to_cols_array().map(|x| (1000.0 * x).round() / 1000.0);
+            let given = pose_of(DMat3::from_cols_array(&rounded));
+            if Convention::Ros.pose(given).is_ok() {
+                continue;
+            }
+            made += 1;
+            let (again, off) = orthonormalised(given).unwrap();
+            assert!(off <= 1e-3, "{off}");
+            let pose = Convention::Ros.pose(again).unwrap();
+            let square = pose.matrix3.transpose() * pose.matrix3 - DMat3::IDENTITY;
+            assert!(square.to_cols_array().iter().all(|x| x.abs() < 1e-15));
+            assert_eq!(pose.translation, DVec3::splat(4.0));
+            for factor in [1.01, -1.0] {
+                assert_eq!(
+                    orthonormalised(given.map(|row| row.map(|x| factor * x))),
+                    None
+                );
+            }
+        }
+        assert!(made > 100, "{made}");
     }
 
     #[test]
