@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from typing import TYPE_CHECKING, get_args
 
 import numpy as np
@@ -12,10 +11,12 @@ from . import _colmap, _conventions, _firsthit
 from ._arrays import count, index, number, numbers, text, vector, vectors
 from ._conventions import OpenCvCamera
 from ._errors import warn
+from ._read_cameras import ReadCameras
 from ._sensor import Sensor
 from ._types import Projection
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Mapping
 
     import numpy.typing as npt
@@ -30,10 +31,17 @@ _FLAT = ("perspective", "orthographic")
 _LENGTHS = ("focal_length", "width", "height")
 #: The numbers of its thin lens, which are too.
 _LENS = ("aperture", "focus")
+#: Rows and columns of faces of each layout of a cube map.
+_CUBES: dict[str, tuple[int, int]]
+_CUBES = {"row": (1, 6), "column": (6, 1), "two rows": (2, 3), "cross": (3, 4)}
 
 
-class Camera(Sensor):
+class Camera(ReadCameras, Sensor):
     """A camera at any position, with any aim: it makes a ray for every pixel. Immutable.
+
+    Rays start on the viewplane unless ``ray_start`` is ``"eye"``: what is nearer than
+    ``focal_length``, in scene units, is not seen. A focal length of 1500 is behind most scenes;
+    `from_intrinsics` takes focal lengths in pixels, and its rays start at the eye.
 
     All vectors are in world space, all lengths in scene units. The camera's own frame is
     right-handed: ``right``, ``upwards``, and backwards, against ``aim``. Row 0 is the top row, and
@@ -548,50 +556,6 @@ class Camera(Sensor):
             projection=kind,
             parameters=named,
         )
-
-    @classmethod
-    def from_colmap(
-        cls, cameras: str | os.PathLike[str], images: str | os.PathLike[str] | None = None
-    ) -> dict[str, Camera]:
-        """Read the cameras of a COLMAP reconstruction.
-
-        Parameters
-        ----------
-        cameras, images : path-like
-            ``cameras.bin`` and ``images.bin``, or ``cameras.txt`` and ``images.txt``; or only the
-            folder that has them. Of a folder that has both pairs the binary one is read.
-
-        Returns
-        -------
-        dict of str to Camera
-            A camera for each image, by the image's name, in the order of the file.
-
-        Raises
-        ------
-        FileReadError
-            If the system refuses to read a file; also an `OSError`.
-        FileFormatError
-            For a file that is cut off or has more than it says, numbers that are not finite, a
-            camera or a name that is there twice, a model that COLMAP does not have, and a folder
-            without the files; also a `ValueError`.
-
-        Warns
-        -----
-        FirsthitWarning
-            For images of the models ``SIMPLE_DIVISION``, ``DIVISION`` and ``EQUIRECTANGULAR``,
-            which are no lenses here: they are left out.
-        """
-        if images is None:
-            cameras, images = _colmap.files(cameras)
-        content = _colmap.content(cameras), _colmap.content(images)
-        paths = os.fspath(cameras), os.fspath(images)
-        read, unsupported = _firsthit.Camera.of_colmap(content, paths)
-        if unsupported:
-            images_, models = zip(*unsupported, strict=True)
-            which = f"{len(images_)} images are left out, such as {images_[0]!r}"
-            known = ", ".join(sorted(set(models)))
-            warn(f"{paths[1]}: {which}: their models are not supported ({known})")
-        return {name: cls._of(native) for name, native in read}
 
     @classmethod
     def from_projection_matrix(

@@ -93,6 +93,9 @@ def test_cameras(page, tmp_path):
     model.mkdir(parents=True)
     (model / "cameras.txt").write_text("1 PINHOLE 64 48 60 60 32 24\n")
     (model / "images.txt").write_text("1 1 0 0 0 0 0 9 1 frames/0001.jpg\n\n")
+    frame = {"file_path": "1.png", "transform_matrix": np.eye(4).tolist()}
+    said = {"w": 64, "h": 48, "camera_angle_x": 0.9, "frames": [frame]}
+    (tmp_path / "transforms.json").write_text(json.dumps(said))
     np.savetxt("pose.txt", np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 9]]))
     scene = fh.load("scan.ply")
     camera = fh.Camera.framing(scene, rows=48, columns=64)
