@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from ._colmap import ColmapCamera
     from ._traceable import Traceable
-    from ._types import Convention, FisheyeName, RayStart, Vector, ViewName
+    from ._types import Convention, CubeLayout, FisheyeName, RayStart, Vector, ViewName
 
 #: The projections with a viewplane.
 _FLAT = ("perspective", "orthographic")
@@ -106,7 +106,7 @@ class Camera(ReadCameras, Sensor):
                                    and:
     ``opencv``                     ``k1`` to ``k6``, ``p1``, ``p2``, ``s1`` to ``s4``, ``tau_x``,
                                    ``tau_y``
-    ``opencv_fisheye``             ``k1`` to ``k4``
+    ``opencv_fisheye``             ``k1`` to ``k4``; ``fov``, beyond which nothing is seen
     ``kannala_brandt``             ``k1`` to ``k5``
     ``double_sphere``              ``xi``, ``alpha``
     ``eucm``                       ``alpha``, ``beta``
@@ -338,6 +338,55 @@ class Camera(ReadCameras, Sensor):
         return cls(position, aim, up, *lengths, rows, columns, kind, "eye", parameters)
 
     @classmethod
+    def cube_map(
+        cls,
+        position: npt.ArrayLike,
+        aim: npt.ArrayLike,
+        up: npt.ArrayLike,
+        face: int,
+        layout: CubeLayout = "row",
+    ) -> Camera:
+        """Make a camera that sees all directions, on the six faces of a cube.
+
+        Each face is a perspective picture of 90 degrees, seen from inside.
+
+        Parameters
+        ----------
+        position : (3,) array_like
+            The point, in world space, where the camera is.
+        aim, up : (3,) array_like
+            The directions of the middles of the front and of the upper face, of any length but
+            zero; not parallel.
+        face : int
+            Pixels along an edge of a face.
+        layout : {"row", "column", "two rows", "cross"}
+            How the faces lie: right, left, up, down, front, back in a row or a column, three of
+            them above the others, or a cross in which up and down are above and below the front.
+
+        Returns
+        -------
+        Camera
+            Its rays start at ``position``. Of a cross the pixels beside the faces have none.
+
+        Raises
+        ------
+        ValueError
+            For an unknown layout, directions that do not fit, no pixels, and numbers that are not
+            finite.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> camera = fh.Camera.cube_map((0, 0, 0), (0, 1, 0), (0, 0, 1), face=3)
+        >>> camera.rays()[1][1, 1::3].tolist()[:3]  # The middles of right, left, up.
+        [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+        """
+        if layout not in _CUBES:
+            raise ValueError(f"layout must be one of {', '.join(_CUBES)}, got {layout!r}")
+        down, across = (each * count("face", face, 1) for each in _CUBES[layout])
+        return cls(position, aim, up, None, None, None, down, across, "cube_map", "eye")
+
+    @classmethod
     def fisheye(
         cls,
         position: npt.ArrayLike,
@@ -361,9 +410,10 @@ class Camera(ReadCameras, Sensor):
             ``orthographic_fisheye``. What is beyond it is not seen.
         rows, columns : int
             Pixels down and across.
-        projection : {"equidistant", "equisolid", "stereographic", "orthographic_fisheye"}
-            The distance from the middle as a function of the angle a to the aim: a,
-            2 sin(a / 2), 2 tan(a / 2), sin(a).
+        projection : str
+            The distance from the middle as a function of the angle a to the aim:
+            ``equidistant`` a, ``equisolid`` 2 sin(a / 2), ``stereographic`` 2 tan(a / 2),
+            ``orthographic_fisheye`` sin(a); ``opencv_fisheye`` a, without distortion.
 
         Returns
         -------
@@ -495,11 +545,13 @@ class Camera(ReadCameras, Sensor):
         ----------
         K : (3, 3) or (4,) array_like
             The camera matrix, or its (fx, fy, cx, cy), in which the centre of the first pixel is at
-            (0, 0).
+            (0, 0). Of a fisheye ``K[0, 1]`` is ``alpha`` times fx, as ``cv2.fisheye.calibrate``
+            writes it.
         distortion : (n,), (1, n) or (n, 1) array_like, optional
             OpenCV's coefficients in its order: 4, 5, 8, 12 or 14 of them; 4 of the other models.
-        rvec : (3,) array_like, optional
-            The rotation from the world to the camera as axis times angle in radians.
+        rvec : (3,) or (3, 3) array_like, optional
+            The rotation from the world to the camera as axis times angle in radians, or as a
+            matrix.
         tvec : (3,) array_like
             The translation from the world to the camera.
         R : (3, 3) array_like, optional
@@ -519,8 +571,8 @@ class Camera(ReadCameras, Sensor):
         Raises
         ------
         ValueError
-            For both ``rvec`` and ``R``, other numbers of coefficients, a skew in K, which
-            ``cv2.projectPoints`` and ``cv2.fisheye`` leave out, and what `from_intrinsics` refuses.
+            For both ``rvec`` and ``R``, other numbers of coefficients, a skew in K with the model
+            ``pinhole``, which ``cv2.projectPoints`` leaves out, and what `from_intrinsics` refuses.
 
         Examples
         --------

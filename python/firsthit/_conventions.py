@@ -32,7 +32,7 @@ class OpenCvCamera(NamedTuple):
     Attributes
     ----------
     K : (3, 3) array of float64
-        The camera matrix.
+        The camera matrix. ``cv2.fisheye`` takes its skew as ``alpha = K[0, 1] / K[0, 0]``.
     distortion : (n,) array of float64
         The coefficients: 0, 4, 5, 8, 12 or 14 for ``cv2.projectPoints``, 4 for ``cv2.fisheye`` and
         ``cv2.omnidir``.
@@ -72,10 +72,9 @@ def intrinsics(value: npt.ArrayLike) -> list[list[float]]:
 
 
 def check_skew(model: str, skew: float) -> None:
-    """Refuse a skew in K where OpenCV's functions for a model do not look at it."""
-    functions = {"pinhole": "cv2.projectPoints", "fisheye": "cv2.fisheye"}
-    if skew != 0.0 and model in functions:
-        raise ValueError(f"{functions[model]} takes no skew in K, got {skew}")
+    """Refuse a skew in K where no function of OpenCV's for a model takes it."""
+    if skew != 0.0 and model == "pinhole":
+        raise ValueError(f"cv2.projectPoints takes no skew in K, got {skew}")
 
 
 def pose4(value: npt.ArrayLike | None) -> list[list[float]]:
@@ -126,6 +125,8 @@ def rotation_of(
     if rotation is not None:
         return np.array(matrix3("R", rotation))
     given = numbers("rvec", rvec)
+    if given.shape == (3, 3):
+        return np.array(matrix3("rvec", given))
     if given.shape in ((3, 1), (1, 3)):
         given = given.ravel()
     return np.array(_firsthit.rotation(vector("rvec", given)))

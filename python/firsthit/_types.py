@@ -128,7 +128,11 @@ Projection = Literal[
     "orthographic_fisheye",
 ]
 #: Fisheyes that a field of view is enough for.
-FisheyeName = Literal["equidistant", "equisolid", "stereographic", "orthographic_fisheye"]
+FisheyeName = Literal[
+    "equidistant", "equisolid", "stereographic", "orthographic_fisheye", "opencv_fisheye"
+]
+#: How the faces of a cube map lie, see `Camera.cube_map`.
+CubeLayout = Literal["row", "column", "two rows", "cross"]
 #: How other programs write cameras, see `Camera.from_intrinsics`.
 Convention = Literal[
     "opencv", "opengl", "colmap", "blender", "ros", "pytorch3d", "nerfstudio", "gltf"

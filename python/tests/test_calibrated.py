@@ -546,21 +546,93 @@ def test_an_output_says_which_camera_made_it(tmp_path, suffix):
         fh.Camera.load(tmp_path / "none.npz")
 
 
-@pytest.mark.parametrize("kind", ["perspective", "opencv", "opencv_fisheye"])
+@pytest.mark.parametrize("kind", ["perspective", "opencv"])
 def test_a_skew_that_opencv_leaves_out_is_refused(kind):
     k = np.array([[100.0, 5, 32], [0, 100, 24], [0, 0, 1]])
     size = {"rows": 48, "columns": 64}
-    model = "fisheye" if kind == "opencv_fisheye" else "pinhole"
     # What OpenCV says is the same with and without it.
     points, zero = np.array([[[0.1, 0.2, 1.0]]]), np.zeros(3)
-    project = cv2.fisheye.projectPoints if model == "fisheye" else cv2.projectPoints
-    seen = [project(points, zero, zero, each, np.zeros(4))[0] for each in (k, k * (k != 5))]
+    seen = [
+        cv2.projectPoints(points, zero, zero, each, np.zeros(4))[0] for each in (k, k * (k != 5))
+    ]
     assert np.array_equal(*seen)
     with pytest.raises(ValueError, match="takes no skew in K, got 5"):
-        fh.Camera.from_opencv(k, model=model, **size)
+        fh.Camera.from_opencv(k, **size)
     camera = fh.Camera.from_intrinsics(k, projection=kind, convention="opencv", **size)
     with pytest.raises(ValueError, match="takes no skew in K, got 5"):
         camera.to_opencv()
+
+
+def test_the_skew_of_a_fisheye_is_opencvs_alpha_times_fx():
+    k = np.array([[100.0, 5, 32], [0, 101, 24], [0, 0, 1]])
+    d = np.array([0.02, -0.005, 0.001, 0.0002])
+    points, zero = np.random.default_rng(5).uniform(-1, 1, (20, 3)), np.zeros(3)
+    points[:, 2] += 2
+    flat, _ = cv2.fisheye.projectPoints(points[None], zero, zero, k, d, alpha=k[0, 1] / k[0, 0])
+    camera = fh.Camera.from_opencv(k, d, rows=48, columns=64, model="fisheye")
+    np.testing.assert_allclose(camera.project(points), flat[0] + 0.5, atol=1e-9)
+    assert np.allclose(camera.to_opencv().K, k, atol=1e-13)
+
+
+def test_rvec_may_be_a_matrix():
+    turned, _ = cv2.Rodrigues(np.array([0.3, -0.5, 0.2]))
+    given = {"K": (60, 60, 32, 24), "rows": 48, "columns": 64, "tvec": (1, 2, 3)}
+    assert fh.Camera.from_opencv(rvec=turned, **given) == fh.Camera.from_opencv(R=turned, **given)
+
+
+def test_poses_of_three_decimals_become_the_nearest_rotation_with_a_warning():
+    rng, warned = np.random.default_rng(8), 0
+    for _ in range(50):
+        turned, _ = cv2.Rodrigues(rng.normal(size=3))
+        pose = np.column_stack([turned.round(3), (1, 2, 3)])
+        given = {"K": (60, 60, 32, 24), "rows": 48, "columns": 64, "convention": "blender"}
+        if np.abs(pose[:, :3].T @ pose[:, :3] - np.eye(3)).max() < 1e-4:
+            continue
+        warned += 1
+        with pytest.warns(fh.FirsthitWarning, match="rotation is rounded"):
+            camera = fh.Camera.from_intrinsics(pose=pose, **given)
+        u, _, v = np.linalg.svd(pose[:, :3])
+        np.testing.assert_allclose(camera.to_convention("blender")[1][:3, :3], u @ v, atol=1e-13)
+        with pytest.warns(fh.FirsthitWarning, match="rotation is rounded"):
+            camera.moved(pose)
+    assert warned > 30
+    for wrong in (np.diag([1.01, 1.01, 1.01, 1]), np.diag([1, 1, -1, 1])):
+        with pytest.raises(ValueError, match="without a scale or a mirror"):
+            fh.Camera.from_intrinsics(pose=wrong, **given)
+
+
+def test_an_opencv_fisheye_sees_nothing_beyond_its_field_of_view():
+    given = {"K": (30, 30, 32, 24), "rows": 48, "columns": 64, "convention": "colmap"}
+    parameters = {"k1": 0.01, "fov": 120}
+    camera = fh.Camera.from_intrinsics(projection="opencv_fisheye", parameters=parameters, **given)
+    assert camera.parameters["fov"] == 120
+    angles = np.radians([59.9, 60.1])
+    seen = camera.project(np.stack([np.sin(angles), 0 * angles, -np.cos(angles)], axis=-1))
+    assert np.isfinite(seen[:, 0]).tolist() == [True, False]
+    # Without a distortion it is an equidistant one.
+    others = (0, 0, 0), (0, 0, -1), (0, 1, 0), 100, 48, 64
+    both = [fh.Camera.fisheye(*others, kind) for kind in ("opencv_fisheye", "equidistant")]
+    rays = [camera.rays()[1] for camera in both]
+    np.testing.assert_allclose(*rays, atol=1e-14)
+    with pytest.raises(ValueError, match="COLMAP has no model for opencv_fisheye with fov"):
+        both[0].to_colmap()
+
+
+@pytest.mark.parametrize(
+    ("layout", "shape"),
+    [("row", (4, 24)), ("column", (24, 4)), ("two rows", (8, 12)), ("cross", (12, 16))],
+)
+def test_a_cube_map_sees_every_direction(layout, shape):
+    camera = fh.Camera.cube_map((1, 2, 3), (0, 1, 0), (0, 0, 1), 4, layout)
+    assert camera.shape == shape
+    directions = camera.rays()[1]
+    seen = np.isfinite(directions[..., 0])
+    assert seen.sum() == 6 * 16
+    assert np.abs(directions[seen].sum(axis=0)).max() < 1e-12
+    toward = np.random.default_rng(1).normal(size=(50, 3))
+    assert np.isfinite(camera.project(camera.position + toward)).all()
+    with pytest.raises(ValueError, match="layout must be one of row, column, two rows, cross"):
+        fh.Camera.cube_map((0, 0, 0), (0, 1, 0), (0, 0, 1), 4, "dice")
 
 
 def test_cropped_and_binned_cameras_see_the_same():

@@ -98,7 +98,8 @@ impl<D: Distortion> Parameters for Calibrated<D> {
 
     /// Cameras without a lens do not speak of one.
     fn is_silent(&self, name: &str) -> bool {
-        matches!(name, "aperture" | "focus") && self.aperture == 0.0 && self.focus == 0.0
+        let has_lens = self.aperture != 0.0 || self.focus != 0.0;
+        !has_lens && matches!(name, "aperture" | "focus") || self.distortion.is_silent(name)
     }
 }
 

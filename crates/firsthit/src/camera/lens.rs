@@ -248,6 +248,13 @@ impl Lens {
             Projection::OrthographicFisheye => {
                 Self::OrthographicFisheye(within(OrthographicFisheye { fov }, size)?)
             }
+            Projection::OpenCvFisheye => {
+                let without_distortion = OpenCvFisheye {
+                    fov,
+                    ..OpenCvFisheye::default()
+                };
+                Self::OpenCvFisheye(within(without_distortion, size)?)
+            }
             Projection::Equirectangular | Projection::Cylindrical => {
                 Self::named(projection, &[("horizontal_fov", fov)])?
             }

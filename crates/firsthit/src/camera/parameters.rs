@@ -12,9 +12,12 @@ pub(super) trait Parameters {
     }
 }
 
-/// Makes a struct of named numbers, all of which are zero unless said otherwise.
+/// Makes a struct of named numbers, all of which are zero unless said otherwise. One that is `silent` is not listed while it is what
+/// it is by default.
 macro_rules! parameters {
-    ($(#[$doc:meta])* pub struct $kind:ident { $($(#[$of_field:meta])* $field:ident = $default:expr,)* }) => {
+    ($(#[$doc:meta])* pub struct $kind:ident $((silent $silent:ident))? {
+        $($(#[$of_field:meta])* $field:ident = $default:expr,)*
+    }) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct $kind {
@@ -31,6 +34,11 @@ macro_rules! parameters {
             fn each(&mut self, _visit: &mut dyn FnMut(&'static str, &mut f64)) {
                 $(_visit(stringify!($field), &mut self.$field);)*
             }
+            $(
+                fn is_silent(&self, name: &str) -> bool {
+                    name == stringify!($silent) && self.$silent == Self::default().$silent
+                }
+            )?
         }
     };
 }

@@ -186,6 +186,8 @@ const ANGLE_POLYNOMIAL: &[Key] = keys! {
     k3: optional(Form::Number),
     /// The next.
     k4: optional(Form::Number),
+    /// Degrees across the circle beyond which nothing is seen. Default: 360.
+    fov: optional(Form::UpTo(360.0)),
 };
 
 const KANNALA_BRANDT: &[Key] = keys! {
@@ -505,6 +507,7 @@ fn opening(
             let numbers = known.filter_map(|(name, _)| Some((name, section.number(name)?)));
             let mut numbers: Vec<(&str, f64)> = numbers.collect();
             numbers.extend([("cx", matrix.cx), ("cy", matrix.cy)]);
+            numbers.extend(section.number("fov").map(|fov| ("fov", fov)));
             section.checked(Lens::named(projection, &numbers))?
         };
         let size = [rows, columns];

@@ -415,6 +415,27 @@ fn directions_of_double_spheres_do_not_share_a_pixel() {
     }
 }
 
+#[test]
+fn an_opencv_fisheye_ends_at_its_field_of_view() {
+    let own = [("k1", 0.02), ("fov", 120.0)];
+    let camera = calibrated(Projection::OpenCvFisheye, 80.0, &own);
+    let edge = std::f64::consts::FRAC_PI_3;
+    let radius = 80.0 * edge * (1.0 + 0.02 * edge * edge);
+    for column in 0..200 {
+        let off = (column as f64 - 99.5).abs();
+        let ray = camera.ray_within(100, column, DVec2::new(0.5, 1.0));
+        assert_eq!(ray.is_valid(), off < radius, "{column}");
+    }
+    // It touches the longer edges, and is said again.
+    let lens = Lens::with_fov(Projection::OpenCvFisheye, 180.0, ROWS, COLUMNS).unwrap();
+    let whole = Camera::new(view(lens)).unwrap();
+    assert!(whole.ray(0, COLUMNS / 2).is_valid() && !whole.ray(0, 0).is_valid());
+    assert!(lens.parameters().contains(&("fov", 180.0)));
+    let text = serde_json::to_string(&camera_record(&whole)).unwrap();
+    let record: CameraRecord = serde_json::from_str(&text).unwrap();
+    assert_eq!(camera_of(&record).unwrap(), whole);
+}
+
 /// A camera whose normalised image is `pixels` to a unit, with the middle of the picture ahead.
 fn calibrated(projection: Projection, pixels: f64, own: &[(&str, f64)]) -> Camera {
     let middle = [("fx", pixels), ("fy", pixels), ("cx", 100.0), ("cy", 100.0)];

@@ -284,7 +284,7 @@ parameters! {
 
 parameters! {
     /// The radius is a (1 + k1 a² + k2 a⁴ + k3 a⁶ + k4 a⁸) for an angle a, as in `cv2.fisheye`.
-    pub struct OpenCvFisheye {
+    pub struct OpenCvFisheye (silent fov) {
         /// Of the angle's third power.
         k1 = 0.0,
         /// Of its fifth power.
@@ -293,6 +293,8 @@ parameters! {
         k3 = 0.0,
         /// Of its ninth power.
         k4 = 0.0,
+        /// The field of view in degrees: what is beyond it is not seen.
+        fov = 360.0,
     }
 }
 
@@ -308,6 +310,10 @@ impl Parameters for AngleSeries {
 trait AnglePolynomial<const N: usize>: Parameters + Copy + Send + Sync {
     /// The coefficients of the odd powers.
     fn odd(&self) -> [f64; N];
+    /// The angle beyond which nothing is seen in any case.
+    fn edge(&self) -> Result<f64> {
+        Ok(PI)
+    }
 }
 
 impl AnglePolynomial<5> for KannalaBrandt {
@@ -319,6 +325,10 @@ impl AnglePolynomial<5> for KannalaBrandt {
 impl AnglePolynomial<5> for OpenCvFisheye {
     fn odd(&self) -> [f64; 5] {
         [1.0, self.k1, self.k2, self.k3, self.k4]
+    }
+
+    fn edge(&self) -> Result<f64> {
+        half_fov(self.fov, 360.0)
     }
 }
 
@@ -389,7 +399,7 @@ macro_rules! polynomial_models {
     ($($model:ty),*) => {$(
         impl RadialModel for $model {
             fn largest_angle(&self) -> Result<f64> {
-                largest_angle(&self.odd())
+                Ok(largest_angle(&self.odd())?.min(self.edge()?))
             }
 
             fn radius(&self, angle: f64) -> f64 {
