@@ -1188,6 +1188,17 @@ class Camera(ReadCameras, Sensor):
         return _given, (type(self), *self._arguments)
 
 
+def warn_before_viewplane(scene: _firsthit.Scene, camera: Sensor) -> None:
+    """Warn where a camera sees nothing because its rays start behind what there is."""
+    if not isinstance(camera, Camera) or camera.ray_start == "eye":
+        return
+    passed = _firsthit.before_viewplane(scene, camera._native)
+    if passed:
+        objects = "1 object is" if passed == 1 else f"{passed} objects are"
+        why = "where this camera's rays start, and it sees nothing else"
+        warn(f'{objects} between the eye and the viewplane, {why}; ray_start="eye" sees them')
+
+
 def _parameters(given: Mapping[str, float] | None) -> dict[str, float]:
     if given is None:
         return {}

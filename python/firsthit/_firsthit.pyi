@@ -40,6 +40,7 @@ __all__ = [
     "attribute",
     "attribute_names",
     "axes_from",
+    "before_viewplane",
     "channel",
     "channel_names",
     "check_edges",
@@ -584,6 +585,7 @@ def visible(
 #: A pixel's camera, column and row, its ray's ends, and what that does not meet.
 _PixelRay = tuple[Camera, tuple[int, int], tuple[float, float], _Filters | None]
 
+def before_viewplane(scene: Scene, camera: Camera) -> int: ...
 def explain(
     scene: Scene,
     explained: _Rays | _PixelRay,

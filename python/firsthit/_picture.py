@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import number, threads_or_all
-from ._camera import Camera
+from ._camera import Camera, warn_before_viewplane
 from ._colors import colors_of
 from ._edges import Edges
 from ._environment import Environment
@@ -127,6 +127,7 @@ class Picture(NamedTuple):
 
     def frame(self, progress: Progress | None) -> Frame:
         """Make it."""
+        warn_before_viewplane(self.native, self.camera)
         pixels = math.prod(self.part.shape)
         work = _firsthit.render_work(pixels, self.asked, self.samples)
         owned = pixels * self.samples if self._has_own_colors else 0
@@ -145,6 +146,7 @@ class Picture(NamedTuple):
         asked for.
         """
         check(progress)
+        warn_before_viewplane(self.native, self.camera)
         least = 1
         try:
             _firsthit.check_samples(self.camera._native, 1)

@@ -10,6 +10,7 @@ import numpy as np
 from . import _firsthit
 from ._all_hits import shoot_all, shoot_nearest
 from ._arrays import count, fits, numbers, threads_or_all
+from ._camera import warn_before_viewplane
 from ._hits import Hits
 from ._leaving import rays_of
 from ._progress import following, later
@@ -142,6 +143,8 @@ class Queries(Traceable):
             with following(progress, length) as report:
                 if is_open and all(option is None for option in (masks, cull, skip)):
                     hits = shoot_camera(built, origins, use, report)
+                    if not (hits.object >= 0).any():
+                        warn_before_viewplane(built.native, origins)
                 else:
                     rays = rays_of(origins, None, *limits, masks=masks, cull=cull, skip=skip)
                     limits = list(rays.arrays[2:])

@@ -1,13 +1,16 @@
 //! The explanation of one ray.
 
 use firsthit::Rays;
-use firsthit::explain::{ExplainSettings, Explanation, explain as explain_ray, explain_pixel};
+use firsthit::explain::{
+    ExplainSettings, Explanation, before_viewplane as passed_by, explain as explain_ray,
+    explain_pixel,
+};
 use pyo3::prelude::*;
 
 use crate::arrays::RayArrays;
 use crate::camera::Camera;
 use crate::filters::FilterArrays;
-use crate::run::run;
+use crate::run::{guarded, run};
 use crate::scene::Scene;
 
 /// The ray through a pixel: the camera, the column and the row, `t_min` and `t_max`, and what the ray does not meet.
@@ -25,6 +28,13 @@ pub(crate) enum Explained<'py> {
     Pixel(PixelIn<'py>),
     /// The first of some.
     Ray(RayArrays<'py>),
+}
+
+/// How many objects are between a camera's eye and its viewplane where its rays meet nothing else; 0 where they do.
+#[pyfunction]
+pub(crate) fn before_viewplane(scene: &Scene, camera: &Camera) -> PyResult<usize> {
+    let passed = guarded(|| passed_by(&scene.0, &camera.0))?;
+    Ok(if passed.is_all { passed.objects } else { 0 })
 }
 
 /// The explanation of a ray: as text, and as JSON.

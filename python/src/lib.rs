@@ -48,7 +48,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::environment::{EnvironmentMap, check_environment, environment_radiance, sun_of};
     #[pymodule_export]
-    use crate::explain::explain;
+    use crate::explain::{before_viewplane, explain};
     #[pymodule_export]
     use crate::filters::visible;
     #[pymodule_export]

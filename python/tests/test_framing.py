@@ -166,3 +166,37 @@ def test_samples_and_background_are_the_program_s_where_nobody_says():
     assert len(calls) == 4
     scene.background = (1, 1, 1)
     assert (fh.render(scene, camera)["color"][0, 0] == 1).all()
+
+
+def far_viewplane(ray_start="viewplane", focal_length=1500):
+    """A camera whose focal length is in pixels, at three balls."""
+    scene = fh.Scene()
+    for x in (-3, 0, 3):
+        scene.add(fh.Sphere((x, 0, 0), 1))
+    lengths = focal_length, focal_length * 0.8, focal_length * 0.6
+    camera = fh.Camera((0, -9, 0), (0, 1, 0), (0, 0, 1), *lengths, 60, 80, ray_start=ray_start)
+    return scene, camera
+
+
+def test_a_viewplane_beyond_the_scene_is_warned_of():
+    scene, camera = far_viewplane()
+    expected = "3 objects are between the eye and the viewplane"
+    with pytest.warns(fh.FirsthitWarning, match=expected):
+        frame = fh.render(scene, camera, channels="object")
+    assert (frame["object"] == -1).all()
+    with pytest.warns(fh.FirsthitWarning, match=expected):
+        scene.shoot(camera)
+    with pytest.warns(fh.FirsthitWarning, match=expected):
+        next(iter(fh.render_progressively(scene, camera, samples=2)))
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_viewplane_before_the_scene_or_an_empty_picture_is_not_warned_of():
+    for ray_start, focal_length in (("eye", 1500), ("viewplane", 1), ("viewplane", 8.5)):
+        scene, camera = far_viewplane(ray_start, focal_length)
+        fh.render(scene, camera, channels="object")
+        scene.shoot(camera)
+    past = camera.moved([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 50]])
+    fh.render(scene, past, channels="object")
+    scene.shoot(past)
+    fh.render(fh.Scene(), past, channels="object")

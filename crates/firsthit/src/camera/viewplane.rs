@@ -8,7 +8,8 @@ use super::thin_lens::check_thin_lens;
 use crate::error::Result;
 use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray, named, require, require_positive};
 
-/// A flat viewplane in front of the camera. Lengths are in scene units.
+/// A flat viewplane in front of the camera. Lengths are in scene units. Unless rays start at the eye, what is nearer than the viewplane is not
+/// seen; `explain::before_viewplane` tells of what.
 ///
 /// ```
 /// use firsthit::{Camera, DVec3, Lens, View, Viewplane};

@@ -4,6 +4,7 @@
 //! 2. Each object is asked by itself what the ray does to it (`shoot/encounter.rs`).
 //! 3. Of an object that the line of the ray does not touch, the way past its box is told (`explain/passage.rs`).
 
+mod before_viewplane;
 mod details;
 mod passage;
 mod pixel;
@@ -11,6 +12,7 @@ mod reason;
 
 use std::borrow::Cow;
 
+pub use before_viewplane::{BeforeViewplane, before_viewplane};
 pub use details::{AttributeThere, CatalogEntry, HitDetails};
 pub use pixel::{Pixel, explain_pixel};
 pub use reason::Reason;
