@@ -607,7 +607,7 @@ def test_an_opencv_fisheye_sees_nothing_beyond_its_field_of_view():
     camera = fh.Camera.from_intrinsics(projection="opencv_fisheye", parameters=parameters, **given)
     assert camera.parameters["fov"] == 120
     angles = np.radians([59.9, 60.1])
-    seen = camera.project(np.stack([np.sin(angles), 0 * angles, -np.cos(angles)], axis=-1))
+    seen = camera.project(np.stack([np.sin(angles), 0 * angles, np.cos(angles)], axis=-1))
     assert np.isfinite(seen[:, 0]).tolist() == [True, False]
     # Without a distortion it is an equidistant one.
     others = (0, 0, 0), (0, 0, -1), (0, 1, 0), 100, 48, 64
