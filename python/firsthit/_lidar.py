@@ -602,16 +602,20 @@ class Lidar(OtherSensor):
             range is their mean: the resolution in scene units of a receiver that cannot tell them
             apart.
         max_returns : int, optional
-            With all returns: how many of a beam are told at most, the nearest.
+            With all returns: how many of a beam are told at most, the nearest; ``number_of_returns``
+            is no larger.
         min_range, max_range : float
-            Hits beyond ``min_range`` and up to ``max_range`` count, in scene units.
+            Ranges are beyond ``min_range`` and up to ``max_range``, in scene units. What is nearer
+            blocks its line, whatever ``returns`` says: the scanner sees neither that nor what is
+            behind.
         intensity : bool
             Whether each return has an intensity: the mean over the beam's lines of the luminance
             (Rec. 709) of the surface's ``base_color`` times the cosine of incidence. It does not
             fall off with the range, like a calibrated reflectivity.
         noise : float or pair of float, optional
             The standard deviation of a range, in scene units: a, or ``a + b * range``. The noise is
-            normal, and along the beam.
+            normal, and along the beam. A return that it takes out of the limits of ranges, or to
+            zero or below, is lost, as makers have it: a range of zero is no return.
         dropout : float, optional
             The probability, from 0 to 1, that a return is lost.
         seed : int, optional

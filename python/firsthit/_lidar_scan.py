@@ -275,7 +275,7 @@ class LidarScan:
         """How many returns its beam has, (n,) int32.
 
         With ``returns="first"``, no divergence and no range gate the scan knows of no others, and
-        says 1.
+        says 1. With ``max_returns`` it is no larger.
         """
         return self._arrays["number_of_returns"]
 

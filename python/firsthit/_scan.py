@@ -225,19 +225,21 @@ def _of_lines(
 ) -> _Returned:
     """Return the returns of beams that are lines."""
     near, far = settings.limits
-    how: dict[str, Any] = {"t_min": near, "t_max": far, "threads": threads, "progress": progress}
+    how: dict[str, Any] = {"t_max": far, "threads": threads, "progress": progress}
     if settings.returns == "first" and settings.range_gate == 0.0:
         return _of_first_hits(scene.shoot(lidar, **how), settings)
     met = scene.shoot_all(lidar, **how)
-    hits, beam = met.hits, met.ray
-    index = np.arange(len(beam))
-    found = _Found(beam, hits.t[index], index, _echoes(hits, index, len(index), settings, 1))
+    hits, beam, t = met.hits, met.ray, met.t
+    blocked = np.zeros(lidar.rows * lidar.columns, np.bool_)
+    blocked[beam[t <= near]] = True
+    index = np.flatnonzero(~blocked[beam])
+    found = _Found(beam[index], t[index], index, _echoes(hits, index, len(index), settings, 1))
     return _clustered(found, hits, settings)
 
 
 def _of_first_hits(shot: Hits, settings: ScanSettings) -> _Returned:
     """Return the returns of beams that end at their first hit: what `_clustered` would, sooner."""
-    beam = np.flatnonzero(shot.object.reshape(-1) >= 0)
+    beam = _seen(shot, settings)
     one = np.ones(len(beam), np.int32)
     return _Returned(
         beam,
@@ -248,6 +250,13 @@ def _of_first_hits(shot: Hits, settings: ScanSettings) -> _Returned:
         one,
         one,
         _echoes(shot, np.divmod(beam, shot.shape[1]), len(beam), settings, 1),
+    )
+
+
+def _seen(hits: Hits, settings: ScanSettings) -> npt.NDArray[np.intp]:
+    """Return the numbers of the rays whose first hit is not so near that it blocks them."""
+    return np.flatnonzero(
+        (hits.object.reshape(-1) >= 0) & (hits.t.reshape(-1) > settings.limits[0])
     )
 
 
@@ -262,7 +271,6 @@ def _of_cones(
     """Yield the returns of beams that are cones, some beams at a time."""
     lines, beams = settings.subrays, lidar.rows * lidar.columns
     origins = lidar.rays()[0].reshape(-1, 3)
-    near, far = settings.limits
     step = max(1, _BATCH // lines)
     with following(progress, beams * lines) as report:
         for first in range(0, beams, step):
@@ -272,13 +280,12 @@ def _of_cones(
             hits = scene.shoot(
                 np.repeat(origins[some], lines, axis=0),
                 ways.reshape(-1, 3),
-                t_min=near,
-                t_max=far,
+                t_max=settings.limits[1],
                 threads=threads,
             )
             if told is not None:
                 told(len(some) * lines)
-            index = np.flatnonzero(hits.object >= 0)
+            index = _seen(hits, settings)
             beam, t = index // lines, hits.t[index]
             order = np.lexsort((t, beam))
             index = index[order]
@@ -349,8 +356,11 @@ def _clustered(found: _Found, hits: Hits, settings: ScanSettings) -> _Returned:
         # Of equal ones the nearest.
         kept = np.sort(np.lexsort((number_, -power, beam))[starts])
     else:
-        most = settings.max_returns
-        kept = np.arange(len(beam)) if most is None else np.flatnonzero(number_ <= most)
+        kept = np.arange(len(beam))
+        if settings.max_returns is not None:
+            kept = np.flatnonzero(number_ <= settings.max_returns)
+            # As the receiver says it, which has no place for more.
+            total = np.minimum(total, settings.max_returns)
     some = hits[found.at[firsts[kept]]]
     return _Returned(
         beam[kept],
@@ -390,18 +400,19 @@ def _begins(found: _Found, settings: ScanSettings) -> npt.NDArray[np.bool_]:
 
 
 def _with_noise(returned: _Returned, settings: ScanSettings, beams: int) -> _Returned:
-    """Add noise to ranges, and lose some returns."""
+    """Add noise to ranges, and lose some returns: those that it takes out of the limits too."""
     if settings.seed is None or len(returned.beam) == 0:
         return returned
     if settings.noise is not None:
         constant, relative = settings.noise
         normal = _drawn(returned, settings.seed, _NOISE, beams)
         spread = constant + relative * returned.range
-        returned = returned._replace(range=np.maximum(returned.range + spread * normal, 0.0))
+        returned = returned._replace(range=returned.range + spread * normal)
+    near, far = settings.limits
+    kept = (returned.range > near) & (returned.range <= far)
     if settings.dropout is not None:
-        kept = _drawn(returned, settings.seed, _DROPOUT, beams) >= settings.dropout
-        returned = _Returned(*(array[kept] for array in returned))
-    return returned
+        kept &= _drawn(returned, settings.seed, _DROPOUT, beams) >= settings.dropout
+    return _Returned(*(array[kept] for array in returned))
 
 
 def _drawn(returned: _Returned, seed: int, stream: int, beams: int) -> npt.NDArray[np.float64]:

@@ -52,7 +52,7 @@ _ABOUT: dict[str, tuple[str, str | None, str | None]] = {
     "column": ("column of the beam", None, None),
     "time": ("time of the beam", "second", None),
     "return_number": ("number of the return in its beam, from 1", None, None),
-    "number_of_returns": ("returns of the beam, kept or not", None, None),
+    "number_of_returns": ("returns of the beam, kept or not; max_returns at most", None, None),
     "intensity": ("share of the light that comes back", None, None),
 }
 

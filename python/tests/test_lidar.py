@@ -129,8 +129,57 @@ def test_returns_of_a_line_are_what_it_crosses():
     assert lidar.scan(layers()).range.tolist()[0] == 4
     few = lidar.scan(layers(), returns="all", max_returns=1, range_gate=0.01)
     assert few.return_number.tolist() == [1, 1]
-    within = lidar.scan(layers(), returns="all", min_range=5, max_range=7, range_gate=0.01)
-    assert within.object.tolist() == [1, 1]
+    within = lidar.scan(layers(), returns="all", min_range=3, max_range=7, range_gate=0.01)
+    assert within.object.tolist() == [0, 1, 1]
+
+
+@pytest.mark.parametrize("returns", ["first", "last", "strongest", "all"])
+@pytest.mark.parametrize("how", [{}, {"range_gate": 0.1}, {"divergence": 0.001, "range_gate": 1}])
+def test_a_ball_within_min_range_blocks_the_beam(returns, how):
+    made = room()
+    made.add(fh.Sphere((0.3, 0, 0), 0.05))
+    lidar = fh.Lidar([0, 90, 180], [0, 0, 0])
+    scan = lidar.scan(made, returns=returns, min_range=0.5, **how)
+    # The ball is 0.25 ahead; to the left and behind there are walls.
+    assert scan.column.tolist() == [1, 2]
+    assert scan.range == pytest.approx([3, 4])
+    # What is beyond the limit goes on as before, and so does a limit of zero.
+    assert lidar.scan(made, returns=returns, min_range=0.2, **how).column[0] == 0
+    assert lidar.scan(made, returns=returns, **how).column[0] == 0
+
+
+def test_a_cone_s_lines_pass_beside_what_is_within_min_range():
+    made = room()
+    # It covers the lower half of the cone.
+    made.add(fh.Box((0.2, -1, -1), (0.3, 1, 0)))
+    cone = {"divergence": 0.1, "subrays": 200, "range_gate": 1, "intensity": True}
+    lidar = fh.Lidar([0], [0.001])
+    free, half = (lidar.scan(scene, min_range=0.5, **cone) for scene in (room(), made))
+    assert half.object.tolist() == [0]
+    assert half.intensity / free.intensity == pytest.approx(0.5, abs=0.02)
+
+
+@pytest.mark.parametrize("limits", [{}, {"min_range": 3.2, "max_range": 4.5}])
+def test_noise_leads_to_no_range_of_zero_and_to_none_out_of_the_limits(limits):
+    lidar = fh.Lidar.named("vlp-16", columns=360)
+    plain, noisy = (lidar.scan(room(), seed=3, noise=n, **limits) for n in (0.0, 2.0))
+    assert len(noisy) < len(plain)
+    assert noisy.range.min() > limits.get("min_range", 0)
+    assert noisy.range.max() <= limits.get("max_range", np.inf)
+    # Those that stay are where they would be without limits.
+    beams = [scan.row * 360 + scan.column for scan in (plain, noisy)]
+    generator = np.random.Generator(np.random.Philox(key=np.array([3, 2], np.uint64)))
+    off = 2 * generator.standard_normal(16 * 360)[beams[1]]
+    np.testing.assert_array_equal(noisy.range, plain.range[np.isin(*beams)] + off)
+
+
+def test_of_three_returns_two_are_told_as_of_two():
+    lidar = fh.Lidar([0], [0])
+    two = lidar.scan(layers(), returns="all", max_returns=2, range_gate=0.01)
+    assert two.return_number.tolist() == [1, 2]
+    assert two.number_of_returns.tolist() == [2, 2]
+    five = lidar.scan(layers(), returns="all", max_returns=5, range_gate=0.01)
+    assert five.number_of_returns.tolist() == [3, 3, 3]
 
 
 def test_a_cone_at_an_edge_has_two_returns_and_one_on_a_wall_has_one():
@@ -201,7 +250,7 @@ def test_noise_and_dropout_are_those_of_the_seed_and_of_each_return_alone():
     np.testing.assert_allclose(lost.point, lost.range[:, None] * beams)
     # Another beam's miss changes nothing.
     part = lidar.scan(room(), noise=0.02, seed=1, max_range=4)
-    near = plain.range <= 4
+    near = (plain.range <= 4) & (noisy.range <= 4)
     np.testing.assert_array_equal(part.range, noisy.range[near])
 
 

@@ -109,7 +109,8 @@ def _add_returns(parser: Parser) -> None:
         metavar="LENGTH",
         type=numbers(1),
         default=[0.0],
-        help="ranges are longer than this, in scene units [default: 0]",
+        help="ranges are longer than this, and what is nearer blocks its line, in scene units "
+        "[default: 0]",
     )
     add(
         "--max-range",
