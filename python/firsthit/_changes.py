@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._arrays import table
-from ._foreign_mesh import is_mesh
+from ._foreign_kinds import WANTED, reader_of
 from ._object import NOTHING, Object, affine, chosen, identified
 from ._shapes import Mesh, Shape
 from ._traceable import Traceable
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._turn import Turn
-    from ._types import MeshLike, ObjectKey, Selection
+    from ._types import ForeignMesh, ObjectKey, Selection
 
 #: After so many changes their list begins anew, and the next build starts from all objects.
 _MOST_MOVES = 1 << 16
@@ -158,7 +158,7 @@ class Changes(Traceable):
             gone["_labels"] = (None, None)
             self._change(identifier, **gone, _is_removed=True, _is_hidden=True)
 
-    def replace(self, identifier: ObjectKey, shape: Shape | MeshLike) -> None:
+    def replace(self, identifier: ObjectKey, shape: Shape | ForeignMesh) -> None:
         """Give an object another shape; its name, transform, materials and mask stay.
 
         Parameters
@@ -184,8 +184,8 @@ class Changes(Traceable):
         """
         identifier = identified(self._objects, identifier)
         if not isinstance(shape, Shape):
-            if not is_mesh(shape):
-                raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
+            if reader_of(shape) is None:
+                raise TypeError(f"shape must be a shape, or {WANTED}, got {shape!r}")
             shape = Mesh(shape)
         # It stays where it is in the file's tree, but is no longer that mesh.
         node, _ = self._objects[identifier]._labels

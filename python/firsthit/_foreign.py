@@ -8,7 +8,8 @@ import numpy as np
 
 from ._arrays import text
 from ._errors import warn
-from ._foreign_mesh import is_mesh, material
+from ._foreign_kinds import reader_of
+from ._foreign_mesh import material
 from ._shapes import Mesh, Shape
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def objects(scene: SceneLike) -> Iterator[Part]:
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph.get(node)
         thing = scene.geometry[name]
-        if not is_mesh(thing):
+        if reader_of(thing) is None:
             warn(f"node {node!r} is left out: a {type(thing).__name__} has no triangles")
             continue
         if name not in made:

@@ -12,6 +12,8 @@ from ._material import Material, Texture
 from ._properties import is_exact
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy.typing as npt
 
 
@@ -25,15 +27,18 @@ def is_mesh(thing: object) -> bool:
 def attributes(thing: Any) -> dict[str, Any]:
     """Return what a mesh has beside vertices and faces, as arguments of `Mesh`."""
     found: dict[str, Any] = {
-        "vertex_properties": _properties(thing, "vertex_attributes", len(thing.vertices)),
-        "face_properties": _properties(thing, "face_attributes", len(thing.faces)),
+        of + "_properties": properties(getattr(thing, name, None) or {}, name, len(whose))
+        for of, name, whose in (
+            ("vertex", "vertex_attributes", thing.vertices),
+            ("face", "face_attributes", thing.faces),
+        )
     }
     visual: Any = getattr(thing, "visual", None)
     kind = getattr(visual, "kind", None)
     if kind == "vertex":
-        found["colors"] = _linear(visual.vertex_colors)
+        found["colors"] = linear(visual.vertex_colors)
     elif kind == "face":
-        found["colors"] = np.repeat(_linear(visual.face_colors)[:, None], 3, axis=1)
+        found["colors"] = np.repeat(linear(visual.face_colors)[:, None], 3, axis=1)
     elif kind == "texture":
         found["uvs"] = getattr(visual, "uv", None)
     return found
@@ -47,10 +52,10 @@ def material(thing: Any) -> Material | None:
     return _material(visual.material, has_uvs=getattr(visual, "uv", None) is not None)
 
 
-def _properties(thing: Any, of: str, count: int) -> dict[str, npt.NDArray[Any]]:
-    """Return trimesh's attributes of vertices or faces that are numbers, one row for each."""
+def properties(given: Mapping[str, Any], of: str, count: int) -> dict[str, npt.NDArray[Any]]:
+    """Return those attributes of vertices or faces that are numbers, one row for each."""
     found = {}
-    for name, values in (getattr(thing, of, None) or {}).items():
+    for name, values in given.items():
         array = np.asarray(values)
         has_rows = array.ndim in (1, 2) and len(array) == count and array.size
         if not (isinstance(name, str) and array.dtype.kind in "biuf" and has_rows):
@@ -65,7 +70,7 @@ def _properties(thing: Any, of: str, count: int) -> dict[str, npt.NDArray[Any]]:
     return found
 
 
-def _linear(colors: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def linear(colors: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return linear red, green and blue, (n, 3), of sRGB colours with eight bits each."""
     # The library's own numbers: NumPy's powers differ between machines in the last bit.
     return np.array(_firsthit.srgb_levels())[np.asarray(colors, np.uint8)[:, :3]]

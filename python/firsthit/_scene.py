@@ -18,7 +18,7 @@ from ._edges import Edges
 from ._environment import Environment
 from ._explain import Explainable
 from ._filters import ALL, one_mask
-from ._foreign_mesh import is_mesh
+from ._foreign_kinds import WANTED, reader_of
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._lint import Lintable
 from ._measures import Measures
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
     from ._material import Material
     from ._traceable import Around
-    from ._types import Build, MeshLike, SceneLike, Vector
+    from ._types import Build, ForeignMesh, SceneLike, Vector
 
 
 #: How trees may be built.
@@ -113,7 +113,7 @@ class Scene(
     @overload
     def add(
         self,
-        shape: Shape | MeshLike,
+        shape: Shape | ForeignMesh,
         *,
         name: str = "",
         transform: npt.ArrayLike | None = None,
@@ -135,7 +135,7 @@ class Scene(
 
     def add(
         self,
-        shape: Shape | MeshLike | SceneLike,
+        shape: Shape | ForeignMesh | SceneLike,
         *,
         name: str = "",
         transform: npt.ArrayLike | None = None,
@@ -148,12 +148,13 @@ class Scene(
         Parameters
         ----------
         shape : Shape, or another package's mesh or scene
-            A `Mesh`, `Sphere`, ...; objects may share it, and nothing is copied. Or anything with
-            ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``. Or a ``trimesh.Scene``: each
-            of its nodes with a mesh becomes an object with the node's name and transform, and nodes
-            that share a mesh go on sharing it. The colours of trimesh's vertices and faces are
-            taken, as sRGB, and so are the colour and the image of a material, and its attributes of
-            vertices and faces, see `Hits.attribute`. What is no mesh is left out, with a warning.
+            A `Mesh`, `Sphere`, ...; objects may share it, and nothing is copied. Or what `Mesh.of`
+            takes: a mesh of trimesh, PyVista, Open3D or meshio, or a pair of vertices and faces. Or
+            a ``trimesh.Scene``: each of its nodes with a mesh becomes an object with the node's
+            name and transform, and nodes that share a mesh go on sharing it. The colours of
+            vertices and faces are taken, as sRGB, and so are the colour and the image of trimesh's
+            materials, and attributes of vertices and faces, see `Hits.attribute`. What is no mesh
+            is left out, with a warning.
             Scenes of other packages do not say which way is up: set `up` if it is not +z, as for a
             glTF file that trimesh has read, where it is +y.
         name : str
@@ -195,10 +196,10 @@ class Scene(
             parts = list(_foreign.objects(shape))
         elif isinstance(shape, Shape):
             parts = [_foreign.Part(name, shape)]
-        elif is_mesh(shape):
+        elif reader_of(shape) is not None:
             parts = [_foreign.Part(name, *_foreign.mesh(shape))]
         else:
-            raise TypeError(f"shape must be a shape or have vertices and faces, got {shape!r}")
+            raise TypeError(f"shape must be a shape, or {WANTED}, got {shape!r}")
         bits = one_mask("mask", mask)
         made = [placed(part, matrix, color, material, bits) for part in parts]
         # One bytecode, in which nothing can intervene. A lock would deadlock in a signal's handler.

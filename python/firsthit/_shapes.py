@@ -9,16 +9,16 @@ import numpy as np
 
 from . import _firsthit
 from ._arrays import cast, number, numbers, settle, table, vector
-from ._foreign_mesh import attributes as foreign_attributes
-from ._foreign_mesh import is_mesh
+from ._foreign_kinds import WANTED, reader_of
+from ._polygons import Polygons, cut, indices, polygons_of
 from ._properties import given, shaped
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
 
-    from ._types import MeshLike, Vector
+    from ._types import ForeignMesh, Vector
 
 
 class Shape:
@@ -228,11 +228,10 @@ class Mesh(Shape):
     vertices : (n, 3) array_like, or a mesh of another package
         The vertices in object space, of any real type. They are stored as float32 if that loses
         nothing, else as float64.
-    triangles : (m, 3) array_like of int
-        The indices of each triangle's vertices. May be left out if ``vertices`` is an object with
-        ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``: then its texture coordinates,
-        colours and attributes are taken, too, unless others are given. Its material is for objects,
-        see `Scene.add`.
+    triangles : (m, 3) or (m, k) array_like of int, or sequence of sequences of int
+        The indices of each triangle's vertices, or of polygons of any numbers of corners, concave
+        ones too, which are cut into triangles; ``faces`` are then the polygons. May be left out if
+        ``vertices`` is a mesh of another package, see `of`.
     normals : (n, 3) or (m, 3, 3) array_like, optional
         Normals for shading, of any length. These and the next three are given for each vertex, or
         for each corner of each triangle, and stored as float32.
@@ -246,7 +245,7 @@ class Mesh(Shape):
         The polygon that each triangle was part of, for the channel ``face``; the triangle's own
         index if left out.
     slots : (m,) array_like of int, optional
-        The index of each triangle's material among those of the object.
+        The index of each triangle's or polygon's material among those of the object.
     vertex_properties : dict of str to (n,) or (n, k) array_like, optional
         Numbers of the vertices by name, such as the quality of a scan. Where a ray meets the mesh,
         `Hits.attribute` interpolates floats; integers and bool are labels, taken from the nearest
@@ -283,8 +282,8 @@ class Mesh(Shape):
 
     def __init__(
         self,
-        vertices: npt.ArrayLike | MeshLike,
-        triangles: npt.ArrayLike | None = None,
+        vertices: npt.ArrayLike | ForeignMesh,
+        triangles: npt.ArrayLike | Sequence[npt.ArrayLike] | None = None,
         normals: npt.ArrayLike | None = None,
         uvs: npt.ArrayLike | None = None,
         colors: npt.ArrayLike | None = None,
@@ -299,18 +298,27 @@ class Mesh(Shape):
         tangents: npt.ArrayLike | None = None,
     ) -> None:
         if triangles is None:
-            other: Any = vertices
-            if not is_mesh(other):
+            read = reader_of(vertices)
+            if read is None:
                 raise ValueError("triangles must be given with an array of vertices")
-            vertices, triangles, own = other.vertices, other.faces, foreign_attributes(other)
+            vertices, triangles, own = read(vertices)
+            normals = own.get("normals") if normals is None else normals
             uvs = own.get("uvs") if uvs is None else uvs
             colors = own.get("colors") if colors is None else colors
             if vertex_properties is None:
-                vertex_properties = own["vertex_properties"]
+                vertex_properties = own.get("vertex_properties")
             if face_properties is None:
-                face_properties = own["face_properties"]
+                face_properties = own.get("face_properties")
         points = table("vertices", vertices, 3, np.float64)
-        corners = _indices(triangles, len(points))
+        polygons = polygons_of(triangles)
+        if polygons is None:
+            corners = _triangles(triangles, len(points))
+        else:
+            if faces is not None:
+                raise ValueError("faces must be left out with polygons, which are the faces")
+            corners, faces = cut(points, polygons)
+            if slots is not None:
+                slots = _labels("slots", slots, len(polygons))[faces]
         optional = [("normals", normals, 3), ("uvs", uvs, 2), ("colors", colors, 3)]
         optional += [
             ("alphas", alphas, 1),
@@ -331,6 +339,50 @@ class Mesh(Shape):
             *given("corner_properties", corner_properties, "corners"),
         ]
         self._mesh = _firsthit.Mesh(points, corners, attributes, labels, properties)
+
+    @classmethod
+    def of(cls, mesh: ForeignMesh) -> Mesh:
+        """Return a mesh of another package, which is known by what it has, and not imported.
+
+        Parameters
+        ----------
+        mesh : mesh of another package, or pair
+            With ``vertices`` and ``faces``, such as a ``trimesh.Trimesh``; ``points`` and
+            ``faces``, a ``pyvista.PolyData``; ``vertices`` and ``triangles``, an
+            ``open3d.geometry.TriangleMesh``; ``vertex`` and ``triangle``, one of ``open3d.t``; or
+            ``points`` and ``cells``, a ``meshio.Mesh``. Or a pair of vertices and faces, as `Mesh`
+            takes both. Polygons are cut into triangles.
+
+        Returns
+        -------
+        Mesh
+            With its texture coordinates, with its colours, which are sRGB, and with its attributes
+            of vertices and faces (`vertex_properties`, `face_properties`); from PyVista and Open3D
+            with the normals of its vertices, if it has some. What is no polygon is left out. The
+            material is for objects, see `Scene.add`.
+
+        Raises
+        ------
+        TypeError
+            For anything else.
+        ValueError
+            As `Mesh`.
+
+        Warns
+        -----
+        FirsthitWarning
+            For what is left out.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> corners = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]
+        >>> fh.Mesh.of((corners, [[0, 1, 2, 3]]))
+        Mesh(4 vertices, 2 triangles)
+        """
+        if reader_of(mesh) is None:
+            raise TypeError(f"mesh must be {WANTED}, got {mesh!r}")
+        return cls(mesh)
 
     @classmethod
     def _wrap(cls, mesh: _firsthit.Mesh) -> Mesh:
@@ -465,13 +517,7 @@ def _labels(name: str, value: Any, triangles: int) -> npt.NDArray[np.uint32]:
     return np.ascontiguousarray(array, dtype=np.uint32)
 
 
-def _indices(value: Any, vertices: int) -> npt.NDArray[np.uint32]:
-    array = numbers("triangles", value)
-    with np.errstate(invalid="ignore"):
-        is_whole = array.dtype.kind != "f" or np.all(array == np.floor(array))
-    if not is_whole:
-        raise ValueError(f"triangles must be whole numbers, got dtype {array.dtype}")
-    if array.size and not 0 <= array.min() <= array.max() < max(vertices, 1):
-        span = f"from {array.min()} to {array.max()}"
-        raise ValueError(f"triangles must be indices of {vertices} vertices, got {span}")
-    return table("triangles", array, 3, np.uint32)
+def _triangles(value: Any, vertices: int) -> npt.NDArray[np.uint32]:
+    if isinstance(value, Polygons):
+        value = value.corners.reshape(-1, 3)
+    return table("triangles", indices("triangles", value, vertices), 3, np.uint32)

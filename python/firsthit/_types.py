@@ -184,6 +184,65 @@ class MeshLike(Protocol):
         """The indices of each triangle's vertices, (m, 3) array_like of int."""
 
 
+class PolyDataLike(Protocol):
+    """A mesh such as ``pyvista.PolyData``."""
+
+    @property
+    def points(self) -> Any:
+        """The vertices, (n, 3) array_like."""
+
+    @property
+    def faces(self) -> Any:
+        """The polygons in a row: of each how many corners it has, and their indices."""
+
+
+class TriangleMeshLike(Protocol):
+    """A mesh such as ``open3d.geometry.TriangleMesh``."""
+
+    @property
+    def vertices(self) -> Any:
+        """The vertices, (n, 3) array_like."""
+
+    @property
+    def triangles(self) -> Any:
+        """The indices of each triangle's vertices, (m, 3) array_like of int."""
+
+
+class TensorMeshLike(Protocol):
+    """A mesh such as ``open3d.t.geometry.TriangleMesh``."""
+
+    @property
+    def vertex(self) -> Any:
+        """What the vertices have: ``positions``."""
+
+    @property
+    def triangle(self) -> Any:
+        """What the triangles have: ``indices``."""
+
+
+class CellMeshLike(Protocol):
+    """A mesh such as ``meshio.Mesh``."""
+
+    @property
+    def points(self) -> Any:
+        """The vertices, (n, 3) or (n, 2) array_like."""
+
+    @property
+    def cells(self) -> Any:
+        """Blocks of cells, each with its ``type`` and ``data``."""
+
+
+#: A mesh of another package, or a pair of vertices and faces, see `Mesh.of`.
+ForeignMesh = (
+    MeshLike
+    | PolyDataLike
+    | TriangleMeshLike
+    | TensorMeshLike
+    | CellMeshLike
+    | tuple[npt.ArrayLike, npt.ArrayLike | Sequence[npt.ArrayLike]]
+)
+
+
 class SceneLike(Protocol):
     """A scene of another package, such as ``trimesh.Scene``."""
 

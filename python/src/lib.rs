@@ -77,7 +77,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::shading::{check_shader, draws, resolve, shader_settings};
     #[pymodule_export]
-    use crate::shape::{Mesh, Shape};
+    use crate::shape::{Mesh, Shape, polygons};
     #[pymodule_export]
     use crate::shoot::{channel, channel_names, count, occluded, shoot, shoot_all, shoot_camera};
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use firsthit::load::polygons as polygons_of;
 use firsthit::shape::Attribute;
 use firsthit::{Cone, Cuboid, Cylinder, DVec3, Disc, Plane, Positions, Sphere};
 use numpy::{
@@ -148,6 +149,28 @@ impl Mesh {
         let values = copied(self.0.triangles().as_flattened())?;
         PyArray1::from_vec(py, values).reshape([self.0.triangles().len(), 3])
     }
+}
+
+/// The triangles (m, 3) of polygons over float64 points (n, 3), and of each the polygon that it is part of. Of all polygons the corners
+/// come one after the other, and how many each has.
+#[pyfunction]
+pub(crate) fn polygons<'py>(
+    py: Python<'py>,
+    points: PyReadonlyArray2<'_, f64>,
+    corners: PyReadonlyArray1<'_, u32>,
+    sizes: PyReadonlyArray1<'_, u32>,
+) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>)> {
+    let points = points.as_slice().map_err(not_contiguous)?;
+    let points = Positions::Double(copied(points.as_chunks::<3>().0)?.into());
+    let corners = corners.as_slice().map_err(not_contiguous)?;
+    let sizes = sizes.as_slice().map_err(not_contiguous)?;
+    let (triangles, faces) = run(py, 1, |_| polygons_of(points, corners, sizes))?;
+    let count = triangles.len();
+    let triangles = PyArray1::from_vec(py, triangles.into_flattened());
+    Ok((
+        triangles.reshape([count, 3])?,
+        PyArray1::from_vec(py, faces),
+    ))
 }
 
 /// Normals, uvs, colours, alphas, second uvs and tangents.

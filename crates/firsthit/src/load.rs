@@ -10,7 +10,7 @@ use crate::scene::EnvironmentMap;
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
 
-pub use crate::io::{LoadSettings, Loaded};
+pub use crate::io::{LoadSettings, Loaded, polygons};
 
 /// The formats that this crate was compiled with.
 fn formats() -> impl Iterator<Item = &'static Format> + Clone {

@@ -53,3 +53,4 @@ pub(crate) use report::Report;
 pub use settings::LoadSettings;
 pub(crate) use source::has_extension;
 pub(crate) use surface::TOO_FAR;
+pub use surface::polygons;

@@ -6,6 +6,7 @@ use super::fault::Checked;
 use super::memory_budget::check_free;
 use super::polygon;
 use super::report::Report;
+use crate::error::{Error, Result};
 use crate::geometry::DVec3;
 use crate::shape::{Attribute, Mesh, Positions};
 
@@ -197,6 +198,48 @@ impl Surface {
             retain(corners, &keep);
         }
     }
+}
+
+/// The triangles of polygons over `points`, and of each triangle the polygon that it is part of: concave polygons are cut rightly, and
+/// every corner is in a triangle. `corners` has the indices of all polygons one after the other, `sizes` how many each has.
+///
+/// # Errors
+///
+/// [`Error::Argument`] for a polygon of less than three corners, for sizes that are not those of all corners, and for an index without a
+/// point.
+pub fn polygons(
+    points: Positions,
+    corners: &[u32],
+    sizes: &[u32],
+) -> Result<(Vec<[u32; 3]>, Vec<u32>)> {
+    let expected = "indices of points";
+    if let Some(&corner) = corners
+        .iter()
+        .find(|&&corner| corner as usize >= points.len())
+    {
+        let got = format!("{corner} for {} points", points.len());
+        return Err(Error::argument("corners", expected, got));
+    }
+    let expected = "three corners or more for each polygon, and all of them";
+    let mut surface = Surface::default();
+    let mut rest = corners;
+    for &size in sizes {
+        let ring = rest.split_at_checked(size as usize).filter(|_| size >= 3);
+        let Some((ring, others)) = ring else {
+            let got = format!("{size} with {} left", rest.len());
+            return Err(Error::argument("sizes", expected, got));
+        };
+        surface.push(ring);
+        rest = others;
+    }
+    if !rest.is_empty() {
+        let got = format!("{} corners more", rest.len());
+        return Err(Error::argument("sizes", expected, got));
+    }
+    surface.cut_polygons(&Vertices::new(points));
+    let count = surface.face_count;
+    let faces = surface.faces.unwrap_or_else(|| (0..count).collect());
+    Ok((surface.triangles, faces))
 }
 
 fn retain<T>(values: &mut Vec<T>, keep: &[bool]) {
