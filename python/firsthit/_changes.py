@@ -8,18 +8,30 @@ import numpy as np
 
 from ._arrays import table
 from ._foreign_kinds import WANTED, reader_of
-from ._object import NOTHING, Object, affine, chosen, identified
+from ._object import (
+    NOTHING,
+    Object,
+    affine,
+    affines,
+    chosen,
+    identified,
+    identified_each,
+    is_several,
+)
 from ._shapes import Mesh, Shape
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy.typing as npt
 
     from ._turn import Turn
     from ._types import ForeignMesh, ObjectKey, Selection
 
-#: After so many changes their list begins anew, and the next build starts from all objects.
-_MOST_MOVES = 1 << 16
+#: After so many changes their list begins anew, and the next build starts from all objects; but not
+#: before so many calls that move many.
+_MOST_MOVES, _STEPS = 1 << 16, 16
 
 
 class Changes(Traceable):
@@ -37,8 +49,12 @@ class Changes(Traceable):
     #: Two threads must not change the same object at once: one of the changes would be lost.
     _changing: Turn
 
-    def move(self, identifier: ObjectKey, transform: npt.ArrayLike | None) -> None:
-        """Move an object: replace its transform.
+    def move(
+        self,
+        identifier: ObjectKey | Sequence[ObjectKey] | npt.NDArray[np.integer[Any]],
+        transform: npt.ArrayLike | None,
+    ) -> None:
+        """Move an object, or several: replace their transforms.
 
         Later calls give the results of a scene that is built anew. The move itself takes
         microseconds. The next call that needs the trees copies the list of objects, once for all
@@ -50,11 +66,12 @@ class Changes(Traceable):
 
         Parameters
         ----------
-        identifier : int or str
+        identifier : int or str, or (n,) array_like of them
             The object's identifier, of Python's or NumPy's; or its name, if no other object has it.
+            Of several, one that is there twice has the last of its transforms.
         transform : (4, 4) or (3, 4) array_like, or None
             The affine map from object space to world space, for columns; it must be invertible.
-            ``None`` is the identity.
+            ``None`` is the identity. For several objects (n, 4, 4) or (n, 3, 4), or one for all.
 
         Raises
         ------
@@ -62,7 +79,7 @@ class Changes(Traceable):
             For an identifier that no object has, or one that was removed.
         ValueError
             For a transform of a wrong shape, and for one that is not invertible; for a name that no
-            object has, or several.
+            object has, or several. Then nothing has moved.
         TypeError
             For an identifier that is no int and no name.
 
@@ -77,10 +94,18 @@ class Changes(Traceable):
         >>> scene.move(ball, up)
         >>> float(scene.shoot((0, 0, 9), (0, 0, -1)).t)
         6.0
+        >>> scene.move([ball], up[None])
         """
-        identifier = identified(self._objects, identifier)
-        matrix = np.eye(4) if transform is None else affine(transform)
-        self._change(identifier, _transform=matrix)
+        if not is_several(identifier):
+            one = identified(self._objects, identifier)
+            self._change(one, _transform=np.eye(4) if transform is None else affine(transform))
+            return
+        several = identified_each(self._objects, identifier)
+        matrices = affines(np.eye(4) if transform is None else transform, len(several))
+        with self._changing.taken():
+            for one, matrix in zip(several, matrices, strict=True):
+                self._put(one, _transform=matrix)
+            self._note(several)
 
     def hide(self, objects: Selection) -> None:
         """Hide objects from all rays, until `show`. They keep their identifiers.
@@ -238,12 +263,20 @@ class Changes(Traceable):
         # has the object there. A signal's handler may change and build at any step, and waits for
         # nobody: where it was faster, begin again.
         with self._changing.taken():
-            while True:
-                old = self._objects[identifier]
-                new = old._but(**others)
-                if self._objects[identifier] is old:
-                    self._objects[identifier] = new
-                    break
-            if len(self._moves) >= _MOST_MOVES:
-                self._moves = []
-            self._moves.append(identifier)
+            self._put(identifier, **others)
+            self._note([identifier])
+
+    def _put(self, identifier: int, **others: Any) -> None:
+        while True:
+            old = self._objects[identifier]
+            new = old._but(**others)
+            if self._objects[identifier] is old:
+                self._objects[identifier] = new
+                return
+
+    def _note(self, identifiers: list[int]) -> None:
+        # Where many move at once, a few steps together are still fewer than the list would hold.
+        most = max(_MOST_MOVES, _STEPS * len(identifiers) * (len(identifiers) > 1))
+        if len(self._moves) + len(identifiers) > most:
+            self._moves = []
+        self._moves.extend(identifiers)

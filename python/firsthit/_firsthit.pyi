@@ -48,7 +48,7 @@ __all__ = [
     "check_material",
     "check_samples",
     "check_shader",
-    "check_transform",
+    "check_transforms",
     "closest_points",
     "color_names",
     "count",
@@ -496,7 +496,7 @@ class Scene:
     def changed(
         self,
         replaced: list[tuple[int, _Object]],
-        places: list[tuple[int, list[list[float]]]],
+        places: tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]],
         hidden: list[tuple[int, bool]],
     ) -> Scene: ...
     def seen_by(self, mask: int, only: list[int] | None) -> Scene: ...
@@ -530,7 +530,7 @@ def polygons(
     corners: npt.NDArray[np.uint32],
     sizes: npt.NDArray[np.uint32],
 ) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]: ...
-def check_transform(rows: list[list[float]]) -> None: ...
+def check_transforms(rows: npt.NDArray[np.float64]) -> tuple[int, str] | None: ...
 def check_environment(candidate: _Environment) -> None: ...
 def sun_of(environment: _Environment, up: _Vector) -> _Light | None: ...
 def environment_radiance(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ._material import Material
 from ._shapes import Mesh, Shape
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     import numpy.typing as npt
 
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 
 #: What is left of an object that was removed.
 NOTHING = Mesh(np.empty((0, 3)), np.empty((0, 3), np.uint32))
+
+
+#: That of a transform.
+_LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 class Object:
@@ -106,8 +110,7 @@ class Object:
     def _but(self, **others: Any) -> Object:
         """Return the same object with other attributes."""
         made = Object.__new__(Object)
-        made.__dict__.update(self.__dict__)
-        made.__dict__.update(others)
+        made.__dict__.update(self.__dict__, **others)
         return made
 
     def _is_made_of(self, other: Object) -> bool:
@@ -182,6 +185,22 @@ def identified(objects: Sequence[Object], given: object) -> int:
     return identifier
 
 
+def is_several(given: object) -> TypeGuard[Iterable[object]]:
+    """Tell whether several objects are meant, in an order, and not one."""
+    is_array = isinstance(given, np.ndarray) and given.ndim > 0
+    return is_array or isinstance(given, list | tuple | range)
+
+
+def identified_each(objects: Sequence[Object], given: Iterable[object]) -> list[int]:
+    """Return the identifiers of objects that are there, in their order and as often as given."""
+    if isinstance(given, np.ndarray) and given.dtype.kind in "iu" and given.ndim == 1:
+        whole: list[int] = given.tolist()
+        count = len(objects)
+        if all(0 <= k < count and not objects[k]._is_removed for k in whole):
+            return whole
+    return [identified(objects, one) for one in given]
+
+
 def affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return a transform as (4, 4), if it can be undone."""
     # A copy, which nobody else can change.
@@ -190,13 +209,38 @@ def affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
         matrix = np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]])
     if matrix.shape != (4, 4):
         raise ValueError(f"transform must have the shape (4, 4) or (3, 4), got {matrix.shape}")
-    if not np.isfinite(matrix).all():
-        raise ValueError(f"transform must be finite, got {matrix.tolist()}")
-    if not np.array_equal(matrix[3], [0, 0, 0, 1]):
-        raise ValueError(f"transform must have the last row 0, 0, 0, 1, got {matrix[3]}")
-    # Refused here, not at the first shot.
-    _firsthit.check_transform(matrix.tolist())
+    _refuse(matrix[None], lambda _: "transform")
     return matrix
+
+
+def affines(transforms: npt.ArrayLike, count: int) -> npt.NDArray[np.float64]:
+    """Return so many transforms as (n, 4, 4), of one each or one for all, if they can be undone."""
+    given = cast(numbers("transform", transforms), np.float64)
+    one_for_all = given.shape in ((4, 4), (3, 4))
+    if not one_for_all and given.shape not in ((count, 4, 4), (count, 3, 4)):
+        wanted = f"({count}, 4, 4), ({count}, 3, 4), (4, 4) or (3, 4)"
+        raise ValueError(f"transform must have the shape {wanted}, got {given.shape}")
+    matrices = np.array(np.broadcast_to(given, (count, *given.shape[-2:])), order="C")
+    if matrices.shape[1] == 3:
+        last = np.broadcast_to(_LAST_ROW, (count, 1, 4))
+        matrices = np.concatenate([matrices, last], axis=1)
+    _refuse(matrices, lambda k: "transform" if one_for_all else f"transform {k}")
+    return matrices
+
+
+def _refuse(matrices: npt.NDArray[np.float64], named: Callable[[int], str]) -> None:
+    """Refuse transforms, (n, 4, 4), that cannot be undone: here, and not at the first shot."""
+    if not np.isfinite(matrices).all():
+        k = int(np.argmin(np.isfinite(matrices).all(axis=(1, 2))))
+        raise ValueError(f"{named(k)} must be finite, got {matrices[k].tolist()}")
+    ends = matrices[:, 3] == _LAST_ROW
+    if not ends.all():
+        k = int(np.argmin(ends.all(axis=1)))
+        raise ValueError(f"{named(k)} must have the last row 0, 0, 0, 1, got {matrices[k, 3]}")
+    wrong = _firsthit.check_transforms(matrices)
+    if wrong is not None:
+        k, why = wrong
+        raise ValueError(why.replace("transform", named(k), 1))
 
 
 def _materials(

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 Around: TypeAlias = "tuple[Environment | None, Vector, bool]"
 
 
+_IDENTITY = np.eye(4)
+
+
 class Built:
     """What rays are shot at, and what it was built from, none of which changes.
 
@@ -62,16 +65,21 @@ class Built:
         Only what changed is converted: where an object only moved, its transform.
         """
         objects = list(self.objects)
-        replaced, places, hidden = [], [], []
+        replaced, moved, hidden = [], [], []
         for identifier, made in changed.items():
             old, objects[identifier] = objects[identifier], made
             if not made._is_made_of(old):
                 replaced.append((identifier, made._native()))
                 continue
             if made._transform is not old._transform:
-                places.append((identifier, made.transform.tolist()))
+                moved.append(identifier)
             if made._is_hidden != old._is_hidden:
                 hidden.append((identifier, made._is_hidden))
+        transforms = np.empty((len(moved), 4, 4))
+        for k, identifier in enumerate(moved):
+            matrix = objects[identifier]._transform
+            transforms[k] = _IDENTITY if matrix is None else matrix
+        places = np.array(moved, np.int64), transforms
         native = self.native.changed(replaced, places, hidden)
         environment, _, is_guessed = self.around
         if is_guessed and environment is not None:

@@ -69,7 +69,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::run::all_threads;
     #[pymodule_export]
-    use crate::scene::{Scene, check_transform};
+    use crate::scene::{Scene, check_transforms};
     #[pymodule_export]
     use crate::section::Section;
     #[pymodule_export]

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use firsthit::scene::{Build, BuildSettings, Label};
 use firsthit::{DAffine3, DMat3, DVec3, Material, Object, Transform};
+use numpy::{PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
+use crate::arrays::not_contiguous;
 use crate::environment::{EnvironmentIn, environment_in};
 use crate::errors::raise;
 use crate::material::{MaterialIn, material};
@@ -44,8 +46,8 @@ fn label(label: Option<&LabelTuple>) -> Option<Label> {
     })
 }
 
-/// An object's number, and the rows of its transform.
-type Place = (usize, [[f64; 4]; 4]);
+/// The numbers of objects, (n,), and the transform of each, (n, 4, 4).
+type Places<'py> = (PyReadonlyArray1<'py, i64>, PyReadonlyArray3<'py, f64>);
 
 #[pymethods]
 impl Scene {
@@ -97,16 +99,22 @@ impl Scene {
         &self,
         py: Python<'_>,
         replaced: Vec<(usize, ObjectIn<'_>)>,
-        places: Vec<Place>,
+        places: Places<'_>,
         hidden: Vec<(usize, bool)>,
     ) -> PyResult<Self> {
         let replaced: Vec<(usize, Object)> = replaced
             .iter()
             .map(|(identifier, object)| Ok((*identifier, object_in(py, object)?)))
             .collect::<PyResult<_>>()?;
-        let places: Vec<(usize, Transform)> = places
-            .iter()
-            .map(|(identifier, rows)| Ok((*identifier, transform(py, rows)?)))
+        let (moved, rows) = places;
+        let moved = moved.as_slice().map_err(not_contiguous)?;
+        let rows = rows.as_slice().map_err(not_contiguous)?;
+        let places: Vec<(usize, Transform)> = (moved.iter().zip(transforms(rows)))
+            .map(|(&identifier, rows)| {
+                // A negative one is that of no object.
+                let identifier = usize::try_from(identifier).unwrap_or(usize::MAX);
+                Ok((identifier, transform(py, rows)?))
+            })
             .collect::<PyResult<_>>()?;
         let has_new_trees = !replaced.is_empty();
         let changed = || {
@@ -214,17 +222,30 @@ impl Scene {
     }
 }
 
-/// Refuses the rows of a transform that cannot be undone.
+/// The index of the first of some transforms, (n, 4, 4), that cannot be undone, and why.
 #[pyfunction]
-pub(crate) fn check_transform(py: Python<'_>, rows: [[f64; 4]; 4]) -> PyResult<()> {
-    transform(py, &rows).map(drop)
+pub(crate) fn check_transforms(
+    rows: PyReadonlyArray3<'_, f64>,
+) -> PyResult<Option<(usize, String)>> {
+    let rows = rows.as_slice().map_err(not_contiguous)?;
+    let wrong = transforms(rows).iter().map(checked).enumerate();
+    let mut wrong = wrong.filter_map(|(k, made)| Some((k, made.err()?.to_string())));
+    Ok(wrong.next())
+}
+
+/// Arrays of transforms as the rows of each.
+fn transforms(rows: &[f64]) -> &[[[f64; 4]; 4]] {
+    rows.as_chunks::<4>().0.as_chunks::<4>().0
 }
 
 fn transform(py: Python<'_>, rows: &[[f64; 4]; 4]) -> PyResult<Transform> {
+    checked(rows).map_err(|error| raise(py, &error))
+}
+
+fn checked(rows: &[[f64; 4]; 4]) -> firsthit::Result<Transform> {
     let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
     let matrix = DMat3::from_cols(column(0), column(1), column(2));
-    let transform = Transform::new(DAffine3::from_mat3_translation(matrix, column(3)));
-    transform.map_err(|error| raise(py, &error))
+    Transform::new(DAffine3::from_mat3_translation(matrix, column(3)))
 }
 
 fn object_in(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {

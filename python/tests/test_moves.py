@@ -3,6 +3,7 @@
 import copy
 import pickle
 import sys
+import time
 
 import firsthit as fh
 import numpy as np
@@ -303,7 +304,7 @@ def test_moves_between_two_calls_go_together(monkeypatch, most):
         assert len(scene._moves) <= most
 
 
-@pytest.mark.parametrize("wrong", [None, b"0", 0.5, True, np.True_, [0]])
+@pytest.mark.parametrize("wrong", [None, b"0", 0.5, True, np.True_, {0}])
 def test_only_an_int_says_which_object_moves(wrong):
     with pytest.raises(TypeError, match="object must be an int, got"):
         ball().move(wrong, None)
@@ -315,3 +316,75 @@ def test_an_identifier_from_hits_says_which_object_moves():
     place[2, 3] = 1
     scene.move(scene.shoot((0, 0, 5), (0, 0, -1)).object, place)
     assert scene.shoot((0, 0, 5), (0, 0, -1)).t == 3
+
+
+def at_places(places):
+    made = np.tile(np.eye(4), (len(places), 1, 1))
+    made[:, 0, 3] = places
+    return made
+
+
+def test_many_objects_move_in_one_call_as_one_after_the_other():
+    one, many = (fh.Scene(), fh.Scene())
+    for scene in (one, many):
+        for k in range(50):
+            scene.add(fh.Sphere((0, 0, 0), 0.4), name=f"ball {k}")
+    rng = np.random.default_rng(1)
+    rays = np.stack([np.arange(-5, 105.0), np.zeros(110), np.full(110, 9)], -1), (0, 0, -1)
+    for step in range(5):
+        # Some twice: the last place counts.
+        moved, places = rng.integers(0, 50, 30), rng.permutation(100)[:30]
+        for number, x in zip(moved, places, strict=True):
+            one.move(number, at_places([x])[0])
+        names = [f"ball {k}" for k in moved]
+        ids = (moved, moved.astype(np.uint16), moved.tolist(), names, tuple(moved))[step]
+        matrices = at_places(places)
+        many.move(ids, matrices[:, :3] if step % 2 else matrices)
+        matrices[:] = 7
+        np.testing.assert_array_equal(one.shoot(*rays).object, many.shoot(*rays).object)
+        np.testing.assert_array_equal(one.shoot(*rays).t, many.shoot(*rays).t)
+    many.move(range(50), None)
+    assert (many.objects[3].transform == np.eye(4)).all()
+    many.move([1, 2], at_places([8])[0])
+    assert many.objects[2].transform[0, 3] == 8
+    many.move([], np.empty((0, 4, 4)))
+
+
+@pytest.mark.parametrize(
+    ("ids", "transforms", "error", "message"),
+    [
+        ([0, 5], at_places([1, 2]), IndexError, "there is no object 5"),
+        (np.array([0, -1]), at_places([1, 2]), IndexError, "there is no object -1"),
+        ([0, "none"], at_places([1, 2]), ValueError, "no object with the name 'none'"),
+        ([0, 0.5], at_places([1, 2]), TypeError, "object must be an int"),
+        ([0, 1], at_places([1, 2, 3]), ValueError, r"must have the shape \(2, 4, 4\), \(2, 3, 4\)"),
+        ([0, 1], at_places([1, np.nan]), ValueError, "transform 1 must be finite"),
+        ([0, 1], [np.eye(4), np.diag([1, 1, 0, 1])], ValueError, "transform 1"),
+        ([0, 1], [np.diag([1, 1, 1, 2]), np.eye(4)], ValueError, "transform 0 must have the last"),
+        ([1, 2], at_places([1, 2]), IndexError, "object 2 was removed"),
+    ],
+)
+def test_of_many_moves_of_which_one_is_wrong_none_is_made(ids, transforms, error, message):
+    scene = fh.Scene()
+    for _ in range(3):
+        scene.add(fh.Sphere((0, 0, 0), 1))
+    scene.remove(2)
+    with pytest.raises(error, match=message):
+        scene.move(ids, transforms)
+    assert all((made.transform == np.eye(4)).all() for made in scene.objects)
+
+
+def test_moving_many_objects_takes_no_longer_than_some_microseconds_each():
+    scene, count = fh.Scene(), 4000
+    for _ in range(count):
+        scene.add(fh.Sphere((0, 0, 0), 1))
+    ids = np.arange(count)
+    times = []
+    for step in range(4):
+        places = at_places(np.arange(count) * 3.0 + step)
+        start = time.process_time()
+        scene.move(ids, places)
+        times.append((time.process_time() - start) / count)
+        scene.shoot(*RAY)
+    # 40 one by one.
+    assert min(times) < 10e-6
