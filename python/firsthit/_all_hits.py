@@ -227,7 +227,12 @@ class AllHits:
         return self.hits.channels
 
     def channel(
-        self, name: Asked, *, threads: int | None = None, progress: Progress | None = None
+        self,
+        name: Asked,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        out: Any = None,
     ) -> npt.NDArray[Any]:
         """Return a channel, as the attribute of its name; see `Hits.channel`.
 
@@ -239,11 +244,13 @@ class AllHits:
             The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
             As for `Scene.shoot`; it counts hits.
+        out : array, optional
+            As for `Hits.channel`.
 
         Returns
         -------
         (m,) or (m, k) array
-            As the attribute.
+            As the attribute, or ``out``.
 
         Raises
         ------
@@ -252,7 +259,7 @@ class AllHits:
         MemoryError
             If the array does not fit into memory.
         """
-        return self.hits.channel(name, threads=threads, progress=progress)
+        return self.hits.channel(name, threads=threads, progress=progress, out=out)
 
     @property
     def attributes(self) -> tuple[str, ...]:
@@ -266,6 +273,7 @@ class AllHits:
         of: AttributeOf | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: Any = None,
     ) -> npt.NDArray[np.float64]:
         """Return an attribute of the meshes at each hit, (m,) or (m, k); see `Hits.attribute`.
 
@@ -279,6 +287,8 @@ class AllHits:
             The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
             As for `Scene.shoot`; it counts hits.
+        out : array, optional
+            As for `Hits.channel`.
 
         Returns
         -------
@@ -292,7 +302,7 @@ class AllHits:
         MemoryError
             If the array does not fit into memory.
         """
-        return self.hits.attribute(name, of=of, threads=threads, progress=progress)
+        return self.hits.attribute(name, of=of, threads=threads, progress=progress, out=out)
 
     def items(self) -> Iterator[tuple[ChannelName, npt.NDArray[Any]]]:
         """Yield the name and the array of each channel, computed when it is reached."""
@@ -320,7 +330,7 @@ class AllHits:
         self.hits._save(path, channels, {"ray": self.ray.astype(np.int32)})
 
     def to_dict(
-        self, channels: Asked | Sequence[Asked] | None = None
+        self, channels: Asked | Sequence[Asked] | None = None, *, copy: bool = False
     ) -> dict[str, npt.NDArray[Any]]:
         """Return the hits as a table: its columns by name.
 
@@ -329,6 +339,8 @@ class AllHits:
         channels : str or sequence of str, optional
             Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; all channels if left
             out.
+        copy : bool
+            As for `Hits.to_dict`.
 
         Returns
         -------
@@ -340,7 +352,8 @@ class AllHits:
         ValueError
             As `channel`.
         """
-        return {"ray": self.ray, **self.hits.to_dict(channels)}
+        ray = self.ray.copy() if copy else self.ray
+        return {"ray": ray, **self.hits.to_dict(channels, copy=copy)}
 
     def __getitem__(self, index: Index | str) -> Any:
         """Return the `Hits` of one ray, or the `AllHits` of some of the rays.

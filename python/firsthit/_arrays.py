@@ -212,6 +212,26 @@ def threads_or_all(threads: int | None) -> int:
     return 0 if threads is None else count("threads", threads, 1, 1024)
 
 
+def filled(out: Any, values: Any) -> Any:
+    """Return an array of the caller's, or a tensor of the CPU's, with these values in it."""
+    array = out
+    if not isinstance(out, np.ndarray):
+        if not hasattr(out, "__dlpack__"):
+            raise TypeError(f"out must be an array that can be written, got {out!r}")
+        array = np.from_dlpack(out)
+    shape = np.shape(values)
+    if array.shape != shape:
+        raise ValueError(f"out must have the shape {shape}, got {array.shape}")
+    if not array.flags.writeable:
+        raise ValueError("out must be an array that can be written, got a read-only one")
+    try:
+        np.copyto(array, values, casting="same_kind")
+    except TypeError:
+        kind = np.asarray(values).dtype
+        raise ValueError(f"out must take {kind}, got an array of {array.dtype}") from None
+    return out
+
+
 def is_flat(view: npt.NDArray[Any]) -> bool:
     """Tell whether `flat` need not copy the whole of an array."""
     return view.dtype == np.float64 and view.flags.c_contiguous and view.flags.aligned

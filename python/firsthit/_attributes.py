@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, lock, text, threads_or_all
+from ._arrays import chunks, filled, lock, text, threads_or_all
 from ._progress import following, later
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ class Attributed:
         of: AttributeOf | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: Any = None,
     ) -> npt.NDArray[np.float64]:
         """Return an attribute of the meshes that were hit, at each hit.
 
@@ -59,6 +60,8 @@ class Attributed:
             The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
             As for `Scene.shoot`. What was looked up before reports nothing.
+        out : array, optional
+            As for `Hits.channel`.
 
         Returns
         -------
@@ -74,7 +77,7 @@ class Attributed:
         Raises
         ------
         ValueError
-            For a name that no mesh of the scene has.
+            For a name that no mesh of the scene has, and an ``out`` of another shape.
         MemoryError
             If the array does not fit into memory.
 
@@ -115,4 +118,5 @@ class Attributed:
         found = self._made[key]
         lock(found)
         components = found.shape[1]
-        return found.reshape(self._shape if components == 1 else (*self._shape, components))
+        shaped = found.reshape(self._shape if components == 1 else (*self._shape, components))[()]
+        return shaped if out is None else filled(out, shaped)

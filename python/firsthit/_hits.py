@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args, overload
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chosen, lock, threads_or_all
+from ._arrays import chosen, filled, flag, lock, threads_or_all
 from ._attributes import Attributed
 from ._channel_hints import hint
 from ._files import attribute_of, distinct, files, is_cloud, is_of_several
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
         | tuple[Any, ...]
     )
 
+_Out = TypeVar("_Out")
+
 #: How many numbers a channel has for each ray, where that is not one.
 _COMPONENTS = {"barycentric": 3, "position": 3, "normal": 3, "uv": 2, "base_color": 3}
 
@@ -69,7 +71,8 @@ class Hits(Attributed):
     others are computed when they are first read, from the rays and the scene as they were shot.
 
     All arrays are read-only, because hits compute from them and return the same memory at every
-    read. A copy, such as ``hits.t.copy()``, can be written.
+    read. A copy, such as ``hits.t.copy()``, can be written, and `channel` fills an array of yours.
+    Of one ray, of the shape (), a channel is a number of NumPy's, or a vector.
     """
 
     def __init__(self) -> None:
@@ -352,6 +355,7 @@ class Hits(Attributed):
         *,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: None = None,
     ) -> npt.NDArray[np.floating[Any]]: ...
 
     @overload
@@ -361,6 +365,7 @@ class Hits(Attributed):
         *,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: None = None,
     ) -> npt.NDArray[np.float64]: ...
 
     @overload
@@ -370,6 +375,7 @@ class Hits(Attributed):
         *,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: None = None,
     ) -> npt.NDArray[np.int32]: ...
 
     @overload
@@ -379,6 +385,7 @@ class Hits(Attributed):
         *,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: None = None,
     ) -> npt.NDArray[np.bool_]: ...
 
     @overload
@@ -388,7 +395,18 @@ class Hits(Attributed):
         *,
         threads: int | None = None,
         progress: Progress | None = None,
+        out: None = None,
     ) -> npt.NDArray[Any]: ...
+
+    @overload
+    def channel(
+        self,
+        name: Asked,
+        *,
+        threads: int | None = None,
+        progress: Progress | None = None,
+        out: _Out,
+    ) -> _Out: ...
 
     def channel(
         self,
@@ -396,7 +414,8 @@ class Hits(Attributed):
         *,
         threads: int | None = None,
         progress: Progress | None = None,
-    ) -> npt.NDArray[Any]:
+        out: Any = None,
+    ) -> Any:
         """Return a channel, as the attribute of its name, with a choice of threads and progress.
 
         Parameters
@@ -407,29 +426,46 @@ class Hits(Attributed):
             The number of threads; as many as the rays were shot with if left out.
         progress : bool or callable, optional
             As for `Scene.shoot`. A channel that was computed before reports nothing.
+        out : array, optional
+            Where to put the numbers, and what is returned then: an array of the channel's shape
+            that can be written, or a tensor of another package in the memory of the CPU
+            (``__dlpack__``). Its type is the channel's or one of the same kind, such as float32.
 
         Returns
         -------
         (...) or (..., k) array
-            As the attribute: the same memory at every call, read-only.
+            As the attribute: the same memory at every call, read-only; or ``out``.
 
         Raises
         ------
         ValueError
-            For a name that is none of `channels`, and an attribute that no mesh has.
+            For a name that is none of `channels`, an attribute that no mesh has, and an ``out`` of
+            another shape or kind, or that is read-only.
         AttributeError
             For ``range`` and ``z`` of rays that no camera made.
         MemoryError
             If the array does not fit into memory.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> hits = scene.shoot([[0, 0, 5], [0, 0.6, 5]], [0, 0, -1])
+        >>> hits.channel("normal", out=np.empty((2, 3), np.float32))
+        array([[0. , 0. , 1. ],
+               [0. , 0.6, 0.8]], dtype=float32)
         """
+        if out is not None:
+            return filled(out, self.channel(name, threads=threads, progress=progress))
         attribute = attribute_of(name) if isinstance(name, str) else None
         if attribute is not None:
             return self.attribute(attribute, threads=threads, progress=progress)
         use = self._threads if threads is None else threads_or_all(threads)
-        made: npt.NDArray[Any]
         if name in ("t", "object", "primitive"):
-            made = getattr(self, name)
-            return made
+            return getattr(self, name)
         # About pixels more than about hits, so not in every table of them.
         if name not in (*_OF_A_CAMERA, "valid"):
             there = self.channels
@@ -449,7 +485,7 @@ class Hits(Attributed):
             yield name, self.channel(name)
 
     def to_dict(
-        self, channels: Asked | Sequence[Asked] | None = None
+        self, channels: Asked | Sequence[Asked] | None = None, *, copy: bool = False
     ) -> dict[str, npt.NDArray[Any]]:
         """Return the hits as a table: its columns by name.
 
@@ -460,6 +496,8 @@ class Hits(Attributed):
         channels : str or sequence of str, optional
             Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; all channels if left
             out.
+        copy : bool
+            Whether the columns are copies, which can be written, and not views of the hits.
 
         Returns
         -------
@@ -501,7 +539,9 @@ class Hits(Attributed):
                 letters = range(array.shape[-1])
             for k, letter in enumerate(letters):
                 table[f"{name}_{letter}"] = columns[:, k]
-        return table
+        return (
+            {name: column.copy() for name, column in table.items()} if flag("copy", copy) else table
+        )
 
     def save(
         self,
@@ -523,7 +563,6 @@ class Hits(Attributed):
             Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; a name counts once. If
             left out, ``t``, ``object`` and ``primitive``, for a point cloud ``position`` and
             ``normal`` too, and for a file that takes one channel ``t`` alone.
-
         Raises
         ------
         ValueError
@@ -647,4 +686,5 @@ class Hits(Attributed):
     def _read_only(self, array: npt.NDArray[Any], components: int = 1) -> npt.NDArray[Any]:
         """Return one of our arrays in the rays' shape. Only `empty` unlocks it, to use it again."""
         lock(array)
-        return array.reshape(self._shape if components == 1 else (*self._shape, components))
+        # Of one ray, a number.
+        return array.reshape(self._shape if components == 1 else (*self._shape, components))[()]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from . import _firsthit, _las
-from ._arrays import lock
+from ._arrays import flag, lock
 from ._scan_file import read_scan
 from ._scan_metadata import metadata
 
@@ -303,8 +303,13 @@ class LidarScan:
         """Return the names of the arrays."""
         return tuple(self._arrays)
 
-    def to_dict(self) -> dict[str, npt.NDArray[Any]]:
+    def to_dict(self, *, copy: bool = False) -> dict[str, npt.NDArray[Any]]:
         """Return the returns as a table: columns by name, with a row for each.
+
+        Parameters
+        ----------
+        copy : bool
+            Whether the columns are copies, which can be written, and not views of the scan.
 
         Returns
         -------
@@ -317,7 +322,9 @@ class LidarScan:
                 table.update(zip(_VECTORS[name], np.moveaxis(array, 1, 0), strict=True))
             else:
                 table[name] = array
-        return table
+        return (
+            {name: column.copy() for name, column in table.items()} if flag("copy", copy) else table
+        )
 
     def to_image(self, name: str = "range") -> npt.NDArray[Any]:
         """Return an array as the scanner's picture, of the first return of each beam.

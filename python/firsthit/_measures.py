@@ -128,7 +128,7 @@ class Measures(Traceable):
                 told, some = later(report, part.start), flat(array, part, 1)
                 pieces.append(_firsthit.inside(native, some, is_by_object, use, told))
         shape = (*leading, len(built.objects)) if is_by_object else leading
-        found = _joined(pieces, np.bool_).reshape(shape)
+        found = _joined(pieces, np.bool_).reshape(shape)[()]
         if not with_rules:
             return found
         rules: Any = _firsthit.rules(native)
@@ -210,7 +210,7 @@ class Measures(Traceable):
                 )
                 pieces.append(made)
         shape = (*rays.shape, len(built.objects)) if is_by_object else rays.shape
-        return _joined(pieces, np.float64).reshape(shape)
+        return _joined(pieces, np.float64).reshape(shape)[()]
 
 
 def _is_by_object(by: str | None) -> bool:

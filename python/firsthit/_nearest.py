@@ -129,9 +129,9 @@ class NearestQueries(Traceable):
         barycentric = np.column_stack((1.0 - second - third, second, third))
         return ClosestPoints(
             point.reshape(*shape, 3),
-            distance.reshape(shape),
-            identifiers.reshape(shape),
-            primitive.reshape(shape),
+            distance.reshape(shape)[()],
+            identifiers.reshape(shape)[()],
+            primitive.reshape(shape)[()],
             barycentric.reshape(*shape, 3),
         )
 
@@ -182,7 +182,7 @@ class NearestQueries(Traceable):
         with following(progress, len(flat)) as report:
             native = self._seen(self._ready(), None, objects).native
             signed = _firsthit.signed_distances(native, flat, use, report)
-        return signed.reshape(shape)
+        return signed.reshape(shape)[()]
 
 
 def _flat(points: npt.ArrayLike) -> tuple[tuple[int, ...], npt.NDArray[np.float64]]:

@@ -407,7 +407,8 @@ def _answers(
         for part in rays.parts():
             told = later(report, part.start)
             ask(native, rays.part(part), use, answers[part], told)
-    return answers.reshape(rays.shape)
+    # Of one ray, a number.
+    return answers.reshape(rays.shape)[()]
 
 
 def shoot_camera(built: Built, camera: Sensor, threads: int, report: Report | None) -> Hits:

@@ -107,7 +107,7 @@ class Sights(Traceable):
                 told, count = later(report, part.start), part.stop - part.start
                 both = _part(*ends[0], shape, part), _part(*ends[1], shape, part)
                 seen[part] = _firsthit.visible(native, both, count, use, told)
-        return seen.reshape(shape)
+        return seen.reshape(shape)[()]
 
     def thickness(
         self,
@@ -178,7 +178,7 @@ class Sights(Traceable):
         own = np.broadcast_to(hits.object, rays.shape)
         has_way = np.broadcast_to(np.isfinite(ways).all(axis=-1), rays.shape)
         thick: npt.NDArray[np.float64] = np.where((own < 0) | ~has_way, np.nan, found.t)
-        return thick
+        return thick[()]  # of one point, a number
 
 
 def _of_length_one(directions: npt.ArrayLike) -> npt.NDArray[np.float64]:
