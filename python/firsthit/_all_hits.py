@@ -15,7 +15,7 @@ from ._source import Source
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -309,7 +309,11 @@ class AllHits:
         return self.hits.items()
 
     def save(
-        self, path: str | os.PathLike[str], channels: Asked | Sequence[Asked] | None = None
+        self,
+        path: str | os.PathLike[str],
+        channels: Asked | Sequence[Asked] | None = None,
+        *,
+        own: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
         """Write all hits to a file, whole or not at all; see `Hits.save`.
 
@@ -321,13 +325,16 @@ class AllHits:
             As for `Hits.save`.
         channels : str or sequence of str, optional
             As for `Hits.save`.
+        own : mapping of str to (m,) or (m, k) array_like, optional
+            As for `Hits.save`, for each hit.
 
         Raises
         ------
         ValueError, FileWriteError
             As `Hits.save`.
         """
-        self.hits._save(path, channels, {"ray": self.ray.astype(np.int32)})
+        others = {"ray": self.ray.astype(np.int32), **self.hits._own(path, own)}
+        self.hits._save(path, channels, others)
 
     def to_dict(
         self, channels: Asked | Sequence[Asked] | None = None, *, copy: bool = False

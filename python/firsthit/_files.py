@@ -41,10 +41,10 @@ def matte_of(name: str) -> str | None:
 
 
 def in_path(name: str) -> str:
-    """Return a channel's name as a file's name has it: an attribute's may have any characters."""
+    """Return a channel's name as a file's name has it: one's own may have any characters."""
     attribute = attribute_of(name)
     if attribute is None:
-        return name
+        return re.sub(r"[^A-Za-z0-9._:-]", "_", name)[:100]
     return "attribute-" + re.sub(r"[^A-Za-z0-9._-]", "_", attribute)[:100]
 
 

@@ -53,9 +53,10 @@ class Frame:
     shape : pair of int
         Rows and columns.
     channels : mapping of str to (rows, columns) or (rows, columns, k) array_like
-        What each pixel has, as bool, integers or floats; arrays are not copied. To be saved,
-        channels have names that `render` lists, which say how they are shown and what a miss is; or
-        any name after ``attribute:``, for other numbers. Files hold integers as int32.
+        What each pixel has, as bool, integers or floats; arrays are not copied. Names that `render`
+        lists say how a channel is shown and what a miss is; numbers under any other name are your
+        own. Files hold integers as int32, and ``_`` in the place of characters of a name that are
+        no letters, digits, ``.``, ``-`` or ``_`` of ASCII.
 
     Raises
     ------
@@ -68,8 +69,8 @@ class Frame:
     --------
     >>> import numpy as np
     >>> import firsthit as fh
-    >>> fh.Frame((2, 3), {"attribute:quality": np.zeros((2, 3))})
-    Frame(3 x 2 pixels: attribute:quality)
+    >>> fh.Frame((2, 3), {"quality": np.zeros((2, 3))})
+    Frame(3 x 2 pixels: quality)
     """
 
     _shape: tuple[int, int]
@@ -181,7 +182,7 @@ class Frame:
         if self._origin == "{}":
             return {}
         # Of one pixel: what is said depends on types and components alone.
-        pixel = [(name, _in_file(name, array[:1, :1])) for name, array in self._channels.items()]
+        pixel = [(name, in_file(name, array[:1, :1])) for name, array in self._channels.items()]
         made: dict[str, Any] = json.loads(_firsthit.metadata(self._shape, pixel, self._origin))
         return made
 
@@ -429,7 +430,7 @@ class Frame:
     def _write(
         self, path: Path, names: list[str], png_scale: float | None, shown: Display | None = None
     ) -> None:
-        channels = [(name, _in_file(name, self._channels[name])) for name in names]
+        channels = [(name, in_file(name, self._channels[name])) for name in names]
         scale = None if png_scale is None else number("png_scale", png_scale)
         display = (self._display if shown is None else shown)._native
         _firsthit.write(path, list(self._shape), channels, self._origin, scale, display)
@@ -439,7 +440,7 @@ class Frame:
         if not pictures:
             return None
         name = "color" if "color" in pictures else pictures[0]
-        values = _in_file(name, self._channels[name])
+        values = in_file(name, self._channels[name])
         return _firsthit.png(list(self._shape), name, values, self._display._native)
 
 
@@ -496,7 +497,7 @@ def _checked(name: str, given: Any, shape: tuple[int, int]) -> npt.NDArray[Any]:
     return array
 
 
-def _in_file(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def in_file(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Return a channel, flat, in the type in which files hold it."""
     if array.dtype.kind in "iu" and array.dtype != np.int32:
         low, high = (int(array.min()), int(array.max())) if array.size else (0, 0)

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args, overload
 
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chosen, filled, flag, lock, threads_or_all
+from ._arrays import chosen, filled, flag, lock, text, threads_or_all
 from ._attributes import Attributed
 from ._channel_hints import hint
 from ._files import attribute_of, distinct, files, is_cloud, is_of_several
+from ._frame import in_file
 from ._leaving import leaving
 from ._progress import following
 from ._rounding import singles, singles_within
 from ._types import ChannelName, MatteName, NamedIdentifier
 
 if TYPE_CHECKING:
-    import os
     from collections.abc import Iterator, Sequence
     from types import EllipsisType
 
@@ -547,6 +549,8 @@ class Hits(Attributed):
         self,
         path: str | os.PathLike[str],
         channels: Asked | Sequence[Asked] | None = None,
+        *,
+        own: Mapping[str, npt.ArrayLike] | None = None,
     ) -> None:
         """Write the hits to a file, whole or not at all.
 
@@ -563,12 +567,17 @@ class Hits(Attributed):
             Some of `channels`, or ``"attribute:NAME"`` for an `attribute`; a name counts once. If
             left out, ``t``, ``object`` and ``primitive``, for a point cloud ``position`` and
             ``normal`` too, and for a file that takes one channel ``t`` alone.
+        own : mapping of str to (...) or (..., k) array_like, optional
+            Numbers of one's own for each ray, under names that are no channels, for a file that
+            takes several. See `Frame` for their types and names.
+
         Raises
         ------
         ValueError
             For an unknown extension, no channel, one that is none of `channels`, several for a file
             that takes one, two whose names in the file are the same, ``{channel}`` in the name of a
-            point cloud, or numbers that the format cannot hold.
+            point cloud, numbers that the format cannot hold, and ``own`` of another shape, with the
+            name of a channel, or for a file that takes one.
         FileWriteError
             The system refused; an old file is as it was.
 
@@ -579,15 +588,36 @@ class Hits(Attributed):
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
         >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
-        >>> hits.save("cloud.ply", ["position", "normal", "object"])
+        >>> hits.save("cloud.ply", ["position", "normal", "object"], own={"quality": [0.5, 1]})
         """
-        self._save(path, channels, {})
+        self._save(path, channels, self._own(path, own))
+
+    def _own(
+        self, path: str | os.PathLike[str], own: Mapping[str, npt.ArrayLike] | None
+    ) -> dict[str, npt.NDArray[Any]]:
+        """Return numbers of the user's own as files hold them."""
+        if not isinstance(own, Mapping | None):
+            raise TypeError(f"own must be a dict of arrays, got {own!r}")
+        if own and not is_of_several(path):
+            raise ValueError(f"own must be left out for {os.fspath(path)}, which takes one channel")
+        made = {}
+        for name, given in (own or {}).items():
+            if name in (*get_args(ChannelName), "ray"):
+                raise ValueError(f"own must have names that are no channels, got {name!r}")
+            array = np.asarray(given)
+            if array.dtype.kind not in "fiub":
+                raise ValueError(f"{name} must be bool or real numbers, got dtype {array.dtype}")
+            if array.shape[: len(self._shape)] != self._shape or array.ndim > len(self._shape) + 1:
+                wanted = f"{self._shape} or {(*self._shape, 'k')}".replace("'", "")
+                raise ValueError(f"{name} must have the shape {wanted}, got {array.shape}")
+            made[text("a name of own", name)] = in_file(name, array)
+        return made
 
     def _save(
         self,
         path: str | os.PathLike[str],
         channels: Asked | Sequence[Asked] | None,
-        others: dict[str, npt.NDArray[np.int32]],
+        others: dict[str, npt.NDArray[Any]],
     ) -> None:
         """Write channels, and before them ``others`` to a file that takes several."""
         names: list[str]

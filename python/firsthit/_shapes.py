@@ -10,10 +10,12 @@ import numpy as np
 from . import _firsthit
 from ._arrays import cast, number, numbers, settle, table, vector
 from ._foreign_kinds import WANTED, reader_of
+from ._mesh_file import save
 from ._polygons import Polygons, cut, indices, polygons_of
 from ._properties import given, shaped
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
@@ -472,6 +474,48 @@ class Mesh(Shape):
     def corner_properties(self) -> dict[str, npt.NDArray[Any]]:
         """The numbers of the corners by name, each (m, 3) or (m, 3, k) float: a copy."""
         return self._properties("corners")
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        vertex_properties: Mapping[str, npt.ArrayLike] | None = None,
+        face_properties: Mapping[str, npt.ArrayLike] | None = None,
+    ) -> None:
+        """Write the mesh to a PLY file, whole or not at all.
+
+        The file has vertices, triangles, normals, texture coordinates, colours, alphas and the
+        properties of vertices and faces. Lengths are exact, colours are bytes of sRGB. `load` reads
+        all of it again.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, whose name ends in ``.ply``.
+        vertex_properties : dict of str to (n,) or (n, k) array_like, optional
+            More numbers of the vertices by name, as `Mesh` takes them, such as how thick the part
+            is there; in place of the mesh's own of that name.
+        face_properties : dict of str to (f,) or (f, k) array_like, optional
+            The same for the polygons; in the file each of their triangles has them.
+
+        Raises
+        ------
+        ValueError
+            For another extension, for what the mesh has of corners, arrays of a wrong length, and
+            two properties that would have one name in the file, where ``_`` stands for every
+            character but letters, digits, ``.``, ``-`` and ``_`` of ASCII.
+        FileWriteError
+            If the system refuses to write it; an old file is as it was. Also an `OSError`.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.load("part.stl")  # doctest: +SKIP
+        >>> part = scene.objects[0].shape  # doctest: +SKIP
+        >>> thick = scene.thickness(part.vertices)  # doctest: +SKIP
+        >>> part.save("thick.ply", vertex_properties={"thickness": thick})  # doctest: +SKIP
+        """
+        save(self, path, vertex_properties, face_properties)
 
     def _properties(self, of: str) -> dict[str, npt.NDArray[Any]]:
         all_of_them = self._mesh.properties()

@@ -272,12 +272,14 @@ fn frame(
         .map_err(|error| PyValueError::new_err(format!("origin: {error}")))?;
     let mut frame = Frame::new(shape).from_origin(origin);
     for (name, array) in arrays {
+        let data = data(&array)?;
         let kind = if name == RAY.name {
             Cow::Borrowed(RAY)
         } else {
-            channel::asked(&name).map_err(|error| raise(py, &error))?
+            let own = || Kind::own(&name, &data).ok().map(Cow::Owned);
+            let asked = channel::asked(&name).or_else(|error| own().ok_or(error));
+            asked.map_err(|error| raise(py, &error))?
         };
-        let data = data(&array)?;
         // Colours with a fourth number say so by how many there are.
         let elements: usize = frame.shape().iter().product();
         let is_transparent = kind.needs_shade() && elements > 0 && data.len() == 4 * elements;
@@ -286,7 +288,7 @@ fn frame(
         } else {
             kind.channel(data)
         };
-        if kind.attribute_name().is_some() || kind.matte().is_some() {
+        if kind.components == 0 || kind.matte().is_some() {
             let components = channel.data.len().checked_div(elements);
             channel.components = components.unwrap_or(1).max(1);
         }

@@ -51,7 +51,7 @@ pub struct Kind {
     pub name: Cow<'static, str>,
     /// One line for help texts: what it is, its unit, and its value for a miss.
     pub about: &'static str,
-    /// Numbers for each ray; 0 for an attribute, of which the scene decides.
+    /// Numbers for each ray; 0 where these are not known yet: of an attribute the scene decides, of numbers of one's own these do.
     pub components: usize,
     /// How it becomes a picture.
     pub display: Display,

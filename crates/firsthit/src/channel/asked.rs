@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::attribute::components;
 use super::{Kind, Make, kind};
 use crate::error::{Error, Result};
-use crate::image::{Display, Unit};
+use crate::image::{Data, Display, Unit};
 use crate::scene::Scene;
 
 /// Stands for the channel's name in the name of a file.
@@ -76,14 +76,8 @@ impl Kind {
     /// name, in which `_` stands for what is no letter, digit, `.`, `-` or `_` of ASCII: formats and paths do not take them all.
     /// A scene that does not have it refuses it.
     pub fn attribute(name: &str) -> Self {
-        let plain = |char: char| match char {
-            '.' | '-' | '_' => char,
-            _ if char.is_ascii_alphanumeric() => char,
-            _ => '_',
-        };
-        let shown: String = name.chars().take(LONGEST_NAME).map(plain).collect();
         Self {
-            name: format!("{ATTRIBUTE}{shown}").into(),
+            name: format!("{ATTRIBUTE}{}", shown(name)).into(),
             about: "attribute of the meshes that were hit; NaN for a miss and where there is none",
             components: 0,
             display: Display::Quantity,
@@ -91,6 +85,32 @@ impl Kind {
             frame: None,
             make: Make::Attribute(name.into()),
         }
+    }
+
+    /// The kind of numbers of one's own, which are no channel of hits, under a name of one's own, with `_` as in that of an
+    /// [`attribute`](Self::attribute).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`] for a name that asks for a channel, even for one that there is not, and for an empty one.
+    pub fn own(name: &str, data: &Data) -> Result<Self> {
+        let (first, _) = name.split_once(':').unwrap_or((name, ""));
+        if name.is_empty() || name.starts_with(ATTRIBUTE) || kind(first).is_ok() {
+            let expected = "a name that is not empty, and not that of a channel";
+            return Err(Error::argument("channel", expected, name));
+        }
+        Ok(Self {
+            name: shown(name).into(),
+            about: "numbers of one's own",
+            components: 0,
+            display: match data {
+                Data::Bool(_) => Display::Mask,
+                _ => Display::Quantity,
+            },
+            unit: Unit::None,
+            frame: None,
+            make: Make::Elsewhere,
+        })
     }
 
     /// The channel's name where a file's name has it: no system takes a colon for anything else then.
@@ -115,6 +135,16 @@ impl Kind {
         let name = self.attribute_name();
         name.map_or(Ok(()), |name| components(name, None, scene).map(drop))
     }
+}
+
+/// A name in the characters that all formats and paths take.
+fn shown(name: &str) -> String {
+    let plain = |char: char| match char {
+        '.' | '-' | '_' => char,
+        _ if char.is_ascii_alphanumeric() => char,
+        _ => '_',
+    };
+    name.chars().take(LONGEST_NAME).map(plain).collect()
 }
 
 /// So many characters of an attribute's name a channel's name has at most.
