@@ -75,6 +75,8 @@ def encode(scan: LidarScan) -> bytes:
         records["intensity"] = np.rint(np.clip(scan.intensity, 0.0, 1.0) * 65535.0)
     records["returns"] = returned | total << 4
     records["gps_time"] = scan.time
+    if scan.classification is not None:
+        records["classification"] = scan.classification
     for name, *_ in _EXTRA:
         records[name] = scan[name]
     length = _DESCRIPTION * len(_EXTRA)

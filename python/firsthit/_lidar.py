@@ -17,13 +17,14 @@ from ._trajectory import checked
 
 if TYPE_CHECKING:
     import os
+    from collections.abc import Mapping
 
     import numpy.typing as npt
 
     from ._lidar_scan import LidarScan
     from ._scene import Scene
     from ._trajectory import Trajectory
-    from ._types import Progress, Returns, Turn
+    from ._types import ObjectKey, Progress, Returns, Rings, Turn
 
 #: The models by name.
 MODELS: tuple[str, ...] = tuple(_firsthit.lidar_models())
@@ -575,6 +576,8 @@ class Lidar(OtherSensor):
         noise: float | tuple[float, float] | None = None,
         dropout: float | None = None,
         seed: int | None = None,
+        rings: Rings = "maker",
+        classes: Mapping[ObjectKey, int] | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> LidarScan:
@@ -602,8 +605,8 @@ class Lidar(OtherSensor):
             range is their mean: the resolution in scene units of a receiver that cannot tell them
             apart.
         max_returns : int, optional
-            With all returns: how many of a beam are told at most, the nearest; ``number_of_returns``
-            is no larger.
+            With all returns: how many of a beam are told at most, the nearest. Then
+            ``number_of_returns`` is no larger.
         min_range, max_range : float
             Ranges are beyond ``min_range`` and up to ``max_range``, in scene units. What is nearer
             blocks its line, whatever ``returns`` says: the scanner sees neither that nor what is
@@ -622,6 +625,13 @@ class Lidar(OtherSensor):
             Must be given with ``noise`` or ``dropout``, from 0 on and below 2^63. The numbers are
             those of NumPy's ``Generator(Philox(key=...))``, and those of a beam's return depend on
             the seed, the beam and the return's number alone.
+        rings : {"maker", "lowest-first"}
+            How ``ring`` counts: the makers' numbers, as `ring` has them; or from 0 for the laser
+            whose lowest beam is the lowest, as drivers of ROS for Velodynes count.
+        classes : dict of int or str to int, optional
+            The classes of objects, by their identifiers or names, from 0 to 255: LAS has 2 for
+            ground, 5 for high vegetation, 6 for buildings and so on. The scan then has a
+            ``classification``, of 0 for all other objects.
         threads, progress
             As for `Scene.shoot`.
 
@@ -633,7 +643,10 @@ class Lidar(OtherSensor):
         Raises
         ------
         ValueError
-            For values out of range, and noise or dropout without a seed.
+            For values out of range, noise or dropout without a seed, and a name in ``classes`` that
+            no object has.
+        IndexError
+            For an identifier in ``classes`` that no object has.
         TypeError
             For what is no scene.
         MemoryError
@@ -668,8 +681,9 @@ class Lidar(OtherSensor):
             noise=noise,
             dropout=dropout,
             seed=seed,
+            rings=rings,
         )
-        return scanned(self, scene, settings, threads, progress)
+        return scanned(self, scene, settings, classes, threads, progress)
 
     def __repr__(self) -> str:
         moves = "" if self._trajectory is None else f", {self._trajectory!r}"

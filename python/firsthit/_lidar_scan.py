@@ -18,9 +18,13 @@ from ._scan_file import read_scan
 from ._scan_metadata import metadata
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     import numpy.typing as npt
+
+    from ._all_hits import AllHits
+    from ._hits import Hits
+    from ._types import ObjectKey
 
 #: What the columns of vectors are called in tables.
 _VECTORS = {"point": ("x", "y", "z"), "sensor_point": ("sensor_x", "sensor_y", "sensor_z")}
@@ -71,12 +75,12 @@ class LidarScan:
     They are beam by beam in the order of the picture's rows, and each beam's by range without its
     noise. A beam that met nothing has none.
 
-    ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans, `joined` one of
-    several, and `load` reads them.
+    ``scan["range"]`` is the attribute of that name. `Lidar.scan` makes scans, `from_hits` those of
+    rays of one's own, `joined` one of several, and `load` reads them.
     """
 
     def __init__(self) -> None:
-        raise TypeError("LidarScans are made by Lidar.scan and LidarScan.load")
+        raise TypeError("LidarScans are made by Lidar.scan, LidarScan.from_hits and LidarScan.load")
 
     #: The extensions that `save` knows.
     EXTENSIONS: ClassVar[tuple[str, ...]] = (
@@ -169,6 +173,64 @@ class LidarScan:
         return cls._of(arrays, (parts[0].shape[0], int(before[-1])), json.dumps(said))
 
     @classmethod
+    def from_hits(
+        cls,
+        hits: Hits | AllHits,
+        *,
+        ring: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        intensity: npt.ArrayLike | None = None,
+        pose: npt.ArrayLike | None = None,
+        classes: Mapping[ObjectKey, int] | None = None,
+    ) -> LidarScan:
+        """Return what rays of one's own met as a scan: for its files, and for its picture.
+
+        Parameters
+        ----------
+        hits : Hits or AllHits
+            Of the shape (rows, columns) or (n,), which is one row. Misses are no returns. All hits
+            of a ray are its returns. Hits of a `Lidar` have its rings, times and poses.
+        ring : array_like of int, optional
+            The number of the laser of each ray; its row if left out.
+        time : array_like, optional
+            The time of each ray in seconds; 0 if left out.
+        intensity : array_like, optional
+            The intensity of each ray, or of each of all hits (m,); none if left out.
+        pose : (4, 4), (3, 4) or (..., 4, 4) array_like, optional
+            The matrix that takes the scanner's coordinates to the world's, of all rays or of each;
+            a rotation and a translation. If left out, ``sensor_point`` is from the ray's origin,
+            along the world's axes.
+        classes : dict, optional
+            As for `Lidar.scan`.
+
+        Returns
+        -------
+        LidarScan
+            In the order of the rays. A range is from the ray's origin, in scene units.
+
+        Raises
+        ------
+        ValueError
+            For hits of another shape, and for numbers that do not fit.
+        TypeError
+            For what are no hits.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
+        0
+        >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5], [0, 0.6, 5]], [0, 0, -1])
+        >>> scan = fh.LidarScan.from_hits(hits, time=[0, 0.1, 0.2])
+        >>> scan, scan.range, scan.time
+        (LidarScan(2 returns of 1 x 3 beams), array([4. , 4.2]), array([0. , 0.2]))
+        """
+        from ._own_scan import scan_of
+
+        return cls._of(*scan_of(hits, {"ring": ring, "time": time}, intensity, pose, classes))
+
+    @classmethod
     def load(cls, path: str | os.PathLike[str]) -> LidarScan:
         """Read a scan from an ``.npz`` that `save` wrote, as it was.
 
@@ -247,7 +309,7 @@ class LidarScan:
 
     @property
     def ring(self) -> npt.NDArray[np.int32]:
-        """The numbers of the lasers, (n,) int32."""
+        """The numbers of the lasers, (n,) int32: the maker's, unless others were asked for."""
         return self._arrays["ring"]
 
     @property
@@ -283,6 +345,11 @@ class LidarScan:
     def intensity(self) -> npt.NDArray[np.float64] | None:
         """The intensities, (n,) float64 from 0 on; ``None`` unless they were asked for."""
         return self._arrays.get("intensity")
+
+    @property
+    def classification(self) -> npt.NDArray[np.int32] | None:
+        """The objects' classes, (n,) int32 from 0 to 255; ``None`` unless they were given."""
+        return self._arrays.get("classification")
 
     @property
     def metadata(self) -> dict[str, Any]:

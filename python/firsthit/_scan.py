@@ -11,17 +11,18 @@ from ._arrays import count, flag, number, numbers, threads_or_all
 from ._errors import warn
 from ._lidar_scan import LidarScan, ScanOrigin
 from ._progress import following, later
-from ._types import Returns
+from ._scan_labels import classes_of, from_lowest
+from ._types import Returns, Rings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     import numpy.typing as npt
 
     from ._hits import Hits
     from ._lidar import Lidar
     from ._scene import Scene
-    from ._types import Progress
+    from ._types import ObjectKey, Progress
 
 #: About how many lines of cones are shot at a time.
 _BATCH = 1 << 20
@@ -49,6 +50,7 @@ class ScanSettings(NamedTuple):
     noise: tuple[float, float] | None
     dropout: float | None
     seed: int | None
+    rings: Rings
 
     @classmethod
     def of(
@@ -64,11 +66,14 @@ class ScanSettings(NamedTuple):
         noise: float | tuple[float, float] | None,
         dropout: float | None,
         seed: int | None,
+        rings: Rings = "maker",
     ) -> ScanSettings:
         """Check what a user gave."""
         if returns not in get_args(Returns):
             known = ", ".join(get_args(Returns))
             raise ValueError(f"returns must be one of {known}, got {returns!r}")
+        if rings not in get_args(Rings):
+            raise ValueError(f"rings must be one of {', '.join(get_args(Rings))}, got {rings!r}")
         angle = None if divergence is None else _within("divergence", divergence, 0.0, math.pi)
         gate = _within("range_gate", range_gate, 0.0, math.inf)
         near, far = number("min_range", limits[0]), number("max_range", limits[1])
@@ -106,6 +111,7 @@ class ScanSettings(NamedTuple):
             spread,
             lost,
             key,
+            rings,
         )
 
     def record(self) -> dict[str, Any]:
@@ -123,6 +129,7 @@ class ScanSettings(NamedTuple):
             "noise": self.noise,
             "dropout": self.dropout,
             "seed": self.seed,
+            **({} if self.rings == "maker" else {"rings": self.rings}),
         }
 
     @property
@@ -167,6 +174,7 @@ def scanned(
     lidar: Lidar,
     scene: Scene,
     settings: ScanSettings,
+    classes: Mapping[ObjectKey, int] | None,
     threads: int | None,
     progress: Progress | None,
 ) -> LidarScan:
@@ -176,6 +184,9 @@ def scanned(
 
     if not isinstance(scene, KindOfScene):
         raise TypeError(f"scan takes a Scene, got {scene!r}")
+    if classes is not None:
+        # Before the work, so that a wrong name is said at once.
+        classes_of(scene.objects, classes)
     beams = lidar.rows * lidar.columns
     if settings.splits:
         warn(
@@ -195,6 +206,9 @@ def scanned(
     beam = np.ascontiguousarray(made.beam, np.int64)
     far = np.ascontiguousarray(made.range)
     point, own, ring, row, column, time = lidar._native.returns(beam, far, threads_or_all(threads))
+    if settings.rings == "lowest-first":
+        places = from_lowest(lidar.ring, lidar.elevation)
+        ring = np.array([places[number_] for number_ in ring.tolist()], np.int32)
     return LidarScan._of(
         {
             "point": point.reshape(-1, 3),
@@ -210,10 +224,18 @@ def scanned(
             "return_number": made.number.astype(np.int32),
             "number_of_returns": made.total.astype(np.int32),
             **({"intensity": made.intensity} if settings.intensity else {}),
+            **({} if classes is None else _classified(scene, classes, made.object)),
         },
         lidar.shape,
         ScanOrigin(scene._native(), lidar._native, settings.record()),
     )
+
+
+def _classified(
+    scene: Scene, classes: Mapping[ObjectKey, int], objects: npt.NDArray[Any]
+) -> dict[str, npt.NDArray[Any]]:
+    # Objects may have been added meanwhile, which were met.
+    return {"classification": classes_of(scene.objects, classes)[objects]}
 
 
 def _of_lines(

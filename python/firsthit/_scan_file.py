@@ -11,13 +11,13 @@ import numpy as np
 
 from . import _firsthit
 from ._errors import FileFormatError
-from ._scan_metadata import ARRAYS, ORIGIN_KEYS
+from ._scan_metadata import ARRAYS, OPTIONAL, ORIGIN_KEYS
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-#: The array that a scan has only if it was asked for.
-_OPTIONAL = "intensity"
+#: The kinds of sensors that scans are of: scanners, and rays of one's own.
+_KINDS = ("lidar", "rays")
 
 
 def read_scan(
@@ -45,7 +45,7 @@ def _fitting(
 ) -> tuple[dict[str, npt.NDArray[Any]], tuple[int, int], str]:
     about = json.loads(said or "{}")
     sensor = about.get("sensor")
-    if not isinstance(sensor, dict) or sensor.get("kind") != "lidar" or "scene" not in about:
+    if not isinstance(sensor, dict) or sensor.get("kind") not in _KINDS or "scene" not in about:
         raise ValueError("its metadata lack a lidar or a scene")
     rows, columns = sensor.get("rows"), _columns(about)
     if not (isinstance(rows, int) and rows > 0 and rows * columns < 2**62):
@@ -56,7 +56,7 @@ def _fitting(
         for name, shape, values, stored in found
         if name is not None
     }
-    missing = [name for name in ARRAYS if name not in named and name != _OPTIONAL]
+    missing = [name for name in ARRAYS if name not in named and name not in OPTIONAL]
     if missing:
         raise ValueError(f"it has no {missing[0]}")
     arrays = {}

@@ -30,7 +30,11 @@ ARRAYS = {
     "return_number": np.dtype(np.int32),
     "number_of_returns": np.dtype(np.int32),
     "intensity": np.dtype(np.float64),
+    "classification": np.dtype(np.int32),
 }
+
+#: The arrays that a scan has only if they were asked for.
+OPTIONAL = ("intensity", "classification")
 
 #: The entries that say where a scan comes from; the last two need not be there.
 ORIGIN_KEYS = ("scene", "sensor", "scan", "scans")
@@ -54,6 +58,7 @@ _ABOUT: dict[str, tuple[str, str | None, str | None]] = {
     "return_number": ("number of the return in its beam, from 1", None, None),
     "number_of_returns": ("returns of the beam, kept or not; max_returns at most", None, None),
     "intensity": ("share of the light that comes back", None, None),
+    "classification": ("class of the object that was met", None, None),
 }
 
 

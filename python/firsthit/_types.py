@@ -151,6 +151,8 @@ Readout = Literal["top_down", "bottom_up", "left_right", "right_left"]
 Turn = Literal["clockwise", "counterclockwise"]
 #: Which of a beam's returns are kept, see `Lidar.scan`.
 Returns = Literal["first", "last", "strongest", "all"]
+#: How a scan numbers lasers: as the maker does, or from the lowest on, as drivers of ROS do.
+Rings = Literal["maker", "lowest-first"]
 #: The sides from which `Camera.framing` looks.
 ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]
 #: How it is known whether a point is inside an object, see `Scene.inside`.

@@ -595,3 +595,115 @@ def test_a_cone_without_a_gate_warns_where_it_is_seen(how, warns):
         warnings.simplefilter("always")
         lidar.scan(layers(), divergence=0.01, **how)
     assert [("range_gate" in str(each.message)) for each in caught] == [True] * warns
+
+
+def test_rings_count_from_the_lowest_on_request():
+    lidar = fh.Lidar.named("vlp-16", columns=9)
+    maker, lowest = (lidar.scan(room(), rings=rings) for rings in ("maker", "lowest-first"))
+    np.testing.assert_array_equal(maker.ring, lidar.ring.reshape(-1))
+    # The maker numbers -15, 1, -13, 3, ...; drivers of ROS number by the angle.
+    np.testing.assert_array_equal(lowest.ring, 15 - lowest.row)
+    assert lowest.metadata["scan"]["rings"] == "lowest-first"
+    assert "rings" not in maker.metadata["scan"]
+    raster = fh.Lidar.raster(20, 10, 3, 4).scan(room(), rings="lowest-first")
+    np.testing.assert_array_equal(raster.ring, 2 - raster.row)
+    table = fh.Lidar([0, 1, 2, 3], [5, -5, 5, 0], rings=[7, 3, 7, 9])
+    assert table.scan(room(), rings="lowest-first").ring.tolist() == [2, 0, 2, 1]
+    with pytest.raises(ValueError, match="rings must be one of maker, lowest-first, got 'ros'"):
+        table.scan(room(), rings="ros")
+
+
+def test_las_has_the_classes_of_objects(tmp_path):
+    laspy = pytest.importorskip("laspy")
+    made = layers()
+    made.add(fh.Box((-9, -9, -3), (9, 9, -2)), name="ground")
+    lidar = fh.Lidar.named("vlp-16", columns=90)
+    scan = lidar.scan(made, classes={"ground": 2, 0: 6, 1: 255})
+    wanted = np.array([6, 255, 0, 2])[scan.object]
+    np.testing.assert_array_equal(scan.classification, wanted)
+    assert set(scan.classification.tolist()) == {0, 2, 6, 255}
+    for name in ("a.las", "a.npz", "a.ply", "a.pcd"):
+        scan.save(tmp_path / name)
+    np.testing.assert_array_equal(laspy.read(tmp_path / "a.las").classification, wanted)
+    read = fh.LidarScan.load(tmp_path / "a.npz")
+    np.testing.assert_array_equal(read.classification, wanted)
+    assert fh.read_metadata(tmp_path / "a.ply")["channels"][-1]["name"] == "classification"
+    assert lidar.scan(made).classification is None
+    for classes, error, message in (
+        ({"none": 2}, ValueError, "no object with the name 'none'"),
+        ({9: 2}, IndexError, "there is no object 9"),
+        ({0: 256}, ValueError, r"classes\[0\] must be from 0 to 255, got 256"),
+        ([2], TypeError, "classes must be a dict"),
+    ):
+        with pytest.raises(error, match=message):
+            lidar.scan(made, classes=classes)
+
+
+def test_hits_of_a_lidar_are_its_scan():
+    body = fh.Trajectory([0, 1], [(-2, 0, 0), (2, 0, 0)], body="forwards-left-up")
+    lidar = fh.Lidar.named("vlp-16", columns=36, trajectory=body)
+    own, scan = fh.LidarScan.from_hits(layers().shoot(lidar)), lidar.scan(layers())
+    assert own.keys() == scan.keys()
+    assert own.shape == scan.shape
+    for name in scan.keys():  # noqa: SIM118 - a scan has no other names
+        np.testing.assert_allclose(own[name], scan[name], atol=1e-12, err_msg=name)
+    assert own.metadata["sensor"] == scan.metadata["sensor"]
+
+
+def test_rays_of_one_s_own_make_a_scan_with_its_files(tmp_path):
+    made = layers()
+    origins = np.array([[0, 0, k] for k in (0, 0.5, 60)], float)
+    times, rings = np.array([[0.1, 0.2, 0.3]] * 2), [[5], [6]]
+    rays = np.stack([origins, origins + np.array([0, 0.1, 0])]), (2, 0, 0)
+    pose = [[0, -1, 0, 1], [1, 0, 0, 0], [0, 0, 1, 0]]
+    how = {"time": times, "ring": rings, "intensity": 0.5, "pose": pose, "classes": {0: 4}}
+    scan = fh.LidarScan.from_hits(made.shoot(*rays), **how)
+    assert scan.shape == (2, 3)
+    # The third ray of each row meets nothing.
+    assert scan.column.tolist() == [0, 1, 0, 1]
+    assert scan.range.tolist() == [4] * 4
+    assert scan.ring.tolist() == [5, 5, 6, 6]
+    assert scan.time.tolist() == [0.1, 0.2] * 2
+    assert scan.intensity.tolist() == [0.5] * 4
+    assert scan.classification.tolist() == [4] * 4
+    world = scan.sensor_point @ np.array(pose)[:, :3].T + (1, 0, 0)
+    np.testing.assert_allclose(world, scan.point, atol=1e-12)
+    np.testing.assert_allclose(scan.point[:, 0], 4)
+    np.testing.assert_array_equal(np.isinf(scan.to_image()), [[False, False, True]] * 2)
+    each = np.broadcast_to(pose, (2, 3, 3, 4))
+    again = fh.LidarScan.from_hits(made.shoot(*rays), **{**how, "pose": each})
+    np.testing.assert_allclose(again.sensor_point, scan.sensor_point, atol=1e-12)
+    for name in ("a.npz", "a.las", "a.ply", "a.pcd", "a.csv"):
+        scan.save(tmp_path / name)
+    read = fh.LidarScan.load(tmp_path / "a.npz")
+    assert read.metadata == scan.metadata
+    assert read.metadata["sensor"]["kind"] == "rays"
+    assert fh.LidarScan.joined([scan, read]).shape == (2, 6)
+    every = fh.LidarScan.from_hits(made.shoot_all(*rays))
+    assert every.return_number.tolist()[:6] == [1, 2, 3, 4, 5, 6]
+    assert every.number_of_returns.tolist()[:6] == [6] * 6
+    assert every.range[:2].tolist() == pytest.approx([4, 4.001])
+    one = fh.LidarScan.from_hits(made.shoot((0, 0, 0), (1, 0, 0)))
+    assert (one.shape, len(one)) == ((1, 1), 1)
+    assert len(fh.LidarScan.from_hits(made.shoot((0, 0, 0), (-1, 0, 0)))) == 0
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"time": [1, 2]}, r"time must broadcast to \(3,\), got \(2,\)"),
+        ({"time": np.nan}, "time must be finite"),
+        ({"ring": 0.5}, "ring must be whole numbers"),
+        ({"pose": np.diag([1, 1, 2, 1])}, "pose must be a rotation"),
+        ({"pose": np.zeros((2, 4, 4))}, r"pose must have the shape \(4, 4\)"),
+        ({"intensity": "a"}, "intensity must be"),
+    ],
+)
+def test_scans_of_rays_of_one_s_own_that_make_no_sense_are_refused(how, message):
+    hits = room().shoot([[0, 0, 0]] * 3, (1, 0, 0))
+    with pytest.raises(ValueError, match=message):
+        fh.LidarScan.from_hits(hits, **how)
+    with pytest.raises(ValueError, match="hits must have the shape"):
+        fh.LidarScan.from_hits(room().shoot(np.zeros((2, 2, 2, 3)), (1, 0, 0)))
+    with pytest.raises(TypeError, match="hits must be Hits"):
+        fh.LidarScan.from_hits([1])

@@ -51,6 +51,14 @@ def whole(least: int) -> Callable[[str], int]:
     return read
 
 
+def named_number(text: str) -> tuple[str, int]:
+    """Read a name and a whole number from 0 on, as ``NAME=N``."""
+    name, _, number = text.rpartition("=")
+    if not name:
+        raise argparse.ArgumentTypeError(f"must be NAME=N, got {text}")
+    return name, whole(0)(number)
+
+
 def memory(text: str) -> int:
     """Read bytes, or with K, M, G or T powers of 1024."""
     found = re.fullmatch(r"(\d{1,18})([KMGT]?)", text.upper(), re.ASCII)

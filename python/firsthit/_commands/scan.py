@@ -11,12 +11,12 @@ from firsthit._errors import FileWriteError, warn
 from firsthit._lidar_scan import lacking
 from firsthit._progress import following, later
 from firsthit._scan import ScanSettings
-from firsthit._types import Returns
+from firsthit._types import Returns, Rings
 
 from ._directions import direction, triple
 from ._program import Parser, UsageError, run
 from ._scanner import add_place, add_scanner, scanner, with_values
-from ._values import memory, numbers, whole
+from ._values import memory, named_number, numbers, whole
 
 if TYPE_CHECKING:
     import argparse
@@ -122,6 +122,22 @@ def _add_returns(parser: Parser) -> None:
         "--intensity",
         action="store_true",
         help="add an intensity: the surface's luminance times the cosine of incidence",
+    )
+    add(
+        "--rings",
+        choices=get_args(Rings),
+        default="maker",
+        help="how rings count: the maker's numbers, or from the lowest laser on, as drivers of ROS "
+        "count [default: maker]",
+    )
+    add(
+        "--class",
+        dest="classes",
+        metavar="NAME=N",
+        type=named_number,
+        action="append",
+        help="the class of the objects of a name, from 0 to 255, as LAS has it: 2 is ground, 6 a "
+        "building; may be given several times",
     )
     add(
         "--noise",
@@ -248,6 +264,7 @@ def _turns(
     beams = first.rows * first.columns
     shows = not arguments.quiet and sys.stderr.isatty()
     lines = beams * (how["subrays"] if how["divergence"] is not None else 1)
+    classes = None if arguments.classes is None else dict(arguments.classes)
     scans = []
     with following(True if shows else None, made.turns * lines) as report:
         for turn in range(made.turns):
@@ -256,6 +273,7 @@ def _turns(
                 (made.at(turn) if turn else first).scan(
                     scene,
                     **{**how, "seed": None if how["seed"] is None else how["seed"] + turn},
+                    classes=classes,
                     threads=arguments.threads,
                     progress=None if told is None else lambda done, _, told=told: told(done),
                 )
@@ -287,6 +305,7 @@ def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
         "subrays": 16 if arguments.subrays is None else arguments.subrays,
         "max_returns": arguments.max_returns,
         "intensity": arguments.intensity,
+        "rings": arguments.rings,
         "noise": None if noise is None else (noise[0], noise[1] if len(noise) > 1 else 0.0),
         "seed": arguments.seed,
     }

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from firsthit._lidar import MODELS, Lidar
 from firsthit._scan import ScanSettings
-from firsthit._types import Returns, Turn
+from firsthit._types import Returns, Rings, Turn
 
 from ._cameras import matrix
 from ._paths import inside
@@ -106,6 +106,12 @@ def _scan_options(table: Table) -> dict[str, Any]:
     for key in ("subrays", "max_returns"):
         if key in table:
             made[key] = table.whole(key, least=1)
+    if "rings" in table:
+        made["rings"] = table.text("rings", among=get_args(Rings))
+    if "classes" in table:
+        given = table.table("classes")
+        made["classes"] = {name: given.whole(name, least=0, most=255) for name in given.keys()}  # noqa: SIM118
+        given.finish()
     if "intensity" in table:
         made["intensity"] = table.flag("intensity")
     if "noise" in table:
