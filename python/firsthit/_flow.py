@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ._camera import Camera
+from ._flow_file import save_disparity, save_flow
 from ._lines import PictureSensor, sight, sight_at
 from ._moving import RollingShutter
 from ._scene import Scene
 from ._shapes import Mesh
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Sequence
 
     import numpy.typing as npt
@@ -53,6 +55,24 @@ class Flow(NamedTuple):
     outside: Bools
     scene_flow: Floats
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the flow to a file, whole or not at all; pixels without one are unknown there.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.flo``, Middlebury's format: float32, and 1e10 where it is unknown. Or ``.png``, as
+            KITTI 2015 has it: 16 bits, ``64 u + 2^15``, ``64 v + 2^15``, and 1 where it is known.
+
+        Raises
+        ------
+        ValueError
+            For another extension, and for a flow that the format cannot hold: 512 pixels in a PNG.
+        FileWriteError
+            If the system refuses to write it; an old file is as it was. Also an `OSError`.
+        """
+        save_flow(path, self.flow)
+
 
 class Disparity(NamedTuple):
     """How far to the left a point is in the right picture, as `disparity` finds it.
@@ -71,6 +91,24 @@ class Disparity(NamedTuple):
     disparity: Floats
     occluded: Bools
     outside: Bools
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the disparity to a file, whole or not at all; pixels without one are unknown there.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.png``, as KITTI 2015 has it: 16 bits, 256 times the disparity, at least 1; 0 is
+            unknown. Or ``.pfm``, Middlebury's format: float32, and infinity where it is unknown.
+
+        Raises
+        ------
+        ValueError
+            For another extension, and for a disparity of 256 pixels or more in a PNG.
+        FileWriteError
+            If the system refuses to write it; an old file is as it was. Also an `OSError`.
+        """
+        save_disparity(path, self.disparity)
 
 
 def optical_flow(

@@ -7,6 +7,7 @@ in the form and the frames of its format. ``docs/annotations.md`` has them side 
 from ._annotate import annotate
 from ._annotations import Annotations, Instance, Occlusion, Part
 from ._bop import save_bop
+from ._bop_models import save_bop_models
 from ._box import Box3D
 from ._coco import save_coco, to_coco
 from ._keypoints import Keypoint, Keypoints
@@ -25,6 +26,7 @@ __all__ = [
     "Part",
     "annotate",
     "save_bop",
+    "save_bop_models",
     "save_coco",
     "save_kitti",
     "save_yolo",

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 import secrets
-import struct
-import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from firsthit import _png
 from firsthit._arrays import number, text
 from firsthit._camera import Camera
 from firsthit._errors import FileWriteError
@@ -18,7 +19,6 @@ from firsthit._errors import FileWriteError
 from ._annotations import Annotations
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
     from ._annotations import Instance
@@ -140,16 +140,4 @@ def as_json(value: Any) -> bytes:
 
 def as_png(mask: npt.NDArray[np.bool_]) -> bytes:
     """Return a mask as a PNG of one channel of 8 bits: 255 where it is true."""
-    rows, columns = mask.shape
-    # Every row begins with the number of its filter: none.
-    lines = bytearray(rows * (columns + 1))
-    for row in range(rows):
-        start = row * (columns + 1) + 1
-        lines[start : start + columns] = (mask[row].astype("u1") * 255).tobytes()
-    header = struct.pack(">IIBBBBB", columns, rows, 8, 0, 0, 0, 0)
-    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(bytes(lines), 6)), (b"IEND", b""))
-    made = [b"\x89PNG\r\n\x1a\n"]
-    for name, data in chunks:
-        check = zlib.crc32(name + data)
-        made.append(struct.pack(">I", len(data)) + name + data + struct.pack(">I", check))
-    return b"".join(made)
+    return _png.as_png(mask.astype(np.uint8) * np.uint8(255))

@@ -60,6 +60,8 @@ def cost(sensors: tuple[PlannedSensor, ...], output: Output, frames: int) -> Cos
     if "exr" in output.frames:
         each += sum(4 * _NUMBERS.get(name, 1) for name in output.channels)
     each += sum(2 if name in ("t", "range", "z") else 3 for name in output.pictures)
+    moves = {"flo": 8, "png": 6}
+    each += sum(moves[form] for form in output.motion.flow)
     for one in sensors:
         if isinstance(one, LidarSensor):
             beams = one.beams[0] * one.beams[1]
@@ -69,4 +71,6 @@ def cost(sensors: tuple[PlannedSensor, ...], output: Output, frames: int) -> Cos
             pixels = one.shape[0] * one.shape[1]
             rays += pixels
             size += pixels * each
+            if output.motion.pair is not None and one is output.motion.pair[0]:
+                size += pixels * sum({"png": 2, "pfm": 4}[form] for form in output.motion.disparity)
     return Cost(frames, frames * rays, frames * size)

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from firsthit._parts._mark import Mark
     from firsthit._scene import Scene
 
+    from ._output import Output
     from ._place import Place
     from ._plan import Plan
     from ._sensors import PictureSensor
@@ -54,6 +55,8 @@ class FrameMaker:
         """Write all files of a frame; return its record."""
         plan = self._plan
         number, place = plan.scene_of(frame), self.place(frame, scene)
+        has_next = plan._output.motion.flow and number.pose + 1 < plan.poses_per_scene
+        places = place, self.place(frame + 1, scene) if has_next else None
         pose = np.array(place.pose, np.float64)
         arrays: Arrays = {"pose": pose, "time": np.array(place.time)}
         annotations: dict[str, Any] = {}
@@ -67,6 +70,7 @@ class FrameMaker:
                 continue
             picture = self._picture(folder, sensor, scene, place)
             arrays |= {f"{sensor.name}/{name}": array for name, array in picture.items()}
+            arrays |= plan._output.motion.save(folder, sensor, scene, places, self._threads)
             if sensor.is_annotated and plan._output.annotates:
                 made = self._annotated(folder, sensor, frame, scene, sensor.at(place), picture)
                 text = np.frombuffer(canonical(made), np.uint8)
@@ -128,14 +132,19 @@ class FrameMaker:
         save_masks(folder, sensor.name, found, output)
         made: dict[str, Any] = {}
         if output.merged.has_classes:
-            scale, bop = 1.0, output.merged.bop
-            if bop is not None and output.png_scale is not None and "z" in output.pictures:
-                scale = output.png_scale * 1e3 * meters(bop["unit"])
             name = file_name(plan, sensor.name, frame)
-            made = fragments(name, found, output, scale)
+            made = fragments(name, found, output, depth_scale(output))
         if output.masks or output.merged.jsonl is not None:
             made["instances"] = instances(found, with_boxes=output.merged.jsonl is not None)
         return made
+
+
+def depth_scale(output: Output) -> float:
+    """Return how many millimetres a step of pictures of depth is, for BOP; 1 without these."""
+    bop = output.merged.bop
+    if bop is None or output.png_scale is None or "z" not in output.pictures:
+        return 1.0
+    return output.png_scale * 1e3 * meters(bop["unit"])
 
 
 def picture_name(sensor: str, channel: str) -> str:

@@ -17,13 +17,16 @@ from firsthit._parts._part import name_of, remove_leftovers
 from firsthit._parts._records import read
 from firsthit._parts._whole_file import writing_file
 from firsthit.annotations._bop import SAME_SIZE
-from firsthit.annotations._files import as_json, write
+from firsthit.annotations._bop_models import camera_record, models, write_models
+from firsthit.annotations._classes import TOLD_OF
+from firsthit.annotations._files import as_json, meters, write
 from firsthit.annotations._yolo import _yaml
 
 from ._coco_merge import save_coco
-from ._frame import picture_name
+from ._frame import depth_scale, picture_name
 from ._job import merged_names
 from ._sampling import Uniforms
+from ._sensors import CameraSensor
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -108,6 +111,25 @@ class _Joined:
                 kept = scenes.setdefault(number, [{}, {}, {}])
                 self._add_bop(kept, number, record, sensor, numbers)
         self._write_bop(scenes)
+        self._write_models(numbers)
+
+    def _write_models(self, numbers: dict[str, int]) -> None:
+        """Write ``bop/models`` and ``bop/camera.json``, of the first camera."""
+        plan, output = self._plan, self._plan._output
+        bop = output.merged.bop
+        assert bop is not None
+        millimeters = 1e3 * meters(bop["unit"])
+        # Told by the check of the scenes.
+        telling = TOLD_OF.set(None)
+        try:
+            planned = ((one.load(), one.classes, one.by) for one in plan._scenes)
+            found = models(planned, millimeters, self.classes)
+        finally:
+            TOLD_OF.reset(telling)
+        write_models(self._folder / "bop", found, numbers)
+        scale = depth_scale(output)
+        camera = next(one.camera for one in plan._sensors if isinstance(one, CameraSensor))
+        write(self._folder / "bop" / "camera.json", as_json(camera_record(camera, scale)))
 
     def _add_bop(
         self,

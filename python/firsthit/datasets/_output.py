@@ -12,6 +12,7 @@ from firsthit._project import plane
 
 from ._lidars import LidarSensor
 from ._look import LOOK, NO_LOOK, Look, look, refuse
+from ._motion import Motion, motion
 from ._output_formats import KINDS, Merged, merged
 from ._sensors import CameraSensor
 
@@ -50,6 +51,8 @@ class Output(NamedTuple):
         Which masks of instances have a PNG each.
     merged : Merged
         The formats of annotations that are put together at the end.
+    motion : Motion
+        What is written of how pixels move.
     """
 
     channels: tuple[str, ...]
@@ -60,6 +63,7 @@ class Output(NamedTuple):
     clouds: tuple[str, ...]
     masks: tuple[str, ...]
     merged: Merged
+    motion: Motion
 
     @property
     def annotates(self) -> bool:
@@ -70,9 +74,10 @@ class Output(NamedTuple):
 def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Output:
     """Return what a table of a plan asks for; files that it names are in a folder or below."""
     lidars = [one for one in sensors if isinstance(one, LidarSensor)]
-    of_cameras = ("channels", "frames", "pictures", "png_scale", *LOOK)
+    of_cameras = ("channels", "frames", "pictures", "png_scale", "flow", "disparity", *LOOK)
     if len(lidars) == len(sensors):
         refuse(table, of_cameras, "no sensor makes pictures")
+        moved = Motion()
         channels: list[str] = []
         frames: list[str] = []
         pictures: list[str] = []
@@ -80,6 +85,7 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
     else:
         channels, frames, pictures, scale = _pictures(table, sensors)
         shown = look(table, channels, pictures, sensors, folder)
+        moved = motion(table, sensors)
     if not lidars:
         refuse(table, ("clouds",), "no sensor is a lidar")
     clouds = table.texts("clouds", ["npz"], CLOUDS) if lidars else []
@@ -102,6 +108,7 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
         tuple(clouds),
         tuple(masks),
         joined,
+        moved,
     )
     for one in sensors:
         if not (isinstance(one, LidarSensor) or one.annotate is None or made.annotates):

@@ -1,0 +1,85 @@
+"""Optical flow and disparity of a plan's frames."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from firsthit._flow import _check_pair, disparity, optical_flow
+
+from ._sensors import CameraSensor
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy as np
+    import numpy.typing as npt
+
+    from firsthit._scene import Scene
+
+    from ._place import Place
+    from ._sensors import PictureSensor, PlannedSensor
+    from ._table import Table
+
+    Arrays = dict[str, npt.NDArray[np.generic]]
+
+#: The formats of flow and of disparity.
+_FLOWS, _DISPARITIES = ("flo", "png"), ("png", "pfm")
+
+
+class Motion(NamedTuple):
+    """What is written of how pixels move.
+
+    Attributes
+    ----------
+    flow : tuple of str
+        The formats of the flow to the scene's next frame.
+    pair : pair of CameraSensor or None
+        The left and the right camera of a stereo pair.
+    disparity : tuple of str
+        The formats of the left camera's disparity.
+    """
+
+    flow: tuple[str, ...] = ()
+    pair: tuple[CameraSensor, CameraSensor] | None = None
+    disparity: tuple[str, ...] = ()
+
+    def save(
+        self,
+        folder: Path,
+        sensor: PictureSensor,
+        scene: Scene,
+        places: tuple[Place, Place | None],
+        threads: int | None,
+    ) -> Arrays:
+        """Write what is asked for of a sensor; return it by name, for the digest."""
+        here, there = places
+        made: Arrays = {}
+        if self.flow and there is not None:
+            flow = optical_flow(scene, sensor.at(here), scene, sensor.at(there), threads=threads)
+            for form in self.flow:
+                flow.save(folder / f"{sensor.name}.flow.{form}")
+            made[f"{sensor.name}/flow"] = flow.flow
+        if self.pair is not None and sensor is self.pair[0]:
+            left, right = (one.at(here) for one in self.pair)
+            found = disparity(scene, left, right, threads=threads)
+            for form in self.disparity:
+                found.save(folder / f"{sensor.name}.disparity.{form}")
+            made[f"{sensor.name}/disparity"] = found.disparity
+        return made
+
+
+def motion(table: Table, sensors: tuple[PlannedSensor, ...]) -> Motion:
+    """Return what a plan's output asks for."""
+    flows = table.texts("flow", [], _FLOWS)
+    given = table.table("disparity", None)
+    if given is None:
+        return Motion(tuple(flows))
+    cameras = {one.name: one for one in sensors if isinstance(one, CameraSensor)}
+    left, right = (cameras[given.text(side, among=tuple(cameras))] for side in ("left", "right"))
+    formats = given.texts("formats", ["png"], _DISPARITIES)
+    if not formats:
+        raise given.refused("formats", "`formats` must be one format or several, got none")
+    with given.blaming():
+        _check_pair(left.camera, right.camera)
+    given.finish()
+    return Motion(tuple(flows), (left, right), tuple(formats))
