@@ -16,6 +16,7 @@ from ._channel_hints import hint
 from ._display import Display, as_display
 from ._errors import FileFormatError, warn
 from ._files import files, is_cloud, is_of_several, matte_of
+from ._log import timed
 
 if TYPE_CHECKING:
     from collections.abc import ItemsView, Iterator, KeysView, Sequence, ValuesView
@@ -433,7 +434,8 @@ class Frame:
         channels = [(name, in_file(name, self._channels[name])) for name in names]
         scale = None if png_scale is None else number("png_scale", png_scale)
         display = (self._display if shown is None else shown)._native
-        _firsthit.write(path, list(self._shape), channels, self._origin, scale, display)
+        with timed("wrote %s", path):
+            _firsthit.write(path, list(self._shape), channels, self._origin, scale, display)
 
     def _repr_png_(self) -> bytes | None:
         pictures = [name for name in self._channels if matte_of(name) is None]

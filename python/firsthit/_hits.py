@@ -15,6 +15,7 @@ from ._channel_hints import hint
 from ._files import attribute_of, distinct, files, is_cloud, is_of_several
 from ._frame import in_file
 from ._leaving import leaving
+from ._log import timed
 from ._progress import following
 from ._rounding import singles, singles_within
 from ._types import ChannelName, MatteName, NamedIdentifier
@@ -636,7 +637,8 @@ class Hits(Attributed):
         for file, held in wanted:
             made = ((name, others[name] if name in others else self._named(name)) for name in held)
             arrays = [(name, np.ascontiguousarray(array).ravel()) for name, array in made]
-            _firsthit.write(file, list(self._shape), arrays, origin, None, None)
+            with timed("wrote %s", file):
+                _firsthit.write(file, list(self._shape), arrays, origin, None, None)
 
     # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a
     # checker would no longer know what comes out. `attribute` and `channel` have types.

@@ -11,6 +11,7 @@ import numpy as np
 from . import _firsthit
 from ._arrays import cast, count, flag, number, numbers, text, vector
 from ._conventions import pose4, rigid
+from ._log import timed
 from ._scan import ScanSettings, scanned
 from ._sensor import OtherSensor
 from ._trajectory import checked
@@ -683,7 +684,8 @@ class Lidar(OtherSensor):
             seed=seed,
             rings=rings,
         )
-        return scanned(self, scene, settings, classes, threads, progress)
+        with timed("scanned %d x %d beams", self.rows, self.columns):
+            return scanned(self, scene, settings, classes, threads, progress)
 
     def __repr__(self) -> str:
         moves = "" if self._trajectory is None else f", {self._trajectory!r}"

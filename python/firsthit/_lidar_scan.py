@@ -14,6 +14,7 @@ import numpy as np
 
 from . import _firsthit, _las
 from ._arrays import flag, lock
+from ._log import timed
 from ._scan_file import read_scan
 from ._scan_metadata import metadata
 
@@ -453,7 +454,8 @@ class LidarScan:
         if suffix not in makers:
             known = ", ".join(self.EXTENSIONS)
             raise ValueError(f"path must end in one of {known}, got {os.fspath(path)}")
-        _firsthit.write_bytes(Path(path), makers[suffix]())
+        with timed("wrote %s", path):
+            _firsthit.write_bytes(Path(path), makers[suffix]())
 
     def _npz(self) -> bytes:
         out = io.BytesIO()

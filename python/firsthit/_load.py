@@ -13,6 +13,7 @@ from ._edges import Edges
 from ._environment import environment_of
 from ._errors import warn
 from ._lights import Sky, light_of
+from ._log import timed
 from ._material import Material, Texture
 from ._scene import Scene
 from ._shading import Shader, Shading
@@ -79,7 +80,8 @@ def load(
     """
     limits = count("max_memory", max_memory), min(count("max_texture", max_texture), 2**32 - 1)
     scene = Scene(build=build)
-    model = _firsthit.load(Path(path), flag("strict", strict), *limits)
+    with timed("read %s", path):
+        model = _firsthit.load(Path(path), flag("strict", strict), *limits)
     for doubt in model["warnings"]:
         warn(doubt)
     return _filled(scene, model)
@@ -132,7 +134,9 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
     >>> float(opened.shoot((0, 0, 9), (0, 0, -1)).t)
     8.0
     """
-    return _filled(Scene(), _firsthit.open(Path(path), flag("verify", verify)))
+    with timed("opened %s", path):
+        model = _firsthit.open(Path(path), flag("verify", verify))
+    return _filled(Scene(), model)
 
 
 def _filled(scene: Scene, model: _firsthit._Model) -> Scene:

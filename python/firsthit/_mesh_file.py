@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
+from ._log import timed
 from ._properties import given, shaped
 
 if TYPE_CHECKING:
@@ -83,7 +84,8 @@ def save(
         names = [name for name, *_ in columns]
         if twice := next((name for name in names if names.count(name) > 1), None):
             raise ValueError(f"two properties of a .ply would be called {twice!r}")
-    _firsthit.write_bytes(Path(path), _encoded(vertex, triangles, face))
+    with timed("wrote %s", path):
+        _firsthit.write_bytes(Path(path), _encoded(vertex, triangles, face))
 
 
 def _type_of(values: npt.NDArray[Any], *, is_label: bool) -> str:

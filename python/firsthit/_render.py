@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ._log import timed
 from ._picture import Picture
 
 if TYPE_CHECKING:
@@ -243,7 +244,8 @@ def render(
         color_bar=color_bar,
         threads=threads,
     )
-    return picture.frame(progress)
+    with timed("rendered %d x %d pixels", *picture.part.shape[::-1]):
+        return picture.frame(progress)
 
 
 def render_progressively(

@@ -21,6 +21,7 @@ from ._filters import ALL, one_mask
 from ._foreign_kinds import WANTED, reader_of
 from ._lights import TRANSPARENT, Light, Sky, background_native, is_transparent
 from ._lint import Lintable
+from ._log import DEBUG, timed
 from ._measures import Measures
 from ._nearest import NearestQueries
 from ._notebook import Viewable
@@ -257,18 +258,19 @@ class Scene(
         See `open`.
         """
         built, shading, background = self._ready(), self._shading, self._background
-        _firsthit.save(
-            Path(path),
-            built.native,
-            [(made.name, made.camera._native, made.has_size) for made in self._cameras],
-            None if background is None else background_native(background),
-            shading._native(),
-            self._display._native,
-            None if self._edges is None else self._edges._native(),
-            self._has_view,
-            self._up,
-            self._up_is_guessed,
-        )
+        with timed("wrote %s", path):
+            _firsthit.save(
+                Path(path),
+                built.native,
+                [(made.name, made.camera._native, made.has_size) for made in self._cameras],
+                None if background is None else background_native(background),
+                shading._native(),
+                self._display._native,
+                None if self._edges is None else self._edges._native(),
+                self._has_view,
+                self._up,
+                self._up_is_guessed,
+            )
 
     def _take_built(self, native: _firsthit.Scene) -> None:
         """Take what is built from the objects and lights there are, lest it be built again."""
@@ -413,7 +415,11 @@ class Scene(
             return current
         with self._turn.taken():
             # Another thread may have built it while this one waited.
-            return self._current() or self._build()
+            current = self._current()
+            if current is None:
+                with timed("built %d objects", len(self._objects), level=DEBUG):
+                    current = self._build()
+            return current
 
     def _current(self) -> Built | None:
         """Return what was built last, unless something was added or moved since."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit._arrays import flag, threads_or_all
 from firsthit._errors import FileError
+from firsthit._log import timed
 from firsthit._parts._drive import checked_on, drive
 from firsthit._parts._folder import Parts
 from firsthit._parts._job import range_of
@@ -184,5 +185,5 @@ class _Frames(NamedTuple):
         number = self.plan.scene_of(task.number).scene
         planned, mark = self.plan._scenes[number], self.marks[number]
         scene = opened(self.run, planned.path, mark, planned.up)
-        with _of(task.number):
+        with _of(task.number), timed("made frame %d", task.number):
             return FrameMaker(self.plan, self.threads).make(folder, task.number, scene, mark)
