@@ -118,6 +118,9 @@ def test_all_arrays_of_hits_are_read_only():
         arrays |= {"origin": hits.origin, "direction": hits.direction}
         for name, array in arrays.items():
             assert not array.flags.writeable, name
+            if array.ndim == 0:
+                # Of one ray it is a number.
+                continue
             with pytest.raises(ValueError, match="read-only"):
                 array[...] = 7
             with pytest.raises(ValueError, match="WRITEABLE"):
