@@ -96,6 +96,17 @@ fn text_and_binary_say_the_same() {
 }
 
 #[test]
+fn images_without_second_lines_are_all_there() {
+    let with = "1 1 0 0 0 0 0 5 1 a b 7\n1 2 3 4 5 6\n2 1 0 0 0 0 0 6 1 2.jpg\n\n3 1 0 0 0 0 0 7 1 0003\n1.5 2.5 -1\n4 1 0 0 0 0 0 8 1 d";
+    let without = "1 1 0 0 0 0 0 5 1 a b 7\n2 1 0 0 0 0 0 6 1 2.jpg\n3 1 0 0 0 0 0 7 1 0003\n4 1 0 0 0 0 0 8 1 d\n";
+    for images in [with, without] {
+        let images = text(ONE, images).unwrap();
+        let names: Vec<&str> = images.names().collect();
+        assert_eq!(names, ["a b 7", "2.jpg", "0003", "d"]);
+    }
+}
+
+#[test]
 fn every_model_is_a_lens_that_has_its_parameters() {
     for (k, model) in ColmapModel::ALL.iter().enumerate() {
         let numbers = model.parameters.iter().map(|name| match *name {

@@ -20,21 +20,29 @@ pub(super) fn cameras(data: &[u8], path: &Path) -> Result<Vec<(u32, Intrinsics)>
     Ok(cameras)
 }
 
-/// The images, in the order of the file. Each is a line, and the line after it has its points, or is empty.
+/// The images, in the order of the file. Each is a line, and the line after it has its points, or is empty. Files of known poses
+/// often lack the second lines.
 pub(super) fn images(data: &[u8], path: &Path) -> Result<Vec<Image>> {
     let mut images = Vec::new();
-    let mut is_points = false;
+    let mut may_be_points = false;
     for (line, content) in lines(data, path)? {
-        if is_points || content.is_empty() {
-            is_points = false;
+        let is_passed = content.is_empty() || (may_be_points && are_points(content));
+        may_be_points = !is_passed;
+        if is_passed {
             continue;
         }
-        is_points = true;
         let place = Place::Line(line);
         let image = image(content, place.clone());
         images.push(image.map_err(|what| wrong(path, place, what))?);
     }
     Ok(images)
+}
+
+/// Whether a line has the points of an image, `X Y POINT3D_ID` each. An image's line has ten words, and more only where its name has
+/// blanks.
+fn are_points(line: &str) -> bool {
+    let words = || line.split_whitespace();
+    words().count().is_multiple_of(3) && words().all(|word| word.parse::<f64>().is_ok())
 }
 
 /// The lines with their numbers, without blanks around them. Comments are left out.
