@@ -70,6 +70,15 @@ pub(super) struct Asset<'a> {
 pub(super) struct DocumentExtensions<'a> {
     #[serde(borrow, rename = "KHR_lights_punctual")]
     pub(super) lights: Option<Lights<'a>>,
+    #[serde(rename = "CESIUM_RTC")]
+    pub(super) relative_to: Option<RelativeTo>,
+}
+
+/// A point of the earth that everything is relative to.
+#[derive(Debug, Deserialize)]
+pub(super) struct RelativeTo {
+    #[serde(default)]
+    pub(super) center: Vec<f64>,
 }
 
 #[derive(Debug, Default, Deserialize)]

@@ -34,6 +34,7 @@ use objects::Objects;
 
 /// The extensions that are read, or whose use is a warning where it shows.
 const KNOWN: &[&str] = &[
+    "CESIUM_RTC",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -83,6 +84,13 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let lights = light::all(&document, &placed, report)?;
     let buffers = Buffers::new(&document, container.binary);
     let objects = Objects::new(&document, &placed, buffers, report).all()?;
+    if let Some(relative) = &document.extensions.relative_to {
+        let place = Place::Pointer("/extensions/CESIUM_RTC/center".into());
+        report.warn("center", &place, || {
+            let center = &relative.center;
+            format!("everything is relative to {center:?}, which is not added: it stays around the file's own origin")
+        });
+    }
     if !document.animations.is_empty() {
         report.warn("animations", &Place::Pointer("/animations".into()), || {
             let count = document.animations.len();

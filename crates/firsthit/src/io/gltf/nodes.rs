@@ -5,7 +5,7 @@ use super::super::report::Report;
 use super::document::{Document, Node};
 use super::index::Index;
 use super::place::Entry;
-use crate::error::escape_controls;
+use crate::error::{Place, escape_controls};
 use crate::geometry::{DAffine3, DMat3, DVec3};
 use crate::scene::Label;
 
@@ -132,11 +132,7 @@ fn roots(document: &Document<'_>) -> Vec<Root> {
 fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
     let Some(matrix) = node.matrix else {
         let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-        if (rotation.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() > 1e-2 {
-            report.warn("rotation", &entry.at("rotation"), || {
-                format!("the quaternion {rotation:?} is not of length one, and taken as it is")
-            });
-        }
+        let rotation = of_length_one(rotation, || entry.at("rotation"), report);
         let translation = node.translation.unwrap_or_default();
         return affine(translation, rotation, node.scale.unwrap_or([1.0; 3]));
     };
@@ -154,6 +150,39 @@ fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
         });
     }
     DAffine3::from_cols_array(&[a, b, c, d, e, f, g, h, i, x, y, z])
+}
+
+/// A quaternion made one of length one. Those of bytes and of few digits are off by rounding; more is a warning. Float32's
+/// own rounding is left as it is.
+pub(super) fn of_length_one(
+    quaternion: [f64; 4],
+    place: impl FnOnce() -> Place,
+    report: &mut Report,
+) -> [f64; 4] {
+    const ROUNDING: f64 = 1e-6;
+    let largest = quaternion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    // Scaled first: squares of very large and very small numbers leave float64.
+    let scaled = quaternion.map(|x| x / largest);
+    let length = largest * scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let off = (length - 1.0).abs();
+    if off <= ROUNDING {
+        return quaternion;
+    }
+    let is_usable = largest > 0.0 && largest.is_finite();
+    if off > 1e-2 || !is_usable {
+        let taken = if is_usable {
+            "is made so"
+        } else {
+            "is taken for no rotation"
+        };
+        report.warn("rotation", &place(), || {
+            format!("the quaternion {quaternion:?} is not of length one, and {taken}")
+        });
+    }
+    if !is_usable {
+        return [0.0, 0.0, 0.0, 1.0];
+    }
+    scaled.map(|x| x * (largest / length))
 }
 
 /// The map that scales, then turns by a quaternion (x, y, z, w), then moves.

@@ -13,7 +13,7 @@ use super::document::{Document, Instancing};
 use super::index::Index;
 use super::material::{Look, Looks};
 use super::mesh::{self, Deformation, Shared};
-use super::nodes::{self, Placed, affine};
+use super::nodes::{self, Placed, affine, of_length_one};
 use super::skin::{self, Palette};
 use super::values::Values;
 use crate::error::escape_controls;
@@ -278,6 +278,11 @@ impl<'a, 'b> Objects<'a, 'b> {
         };
         let Index(count) = declared(self.document, index)?.count;
         for (name, &index) in &instancing.attributes {
+            if !["TRANSLATION", "ROTATION", "SCALE"].contains(&name.as_ref()) {
+                self.report.warn("instances", &place_of(name), || {
+                    "this attribute of instances is not read".to_owned()
+                });
+            }
             let Index(other) = declared(self.document, index)?.count;
             if other != count {
                 let first = escape_controls(first);
@@ -294,7 +299,10 @@ impl<'a, 'b> Objects<'a, 'b> {
         let placements = (count as u64).saturating_mul(size_of::<DAffine3>() as u64);
         budget.charge_at(place_of(first), placements, "the instances")?;
         let translations = self.values::<3>(instancing, "TRANSLATION", &Shape::VEC3)?;
-        let rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
+        let mut rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
+        for rotation in rotations.iter_mut().flatten() {
+            *rotation = of_length_one(*rotation, || place_of("ROTATION"), self.report);
+        }
         let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;
         let instances = (0..count).map(|k| {
             affine(

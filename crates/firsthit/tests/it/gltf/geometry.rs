@@ -370,3 +370,82 @@ fn a_matrix_beside_its_parts_is_a_warning() {
         "{warnings:?}"
     );
 }
+
+/// A quarter turn about z as bytes has the length 1.0022.
+#[test]
+fn instances_turned_by_normalised_bytes_keep_their_size() {
+    let mut builder = Builder::triangle();
+    let turn = builder.accessor(&[0, 0, 90, 90], 5120, 1, "VEC4");
+    builder.json["accessors"][turn]["normalized"] = json!(true);
+    builder.json["nodes"][0]["extensions"] =
+        json!({"EXT_mesh_gpu_instancing": {"attributes": {"ROTATION": turn}}});
+    let model = builder.load().unwrap();
+    assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    let turned = points(&model, 0);
+    assert!(turned[1].abs_diff_eq(DVec3::Y, 1e-15), "{turned:?}");
+    assert!(turned[2].abs_diff_eq(DVec3::NEG_X, 1e-15), "{turned:?}");
+}
+
+#[test]
+fn a_rotation_of_few_digits_does_not_change_the_size() {
+    for (turn, warned) in [
+        (json!([0, 0, 0.71, 0.71]), false),
+        (json!([0, 0, 3, 3]), true),
+        (json!([0, 0, 1e200, 1e200]), true),
+    ] {
+        let mut builder = Builder::triangle();
+        builder.json["nodes"][0]["rotation"] = turn;
+        let model = builder.load().unwrap();
+        assert_eq!(
+            model.warnings.len(),
+            usize::from(warned),
+            "{:?}",
+            model.warnings
+        );
+        assert!(points(&model, 0)[1].abs_diff_eq(DVec3::Y, 1e-15));
+    }
+    let mut builder = Builder::triangle();
+    builder.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
+    let model = builder.load().unwrap();
+    assert!(
+        model.warnings[0].contains("no rotation"),
+        "{:?}",
+        model.warnings
+    );
+    assert_eq!(points(&model, 0)[1], DVec3::X);
+}
+
+/// What it shifts by is another thing in each of its specifications.
+#[test]
+fn a_centre_that_is_not_added_is_told_whether_it_is_declared_or_not() {
+    for declared in [json!([]), json!(["CESIUM_RTC"])] {
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            let mut builder = Builder::triangle();
+            builder.json["extensions"] = json!({"CESIUM_RTC": {"center": [1.0, 2.0, 3.0]}});
+            builder.json[list] = declared.clone();
+            let model = builder.load().unwrap();
+            let [warning] = model.warnings.as_slice() else {
+                panic!("{:?}", model.warnings);
+            };
+            assert!(
+                warning.contains("CESIUM_RTC/center: everything is relative to [1.0, 2.0, 3.0]"),
+                "{warning}"
+            );
+        }
+    }
+}
+
+#[test]
+fn attributes_of_instances_that_are_not_read_are_told() {
+    let mut builder = Builder::triangle();
+    let ids = builder.floats(&[7.0], "SCALAR");
+    let moved = builder.floats(&[1.0, 0.0, 0.0], "VEC3");
+    builder.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing":
+        {"attributes": {"_ID": ids, "TRANSLATION": moved}}});
+    let model = builder.load().unwrap();
+    assert!(
+        model.warnings[0].contains("attributes/_ID: this attribute"),
+        "{:?}",
+        model.warnings
+    );
+}
