@@ -2,20 +2,16 @@
 
 use super::report::Report;
 use crate::error::Place;
-use crate::geometry::{single, srgb_decode};
+use crate::geometry::{single, srgb_decode, srgb_encode};
 
 /// The meaning of the numbers of vertices or faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Normals,
     Coordinates,
+    /// Linear, from 0 to 1.
     Colors,
-    /// Colours that are at most 1, as glTF has them.
-    Albedos,
 }
-
-/// Colours from here on are garbage, as coordinates are: their products would leave the range of float32.
-const TOO_BRIGHT: f32 = 1e30;
 
 impl Kind {
     /// The replacement of an unusable value.
@@ -26,16 +22,8 @@ impl Kind {
                 let is_usable = value.iter().all(|x| x.is_finite());
                 if is_usable { value } else { [0.0; N] }
             }
-            Self::Colors => value.map(|level| {
-                if level < 0.0 {
-                    0.0
-                } else if level < TOO_BRIGHT {
-                    level
-                } else {
-                    1.0
-                }
-            }),
-            Self::Albedos => Self::Colors.mended(value).map(|level| level.min(1.0)),
+            // `min` takes 1 for a NaN.
+            Self::Colors => value.map(|level| if level < 0.0 { 0.0 } else { level.min(1.0) }),
         }
     }
 
@@ -54,11 +42,6 @@ impl Kind {
             ),
             Self::Colors => (
                 "bad colours",
-                "colours that are negative, not finite or not below 1e30",
-                "0 is taken for negative levels, 1 for the others",
-            ),
-            Self::Albedos => (
-                "bad colours",
                 "colours that are not from 0 to 1",
                 "0 is taken for negative levels, 1 for the others",
             ),
@@ -66,13 +49,35 @@ impl Kind {
     }
 }
 
-/// The linear value of a level that is encoded as sRGB.
+/// The linear value of a level that is encoded as sRGB. What is not from 0 to 1 stays as it is: [`mend_levels`] tells what it means.
 pub(super) fn linear(encoded: f64) -> f32 {
-    if encoded.is_finite() && encoded >= 0.0 {
+    if (0.0..=1.0).contains(&encoded) {
         single(srgb_decode(encoded))
     } else {
-        // Not a colour: told, and replaced, where all are there.
         single(encoded)
+    }
+}
+
+/// Mends colours whose levels came through [`linear`]. Levels above 1 say that a file counts from 0 to 255, which is a warning.
+pub(super) fn mend_levels(values: &mut [[f32; 3]], report: &mut Report) {
+    let levels = values.iter().flatten().filter(|level| level.is_finite());
+    let largest = levels.fold(0.0_f32, |most, &level| most.max(level));
+    if (2.0..=255.0).contains(&largest) {
+        report.warn("levels", &Place::File, || {
+            format!("colours reach {largest}: they are taken to be from 0 to 255, not from 0 to 1")
+        });
+        levels_of_bytes(values);
+    }
+    mend(values, Kind::Colors, &Place::File, report);
+}
+
+/// Makes levels that count from 0 to 255, and came through [`linear`], what they are.
+pub(super) fn levels_of_bytes(values: &mut [[f32; 3]]) {
+    let levels = values.iter_mut().flatten();
+    for level in levels.filter(|level| **level >= 0.0) {
+        let read = f64::from(*level);
+        let encoded = if read > 1.0 { read } else { srgb_encode(read) };
+        *level = linear(encoded / 255.0);
     }
 }
 
@@ -118,7 +123,7 @@ mod tests {
             [f32::NEG_INFINITY, 1e30, 2.0],
         ];
         mend(&mut colors, Kind::Colors, &Place::File, &mut report);
-        assert_eq!(colors, [[0.5, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 2.0]]);
+        assert_eq!(colors, [[0.5, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]);
         let mut normals = [[0.0, 0.0, 1.0], [0.0, f32::NAN, 1.0]];
         mend(&mut normals, Kind::Normals, &Place::File, &mut report);
         assert_eq!(normals, [[0.0, 0.0, 1.0], [0.0; 3]]);

@@ -398,10 +398,10 @@ fn with_colors(
         return Ok(mesh);
     };
     if has_shape(values.document, index, &Shape::VEC3) {
-        let colors = mended(values, "COLOR_0", &Shape::VEC3, Kind::Albedos, count)?;
+        let colors = mended(values, "COLOR_0", &Shape::VEC3, Kind::Colors, count)?;
         return Ok(mesh.with_colors(Attribute::per_vertex(colors.unwrap_or_default()))?);
     }
-    let colors = mended::<4>(values, "COLOR_0", &Shape::VEC4, Kind::Albedos, count)?;
+    let colors = mended::<4>(values, "COLOR_0", &Shape::VEC4, Kind::Colors, count)?;
     let colors = colors.unwrap_or_default();
     let opaque = colors
         .iter()

@@ -129,7 +129,16 @@ pub(super) fn state(
     };
     match keyword {
         b"Kd" => match parse_color("Kd", words) {
-            Ok(color) => material.color = Some(color),
+            Ok(color) => {
+                if color.max_element() > 1.0 {
+                    warn("bright", &|| {
+                        format!(
+                            "Kd is from 0 to 1, got {color}: the surface gives more light than it gets"
+                        )
+                    });
+                }
+                material.color = Some(color);
+            }
             Err(what) => warn("Kd", &|| what.clone()),
         },
         b"Ke" => match parse_color("Ke", words) {

@@ -10,7 +10,6 @@ mod values;
 use std::collections::HashMap;
 
 use super::fault::{Checked, Fault};
-use super::mend::linear;
 use super::mtl::Library;
 use super::report::Report;
 use super::surface::Vertices;
@@ -99,17 +98,11 @@ impl<'a> Reader<'a> {
 
     /// Refuses to go on when what came so far takes too much memory.
     fn check_memory(&mut self) -> Checked<()> {
-        let Values {
-            uvs,
-            normals,
-            colors,
-        } = &self.values;
-        let values = size_of_val(uvs.as_slice()) + size_of_val(normals.as_slice());
-        let vertices = size_of_val(self.positions.as_slice()) + size_of_val(colors.as_slice());
+        let positions = size_of_val(self.positions.as_slice());
         let objects: usize = self.objects.iter().map(Object::bytes).sum();
         self.report
             .budget
-            .charge_growth(values + vertices + objects)
+            .charge_growth(self.values.bytes() + positions + objects)
     }
 
     /// Reads the next line if it is one of the plain ones, of which files mostly consist.
@@ -211,24 +204,17 @@ impl<'a> Reader<'a> {
         let extra: Vec<f64> = words.map(number).collect::<Option<_>>().ok_or_else(|| {
             Fault::line(line, "what follows a vertex's coordinates must be numbers")
         })?;
-        let mut color = None;
         match *extra.as_slice() {
-            [] | [1.0] => {}
+            [] | [1.0] | [_, _, _] | [_, _, _, _] => {}
             [_] => self.warn("w", line, || {
                 "weights of vertices (a fourth coordinate) are not read".to_owned()
             }),
-            [r, g, b] | [r, g, b, _] => color = Some([r, g, b].map(linear)),
             _ => self.warn("values", line, || {
-                "a vertex with neither 3, 4 nor 6 numbers: only its coordinates are read".to_owned()
+                "a vertex with neither 3, 4, 6 nor 7 numbers: only its coordinates are read"
+                    .to_owned()
             }),
         }
-        if color.is_some() || !self.values.colors.is_empty() {
-            // Vertices without a colour are white.
-            self.values
-                .colors
-                .resize(self.positions.len() - 1, [1.0; 3]);
-            self.values.colors.push(color.unwrap_or([1.0; 3]));
-        }
+        self.values.push_color(self.positions.len() - 1, &extra);
         let [vertices, ..] = &mut self.indices;
         vertices.add(line)
     }

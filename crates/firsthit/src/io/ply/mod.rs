@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
-use super::mend::{self, mend};
+use super::mend::{self, mend, mend_levels};
 use super::picture;
 use super::report::Report;
 use super::surface::{Surface, Vertices, face_attribute};
@@ -138,8 +138,7 @@ fn model(
         ..Material::default()
     });
     if let Some(mut colors) = colors {
-        let kind = mend::Kind::Colors;
-        (colors.values).edit(|values| mend(values, kind, &Place::File, report));
+        (colors.values).edit(|values| mend_levels(values, report));
         mesh = mesh.with_colors(colors)?;
     }
     let object = Object::new(Arc::new(mesh)).named(name);
