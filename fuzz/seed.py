@@ -25,8 +25,9 @@ LARGEST = 64 << 10
 TARGETS = {
     "ply": {"ply"},
     "stl": {"stl"},
+    "off": {"off"},
     "obj": {"obj"},
-    "texture": {"png", "jpg", "jpeg", "webp", "bmp", "tga"},
+    "texture": {"png", "jpg", "jpeg", "webp", "bmp", "tga", "tif", "tiff", "gif"},
     "environment": {"hdr", "exr"},
     "gzip": {"stl"},
     "gltf": {"gltf", "glb"},

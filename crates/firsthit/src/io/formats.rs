@@ -7,6 +7,8 @@ use super::format::{Format, format_of};
 use super::gltf;
 #[cfg(feature = "obj")]
 use super::obj;
+#[cfg(feature = "off")]
+use super::off;
 #[cfg(feature = "ply")]
 use super::ply;
 use super::read;
@@ -50,6 +52,14 @@ pub(crate) const FORMATS: &[Format] = &[
         up: DVec3::Z,
         rules_up: false,
         read: stl::read,
+    },
+    #[cfg(feature = "off")]
+    Format {
+        name: "OFF",
+        extensions: &["off"],
+        up: DVec3::Z,
+        rules_up: false,
+        read: off::read,
     },
 ];
 
