@@ -1,16 +1,18 @@
 //! STL: triangles without shared vertices, binary or text.
 //!
-//! The facets' own normals and the binary format's attribute bytes are not read: the normal is that of
-//! the winding, and what the bytes mean differs from program to program.
+//! The facets' own normals are not read: the normal is that of the winding. The binary format's attribute bytes are colours where they
+//! are marked as such.
 
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
+use super::mend::linear;
 use super::report::Report;
-use super::surface::{Surface, Vertices};
+use super::surface::{Surface, Vertices, face_attribute};
 use super::text::{self, Lines, Words, next_number, shown};
 use crate::error::{Place, escape_controls};
-use crate::scene::Object;
+use crate::geometry::single;
+use crate::scene::{Material, Object};
 use crate::shape::Positions;
 use crate::world::World;
 
@@ -21,6 +23,7 @@ const FACET: usize = 50;
 const CHECK_EVERY: u64 = 1 << 16;
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
+    let mut colors = Vec::new();
     let (positions, name) = if let Some((facets, rest)) = binary_of(bytes)? {
         if !rest.is_empty() {
             let place = Place::Byte((bytes.len() - rest.len()) as u64);
@@ -29,6 +32,10 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
             });
         }
         report.budget.charge_growth(facets.len())?;
+        colors = facet_colors(bytes.get(..HEADER).unwrap_or_default(), facets);
+        report
+            .budget
+            .charge_content(size_of_val(&*colors) as u64, "the facets' colours")?;
         (Positions::Single(read_binary(facets).into()), None)
     } else {
         let (points, name) = read_text(&text::decode(bytes), report)?;
@@ -43,8 +50,56 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let mut surface = Surface::default();
     surface.reserve(count as usize)?;
     (0..count.min(u32::MAX / 3)).for_each(|k| surface.push_triangle([3 * k, 3 * k + 1, 3 * k + 2]));
-    let (mesh, _) = surface.finish(&Vertices::new(positions), &name, report)?;
-    Ok(World::of(vec![Object::new(Arc::new(mesh)).named(name)]))
+    let (mut mesh, _) = surface.finish(&Vertices::new(positions), &name, report)?;
+    let is_painted = !colors.is_empty();
+    if is_painted {
+        let colors = face_attribute(&mesh, colors);
+        mesh = mesh.with_colors(colors)?;
+    }
+    let object = Object::new(Arc::new(mesh)).named(name);
+    // White leaves the mesh's own colours as they are.
+    Ok(World::of(vec![if is_painted {
+        object.with_materials([Material::default()])
+    } else {
+        object
+    }]))
+}
+
+/// The linear colours of facets, where any are stated: five bits for each of red, green and blue, after one bit. Magics says so in the
+/// header, with the colour of all other facets; there a bit of 0 marks a colour, and red is lowest. VisCAM and SolidView mark a colour
+/// by a bit of 1, and blue is lowest.
+fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
+    let (facets, _) = facets.as_chunks::<FACET>();
+    let words = || {
+        facets
+            .iter()
+            .map(|&[.., low, high]| u16::from_le_bytes([low, high]))
+    };
+    let grey = Object::NEUTRAL.to_array().map(single);
+    let of_all = memchr::memmem::find(header, b"COLOR=").map(|start| header.get(start + 6..));
+    let level = |word: u16, shift: u32| linear(f64::from((word >> shift) & 31) / 31.0);
+    let is_marked = |word: u16| word >> 15 == 1;
+    if let Some(of_all) = of_all {
+        let of_all = match of_all {
+            Some(&[red, green, blue, ..]) => {
+                [red, green, blue].map(|byte| linear(f64::from(byte) / 255.0))
+            }
+            _ => grey,
+        };
+        let color = |word| match is_marked(word) {
+            true => of_all,
+            false => [0, 5, 10].map(|shift| level(word, shift)),
+        };
+        return words().map(color).collect();
+    }
+    if !words().any(is_marked) {
+        return Vec::new();
+    }
+    let color = |word| match is_marked(word) {
+        true => [10, 5, 0].map(|shift| level(word, shift)),
+        false => grey,
+    };
+    words().map(color).collect()
 }
 
 /// The facets of a binary file and what follows them; `None` for text. They are told apart by the size, which only binary
