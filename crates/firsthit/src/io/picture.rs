@@ -1,4 +1,4 @@
-//! Pictures for textures: PNG, JPEG, WebP, BMP and TGA, their sizes checked before they are decoded.
+//! Pictures for textures: PNG, JPEG, WebP, BMP, TGA, TIFF and GIF, their sizes checked before they are decoded.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -17,7 +17,7 @@ use crate::scene::Texture;
 ///
 /// In words, why it is not read.
 pub(super) fn sibling(scene: &Path, name: &str, report: &mut Report) -> Result<Texture, String> {
-    let path = read::sibling(scene, name)?;
+    let path = read::sibling(scene, name, &report.settings.resources)?;
     let bytes = read::sibling_content(&path, report)?;
     let path = without_gz(&path);
     let extension = path.extension().and_then(|word| word.to_str());
@@ -37,7 +37,7 @@ pub(super) fn decode(
     let format = image::guess_format(bytes)
         .ok()
         .or_else(|| extension.and_then(ImageFormat::from_extension))
-        .ok_or("its format is not known; it must be PNG, JPEG, WebP, BMP or TGA")?;
+        .ok_or("its format is not known; it must be PNG, JPEG, WebP, BMP, TGA, TIFF or GIF")?;
     let reader = || ImageReader::with_format(Cursor::new(bytes), format);
     let words = |error: image::ImageError| crate::error::escape_controls(&error.to_string());
     let (columns, rows) = reader().into_dimensions().map_err(words)?;
