@@ -13,6 +13,8 @@ const SETTINGS: LoadSettings = LoadSettings {
     max_memory: 64 << 20,
     max_texture: 1024,
     verify: false,
+    resources: Vec::new(),
+    scale: 1.0,
 };
 
 /// Reads content under a name that tells its format.

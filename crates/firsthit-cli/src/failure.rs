@@ -63,6 +63,12 @@ impl Failure {
         }
     }
 
+    /// The same with more to say.
+    pub(crate) fn with(mut self, more: &str) -> Self {
+        self.message = self.message.map(|message| message + more);
+        self
+    }
+
     /// The same about what a file asks for: then the file is wrong, not the command line.
     pub(crate) fn in_file(self, file: &Path) -> Self {
         match self {

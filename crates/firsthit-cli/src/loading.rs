@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use firsthit::error::escaped;
 use firsthit::load::{self, LoadSettings, load};
 use firsthit::scene::{Build, BuildSettings};
 use firsthit::world::World;
@@ -35,12 +36,22 @@ pub(crate) fn read(
     build: BuildSettings,
     neutral: Option<Color>,
 ) -> Result<Loaded, Failure> {
-    read_with(path, &settings(args), |_| build, neutral)
+    read_with(path, &settings(path, args), |_| build, neutral)
 }
 
-/// What the arguments say.
-pub(crate) fn settings(args: &LoadArgs) -> LoadSettings {
+/// What the arguments say of the file at `path`.
+pub(crate) fn settings(path: &Path, args: &LoadArgs) -> LoadSettings {
+    let mut resources = args.resources.clone();
+    if args.allow_parent {
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new("."));
+        // Canonical: what is above a link is not what is above the folder that it leads to.
+        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        resources.push(folder.join(".."));
+    }
     LoadSettings {
+        resources,
+        scale: args.units.or(args.scale).unwrap_or(1.0),
         strict: args.strict,
         max_memory: args.max_memory,
         max_texture: args.max_texture,
@@ -93,6 +104,24 @@ pub(crate) fn read_with(
 }
 
 impl Loaded {
+    /// Refuses a cloud of points without any surface, of which every picture is empty.
+    pub(crate) fn check_surfaces(&self, path: &Path) -> Result<(), Failure> {
+        let mut points = 0;
+        for object in self.scene.objects() {
+            match object.mesh() {
+                Some(mesh) if mesh.triangles().is_empty() => points += mesh.positions().len(),
+                _ => return Ok(()),
+            }
+        }
+        if points == 0 {
+            return Ok(());
+        }
+        let path = escaped(path);
+        Err(Failure::bad_input(format!(
+            "{path}: {points} points without a face, and so nothing to see; MeshLab and Open3D make a mesh of a cloud"
+        )))
+    }
+
     /// The same with the objects hidden that the arguments leave out.
     pub(crate) fn picked(mut self, args: &PickArgs) -> Result<Self, Failure> {
         let objects = self.scene.objects();

@@ -5,6 +5,7 @@ use firsthit::camera::{Focus, PixelMatrix, StandardView};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use firsthit::geometry::{COLOR_NAMES, ColorMap, Domain, Setting, Value, color_of};
 use firsthit::lint::KINDS;
+use firsthit::load::UNITS;
 use firsthit::scene::Build;
 use firsthit::scene::ColorBy;
 use firsthit::scene_file::nearest_word;
@@ -60,6 +61,23 @@ pub(crate) fn build() -> impl TypedValueParser<Value = Build> {
 /// The name of a kind of finding.
 pub(crate) fn lint_kind() -> PossibleValuesParser {
     PossibleValuesParser::new(KINDS.iter().map(|kind| kind.name))
+}
+
+/// The name of a unit of length, as metres.
+pub(crate) fn unit() -> impl TypedValueParser<Value = f64> {
+    let names = UNITS.iter().map(|&(name, _)| name);
+    let metres = |name: String| {
+        let unit = UNITS.iter().find(|&&(known, _)| known == name);
+        unit.map(|&(_, metres)| metres).ok_or("no such unit")
+    };
+    PossibleValuesParser::new(names).try_map(metres)
+}
+
+/// A factor of lengths.
+pub(crate) fn factor(text: &str) -> Result<f64, String> {
+    let factor = text.parse::<f64>().ok();
+    let factor = factor.filter(|&factor| factor > 0.0 && factor.is_finite());
+    factor.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 /// What surfaces are coloured by.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 #[cfg(feature = "fhs")]
 use crate::fhs;
 use crate::io::{FORMATS, Format, Report, format_of, read};
@@ -10,7 +10,7 @@ use crate::scene::EnvironmentMap;
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
 
-pub use crate::io::{LoadSettings, Loaded, polygons};
+pub use crate::io::{LoadSettings, Loaded, UNITS, polygons};
 
 /// The formats that this crate was compiled with.
 fn formats() -> impl Iterator<Item = &'static Format> + Clone {
@@ -42,9 +42,10 @@ fn formats() -> impl Iterator<Item = &'static Format> + Clone {
 /// # Errors
 ///
 /// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the content or the
-/// extension is wrong; [`Error::TooLarge`] for more than `settings` allow, and [`Error::Limit`] for more than
-/// identifiers hold.
+/// extension is wrong; [`Error::TooLarge`] for more than `settings` allow, [`Error::Limit`] for more than
+/// identifiers hold, and [`Error::Argument`] for a scale that the file cannot have.
 ///
+/// [`Error::Argument`]: crate::Error::Argument
 /// [`Error::Read`]: crate::Error::Read
 /// [`Error::Parse`]: crate::Error::Parse
 /// [`Error::TooLarge`]: crate::Error::TooLarge
@@ -53,7 +54,8 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
     // A folder is refused as such, before its extension is.
     read::refuse_folder(path)?;
     let format = format_of(path, formats())?;
-    let mut report = Report::new(path, *settings);
+    check_scale(format, settings)?;
+    let mut report = Report::new(path, settings.clone());
     #[cfg(feature = "fhs")]
     if format.name == fhs::FORMAT.name && !read::is_named_as_packed(path) {
         let block = read::mapped_file(path)?;
@@ -71,9 +73,27 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
 /// Those of [`load`], but for [`Error::Read`](crate::Error::Read).
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Loaded> {
     let format = format_of(name, formats())?;
-    let mut report = Report::new(name, *settings);
+    check_scale(format, settings)?;
+    let mut report = Report::new(name, settings.clone());
     report.source.in_memory = true;
     format.load(bytes.into(), &mut report)
+}
+
+/// Refuses a factor that is none, and one for files that say themselves how long everything is.
+fn check_scale(format: &Format, settings: &LoadSettings) -> Result<()> {
+    let scale = settings.scale;
+    if !(scale > 0.0 && scale.is_finite()) {
+        return Err(Error::argument("scale", "positive and finite", scale));
+    }
+    if scale != 1.0 && !FORMATS.iter().any(|model| model.name == format.name) {
+        let got = format!("{scale} for a {}", format.name);
+        return Err(Error::argument(
+            "scale",
+            "1 but for mesh files and models",
+            got,
+        ));
+    }
+    Ok(())
 }
 
 /// Reads an environment map, a picture of all directions by longitude and latitude: Radiance's `.hdr`, or with the feature `exr` an `.exr`.
@@ -90,7 +110,7 @@ pub fn load_environment(
     path: &Path,
     settings: &LoadSettings,
 ) -> Result<(EnvironmentMap, Vec<String>)> {
-    let mut report = Report::new(path, *settings);
+    let mut report = Report::new(path, settings.clone());
     let map = crate::io::load_environment(&mut report)?;
     Ok((map, report.take_lines()))
 }
@@ -103,7 +123,6 @@ pub fn extensions() -> impl Iterator<Item = &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::error::Error;
 
     #[test]
     fn extensions_are_known_in_any_case() {
@@ -112,8 +131,8 @@ mod tests {
         assert_eq!(
             of("x.3ds").unwrap_err().to_string(),
             "x.3ds: the extension names no known format; \
-             it must be one of .gltf (glTF), .glb (glTF), .obj (OBJ), .ply (PLY), .stl (STL), \
-             .fhs (built scene), .toml (scene file)"
+             it must be one of .gltf (glTF), .glb (glTF), .obj (OBJ), .ply (PLY), .stl (STL), .off (OFF), \
+             .fhs (built scene), .toml (scene file); Blender opens .3ds and exports .glb"
         );
         assert!(of("noextension").is_err());
     }

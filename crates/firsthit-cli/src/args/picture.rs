@@ -17,7 +17,7 @@ use crate::values;
 #[derive(Debug, Args)]
 #[command(after_help = help::render())]
 pub(crate) struct RenderArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,

@@ -15,7 +15,7 @@ use crate::values;
 #[derive(Debug, Args)]
 #[command(after_help = help::SHOOT_EXAMPLES)]
 pub(crate) struct ShootArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The rays, or only their origins: .npy, .npz or .csv, or - for standard input. From CSV on standard input to CSV on
     /// standard output, lines are answered as they arrive
@@ -69,7 +69,7 @@ pub(crate) struct ShootArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::BUILD_EXAMPLES)]
 pub(crate) struct BuildArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY or STL, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL or OFF, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// Where to write: a name that ends in .fhs [default: the file's name with .fhs]
     #[arg(short, long, value_name = "FILE")]
@@ -83,7 +83,7 @@ pub(crate) struct BuildArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::NEAREST_EXAMPLES)]
 pub(crate) struct NearestArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The points: .npy, .npz or .csv, or - for standard input
     pub(crate) points: PathBuf,
@@ -117,7 +117,7 @@ pub(crate) struct NearestArgs {
 /// A list of questions about a scene, each with one number for an answer.
 #[derive(Debug, Args)]
 pub(crate) struct ListArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The points, or the pairs of points: .npy, .npz or .csv, or - for standard input
     pub(crate) points: PathBuf,
@@ -147,7 +147,7 @@ pub(crate) enum StreamFormat {
 #[derive(Debug, Args)]
 #[command(after_help = help::INFO_EXAMPLES)]
 pub(crate) struct InfoArgs {
-    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, or a point cloud that is .ply. Of a .fhs file
+    /// The 3D file, a scene file (TOML), or an output: .png, .exr, .npy, .npz, .pcd, .las, .laz, or a point cloud that is .ply. Of a .fhs file
     /// all checksums are compared
     pub(crate) file: PathBuf,
     /// Print JSON. Of a 3D file: triangles, vertices, bounds as [[low], [high]] (null if nothing is there), objects, up,
@@ -190,7 +190,7 @@ pub(crate) struct DiffArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::SECTION_EXAMPLES)]
 pub(crate) struct SectionArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// A point of the plane [default: the middle of the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -213,7 +213,7 @@ pub(crate) struct SectionArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::lint())]
 pub(crate) struct LintArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// Kinds of findings that are not looked for, with commas between; see below
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = values::lint_kind())]
@@ -240,7 +240,7 @@ pub(crate) struct LintArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::PROBE_EXAMPLES, group(clap::ArgGroup::new("which ray").required(true).args(["pixel", "ray"])))]
 pub(crate) struct ProbeArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The pixel through whose centre the ray goes: its column from the left and its row from the top, both from 0. The picture is
     /// that of firsthit render with the same options
@@ -283,7 +283,7 @@ pub(crate) struct ProbeArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL or FHS, or a scene file (TOML)
+    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// Write the page to this file, part.html, with the scene inside, and serve nothing. Browsers open it without this program and
     /// without a network

@@ -1,5 +1,7 @@
 //! What several commands take: how a file is read, what of it, and how the program works.
 
+use std::path::PathBuf;
+
 use clap::{Args, ValueEnum};
 use firsthit::Side;
 use firsthit::scene::{Build, BuildSettings};
@@ -21,6 +23,19 @@ pub(crate) struct LoadArgs {
     /// bytes a texel
     #[arg(long, value_name = "SIDE", value_parser = clap::value_parser!(u32).range(1..=1 << 20), default_value = "16384", allow_hyphen_values = true)]
     pub(crate) max_texture: u32,
+    /// The unit of a mesh file's or a model's lengths, um, mm, cm, m, km, in or ft: they become metres
+    #[arg(long, value_name = "UNIT", value_parser = values::unit(), conflicts_with = "scale")]
+    pub(crate) units: Option<f64>,
+    /// What all lengths of a mesh file or a model are multiplied by
+    #[arg(long, value_name = "FACTOR", value_parser = values::factor, allow_hyphen_values = true)]
+    pub(crate) scale: Option<f64>,
+    /// A folder whose files the file may name, as textures, beside those of its own folder; may be given several times. What is
+    /// not found by its whole name is looked for by the last part of it
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) resources: Vec<PathBuf>,
+    /// The same for the folder above the file's own: ../textures/wood.png is read
+    #[arg(long)]
+    pub(crate) allow_parent: bool,
 }
 
 /// How trees are built.

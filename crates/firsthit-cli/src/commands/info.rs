@@ -3,7 +3,7 @@ use std::io::Write;
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
-use firsthit::image::{format_of, is_point_cloud};
+use firsthit::image::{FORMATS, format_of, is_point_cloud};
 use firsthit::load::LoadSettings;
 use firsthit::shape::{Property, PropertyOf};
 use firsthit::shoot::Cpu;
@@ -11,8 +11,8 @@ use firsthit::{Bounds, Object, Scene, Shape};
 use serde_json::{Value, json};
 
 use super::info_looks::Looks;
-use super::info_output;
 use super::listing::{listed, most_listed};
+use super::{info_las, info_output};
 use crate::args::InfoArgs;
 use crate::console::{counted, json_text, warn};
 use crate::failure::Failure;
@@ -25,6 +25,12 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
         Ok(format) if !has_model_extension(&args.file) || is_point_cloud(&args.file) => {
             info_output::text(args, format)?
         }
+        _ if info_las::is_las(&args.file) => info_las::text(args)?,
+        Err(_) if !has_model_extension(&args.file) => of_model(args).map_err(|failure| {
+            let known = FORMATS.iter().flat_map(|format| format.extensions);
+            let known: Vec<String> = known.map(|known| format!(".{known}")).collect();
+            failure.with(&format!("; or an output: {}, .las, .laz", known.join(", ")))
+        })?,
         _ => of_model(args)?,
     };
     std::io::stdout()
@@ -35,7 +41,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
 fn of_model(args: &InfoArgs) -> Result<String, Failure> {
     let settings = LoadSettings {
         verify: true,
-        ..loading::settings(&args.load)
+        ..loading::settings(&args.file, &args.load)
     };
     let loaded = with_all_cores(|| loading::read_with(&args.file, &settings, |_| NO_RAYS, None))?;
     let most = most_listed(args);

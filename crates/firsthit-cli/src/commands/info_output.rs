@@ -65,7 +65,7 @@ fn unknown(array: &Array) -> String {
 }
 
 /// All strings are from a file: none of them reaches the terminal as it is.
-fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>) {
+pub(super) fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>) {
     let mut say = |name: &str, text: String| {
         lines.push(format!("{name:<14} {}", escape_controls(&text)));
     };

@@ -9,6 +9,7 @@ pub(crate) mod diff;
 pub(crate) mod in_python;
 pub(crate) mod info;
 mod info_environment;
+mod info_las;
 pub(crate) mod info_looks;
 mod info_output;
 pub(crate) mod inside;

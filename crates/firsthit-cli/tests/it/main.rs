@@ -33,6 +33,7 @@ mod picking;
 mod probe;
 mod progressive;
 mod rays;
+mod reading;
 mod scene_file;
 mod section;
 mod shoot;

@@ -7,7 +7,9 @@ use super::fault::{Checked, Fault};
 use super::gzip;
 use super::loaded::Loaded;
 use super::memory_budget::check_free;
+use super::recognize;
 use super::report::Report;
+use super::scale::scaled;
 use super::source::has_extension;
 use crate::error::Result;
 use crate::geometry::DVec3;
@@ -40,9 +42,15 @@ impl Format {
             report.budget.charge_read(&path, bytes.len())?;
             let bytes = gzip::unpacked(bytes, report)?;
             check_free(bytes.len().saturating_mul(TIMES_CONTENT))?;
-            (self.read)(&bytes, report)
+            (self.read)(&bytes, report).map_err(|fault| recognize::hinted(fault, self, &bytes))
         };
         let world = read(report).map_err(|fault| fault.into_error(&path))?;
+        let scale = report.settings.scale;
+        let world = if scale == 1.0 {
+            world
+        } else {
+            scaled(world, scale)?
+        };
         self.loaded(world, report)
     }
 
@@ -83,7 +91,8 @@ pub(crate) fn format_of<'a>(
     let found = formats.find(|format| has_extension(path, format.extensions));
     found.ok_or_else(|| {
         let known = known.join(", ");
-        let what = format!("the extension names no known format; it must be one of {known}");
+        let way = recognize::way_of(path).map_or_else(String::new, |way| format!("; {way}"));
+        let what = format!("the extension names no known format; it must be one of {known}{way}");
         Fault::file(what).into_error(path)
     })
 }

@@ -30,13 +30,17 @@ mod mend;
 mod mtl;
 #[cfg(feature = "obj")]
 mod obj;
+#[cfg(feature = "off")]
+mod off;
 #[cfg(any(feature = "gltf", feature = "obj", feature = "ply"))]
 mod picture;
 #[cfg(feature = "ply")]
 mod ply;
 mod polygon;
 pub(crate) mod read;
+mod recognize;
 mod report;
+mod scale;
 mod settings;
 mod source;
 #[cfg(feature = "stl")]
@@ -50,7 +54,7 @@ pub(crate) use format::{Format, format_of};
 pub(crate) use formats::{FORMATS, load_part};
 pub use loaded::Loaded;
 pub(crate) use report::Report;
-pub use settings::LoadSettings;
+pub use settings::{LoadSettings, UNITS};
 pub(crate) use source::has_extension;
 pub(crate) use surface::TOO_FAR;
 pub use surface::polygons;

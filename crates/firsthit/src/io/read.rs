@@ -9,7 +9,7 @@ use super::gzip;
 use super::memory_budget::size_in_words;
 use super::report::Report;
 use super::source::without_gz;
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Place, Result, escaped};
 use crate::memory::Block;
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
@@ -112,20 +112,55 @@ fn check_regular(metadata: &fs::Metadata) -> io::Result<()> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, what))
 }
 
-/// The file that a scene at `scene` calls `name`, which must lie under the scene's folder.
+/// The file that a scene at `scene` calls `name`, which must lie under the scene's folder, or under one of the folders that the user
+/// allows. There it is looked for too: by its whole name, and by the last part of it, since names are often of another machine.
 ///
 /// # Errors
 ///
 /// In words, why it is refused or cannot be found.
-pub(crate) fn sibling(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
-    check_name(name)?;
+pub(crate) fn sibling(
+    scene: &Path,
+    name: &str,
+    allowed: &[PathBuf],
+) -> std::result::Result<PathBuf, String> {
+    // As programs on Windows write it.
+    let name = name.replace('\\', "/");
+    let refused = check_name(&name).err();
+    if let Some(refused) = refused
+        && (allowed.is_empty() || !refused.is_mended_by_folder)
+    {
+        return Err(refused.why.to_owned());
+    }
     let folder = folder_of(scene)?;
-    // Canonical, so that no symbolic link leads out of the folder.
-    let path = folder
-        .join(name)
-        .canonicalize()
-        .map_err(|error| error.to_string())?;
-    if !path.starts_with(&folder) {
+    let mut tops = vec![folder.clone()];
+    for folder in allowed {
+        let wrong = |error: io::Error| format!("the folder {}: {error}", escaped(folder));
+        tops.push(folder.canonicalize().map_err(wrong)?);
+    }
+    let last = name
+        .rsplit('/')
+        .next()
+        .filter(|last| check_name(last).is_ok());
+    let is_relative = !name.starts_with('/') && !name.contains(':');
+    let beside = is_relative.then(|| folder.join(&name));
+    let within = tops.iter().skip(1).flat_map(|top| {
+        let whole = refused.is_none().then(|| top.join(&name));
+        [whole, last.map(|last| top.join(last))]
+    });
+    let mut reason = None;
+    for path in [beside].into_iter().chain(within).flatten() {
+        match within_any(&path, &tops) {
+            Ok(path) => return Ok(path),
+            Err(why) => reason = reason.or(Some(why)),
+        }
+    }
+    Err(reason.unwrap_or_else(|| "not found in the folders that are allowed".to_owned()))
+}
+
+/// A regular file in canonical form, so that no symbolic link leads out of the folders.
+fn within_any(path: &Path, tops: &[PathBuf]) -> std::result::Result<PathBuf, String> {
+    let path = path.canonicalize().map_err(|error| error.to_string())?;
+    if !tops.iter().any(|top| path.starts_with(top)) {
         return Err("refused: it leads outside the scene's folder".to_owned());
     }
     let metadata = fs::metadata(&path).map_err(|error| error.to_string())?;
@@ -149,7 +184,10 @@ fn folder_of(scene: &Path) -> std::result::Result<PathBuf, String> {
 ///
 /// In words, why it is refused.
 pub(crate) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, String> {
-    check_name(name)?;
+    if name.contains('\\') {
+        return Err("refused: the name has a backslash; folders are separated by /".to_owned());
+    }
+    check_name(name).map_err(|refused| refused.why)?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
     let top = folder_of(scene)?;
     // The parts of the path that exist must not lead out of the folder. The others cannot be links.
@@ -171,23 +209,40 @@ pub(crate) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<Pat
     Ok(path)
 }
 
+/// Why a name is refused.
+#[derive(Debug, Clone, Copy)]
+struct Refused {
+    why: &'static str,
+    /// Whether it may be found in a folder that the user allows.
+    is_mended_by_folder: bool,
+}
+
 /// Refuses every name that is not plainly a relative path downwards, on any system.
-fn check_name(name: &str) -> std::result::Result<(), &'static str> {
-    if name.is_empty() {
-        Err("refused: the name is empty")
+fn check_name(name: &str) -> std::result::Result<(), Refused> {
+    let mut is_mended_by_folder = false;
+    let why = if name.is_empty() {
+        "refused: the name is empty"
     } else if name.chars().any(char::is_control) {
-        Err("refused: the name has a control character")
-    } else if name.contains('\\') {
-        Err("refused: the name has a backslash; folders are separated by /")
-    } else if name.contains(':') {
-        Err("refused: the name has a scheme or a drive; only relative paths are read")
-    } else if name.starts_with('/') {
-        Err("refused: the path is absolute; only relative paths are read")
-    } else if name.split('/').any(|component| component == "..") {
-        Err("refused: the path has ..; only files under the scene's folder are read and written")
+        "refused: the name has a control character"
+    } else if name.contains("://") {
+        "refused: the name has a scheme; only relative paths are read"
     } else {
-        Ok(())
-    }
+        is_mended_by_folder = true;
+        if name.contains(':') {
+            "refused: the name has a scheme or a drive; only relative paths are read"
+        } else if name.starts_with('/') {
+            "refused: the path is absolute; only relative paths are read"
+        } else if name.split('/').any(|component| component == "..") {
+            "refused: the path has ..; only files under the scene's folder are read and written, or in a folder that is \
+             allowed (resources= in Python, --resources, --allow-parent)"
+        } else {
+            return Ok(());
+        }
+    };
+    Err(Refused {
+        why,
+        is_mended_by_folder,
+    })
 }
 
 #[cfg(test)]
@@ -200,14 +255,15 @@ mod tests {
             "",
             "/etc/passwd",
             "../x",
+            "..\\x",
+            "\\x",
             "a/../../x",
-            "a\\b",
             "C:x",
             "http://h/x",
             "file:///etc/passwd",
             "a\0b",
         ] {
-            let reason = sibling(Path::new("scene.obj"), name).unwrap_err();
+            let reason = sibling(Path::new("scene.obj"), name, &[]).unwrap_err();
             assert!(reason.starts_with("refused"), "{name}: {reason}");
         }
     }
@@ -223,9 +279,47 @@ mod tests {
         std::os::unix::fs::symlink("../secret", folder.join("out")).unwrap();
         std::os::unix::fs::symlink("inner", folder.join("in")).unwrap();
         let scene = folder.join("a.obj");
-        assert!(sibling(&scene, "out").unwrap_err().contains("outside"));
-        assert!(sibling(&scene, "in").unwrap().ends_with("inner"));
-        assert!(sibling(&scene, ".").unwrap_err().contains("folder"));
+        assert!(sibling(&scene, "out", &[]).unwrap_err().contains("outside"));
+        assert!(sibling(&scene, "in", &[]).unwrap().ends_with("inner"));
+        assert!(sibling(&scene, ".", &[]).unwrap_err().contains("folder"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_that_is_allowed_opens_itself_and_nothing_else() {
+        let top = tempfile::tempdir().unwrap();
+        for folder in ["model", "textures", "other"] {
+            fs::create_dir(top.path().join(folder)).unwrap();
+        }
+        let textures = top.path().join("textures");
+        fs::write(top.path().join("other/secret.png"), "x").unwrap();
+        fs::write(textures.join("wood.png"), "x").unwrap();
+        std::os::unix::fs::symlink("../other/secret.png", textures.join("out.png")).unwrap();
+        let (scene, allowed) = (top.path().join("model/a.obj"), [textures]);
+        for name in [
+            "../textures/wood.png",
+            "..\\textures\\wood.png",
+            "wood.png",
+            "maps/wood.png",
+            "C:\\Users\\me\\wood.png",
+            "/home/me/wood.png",
+        ] {
+            let path = sibling(&scene, name, &allowed).unwrap();
+            assert!(path.ends_with("textures/wood.png"), "{name}");
+        }
+        for name in [
+            "../other/secret.png",
+            "../textures/../other/secret.png",
+            "../textures/out.png",
+            "out.png",
+            "secret.png",
+            "/etc/passwd",
+            "http://host/wood.png",
+            "..",
+            "../textures/",
+        ] {
+            assert!(sibling(&scene, name, &allowed).is_err(), "{name}");
+        }
     }
 
     #[cfg(unix)]

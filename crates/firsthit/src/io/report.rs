@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::memory_budget::MemoryBudget;
+use super::read;
 use super::settings::LoadSettings;
 use super::source::Source;
 use super::warnings::Warnings;
@@ -25,9 +26,9 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn new(path: &Path, settings: LoadSettings) -> Self {
         Self {
+            budget: MemoryBudget::new(settings.max_memory),
             settings,
             source: Source::new(path),
-            budget: MemoryBudget::new(settings.max_memory),
             warnings: Warnings::default(),
             vertices: None,
             scene: None,
@@ -36,10 +37,23 @@ impl Report {
 
     /// The report about a file that this one names, within this one's budget.
     pub(crate) fn part(&self, path: &Path) -> Self {
+        let settings = LoadSettings {
+            scale: 1.0,
+            ..self.settings.clone()
+        };
         Self {
             budget: self.budget.part(),
-            ..Self::new(path, self.settings)
+            ..Self::new(path, settings)
         }
+    }
+
+    /// The file that the one that is read calls `name`, see [`read::sibling`].
+    ///
+    /// # Errors
+    ///
+    /// In words, why there is none.
+    pub(crate) fn sibling(&self, name: &str) -> Result<PathBuf, String> {
+        read::sibling(self.source.base()?, name, &self.settings.resources)
     }
 
     /// Takes over the budget, the warnings and the files of a [`part`](Self::part).

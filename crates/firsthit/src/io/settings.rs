@@ -1,7 +1,9 @@
 //! How to read a file.
 
+use std::path::PathBuf;
+
 /// How to read a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LoadSettings {
     /// Whether unusable triangles, and a text file that seems to be truncated, are errors instead of warnings.
     pub strict: bool,
@@ -16,7 +18,24 @@ pub struct LoadSettings {
     pub max_texture: u32,
     /// Whether the checksums of a `.fhs` file are compared with all of its content. Its structure is checked in any case.
     pub verify: bool,
+    /// Folders whose files a file may name, as textures, beside those of its own folder. Names that are not found beside it are looked
+    /// for there, by the whole name and by its last part. Nothing else is opened: links that lead elsewhere are refused.
+    pub resources: Vec<PathBuf>,
+    /// What all lengths of a mesh file or a model are multiplied by, positive and finite; see [`UNITS`]. Its lights are as bright on its
+    /// surfaces as before. Scene files and built scenes have lengths of their own: for them it is 1.
+    pub scale: f64,
 }
+
+/// The units that a file's lengths may be in, by name, and how many metres each is.
+pub const UNITS: &[(&str, f64)] = &[
+    ("um", 1e-6),
+    ("mm", 1e-3),
+    ("cm", 1e-2),
+    ("m", 1.0),
+    ("km", 1e3),
+    ("in", 0.0254),
+    ("ft", 0.3048),
+];
 
 impl Default for LoadSettings {
     /// Doubtful triangles are dropped; 8 GiB; textures of 16,384 texels and 256 MiB.
@@ -26,6 +45,8 @@ impl Default for LoadSettings {
             max_memory: 8 << 30,
             max_texture: 16_384,
             verify: false,
+            resources: Vec::new(),
+            scale: 1.0,
         }
     }
 }

@@ -6,7 +6,7 @@ use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
 use crate::error::{Error, escape_controls};
 use crate::geometry::{Color, DMat3, DVec3, rotation};
 use crate::io::fault::Checked;
-use crate::io::{Report, load_environment_part, read};
+use crate::io::{Report, load_environment_part};
 use crate::scene::{Daylight, Environment, EnvironmentKind, EnvironmentMap, Light};
 
 const COMMON: &[Key] = keys! {
@@ -150,8 +150,7 @@ fn map(section: &Section<'_, '_>, report: &mut Report) -> Checked<EnvironmentMap
         let name = escape_controls(name);
         section.fault_at("file", format!("'{name}' is not read: {reason}"))
     };
-    let path = (report.source.base()).and_then(|scene| read::sibling(scene, name));
-    let path = path.map_err(|reason| refused(&reason))?;
+    let path = report.sibling(name).map_err(|reason| refused(&reason))?;
     load_environment_part(&path, report).map_err(|error| match error {
         Error::Parse { .. } | Error::Read { .. } => refused(&error.to_string()),
         other => other.into(),

@@ -14,10 +14,10 @@ use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
 use crate::error::{Error, Result, escape_controls};
 #[cfg(feature = "fhs")]
 use crate::fhs;
-use crate::geometry::{DAffine3, Transform};
+use crate::geometry::{DAffine3, DVec3, Transform};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::OBJECT_BYTES;
-use crate::io::{Report, TOO_FAR, has_extension, load_part, read};
+use crate::io::{Report, TOO_FAR, UNITS, has_extension, load_part};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 use crate::world::World;
@@ -36,6 +36,8 @@ const fn shape(name: &'static str, keys: &'static [&'static [Key]]) -> Variant {
 const FILE: &[Key] = keys! {
     /// A mesh file, relative to the scene file and in its folder or below. Named several times, it is read once and shared.
     file: required(Form::Path),
+    /// The unit of the file's lengths, which become metres. Default: lengths are as they are.
+    units: optional(Form::OneOf(|| UNITS.iter().map(|&(name, _)| name).collect())),
 };
 
 const CENTER: &[Key] = keys! {
@@ -153,6 +155,11 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
         let placed = placement::read(&section)?;
         if section.has("file") {
             let of_file = files.read(&section, report)?;
+            let unit = section.text("units").unwrap_or_default();
+            let unit = UNITS.iter().find(|&&(name, _)| name == unit);
+            let placed = unit.map_or(placed, |&(_, metres)| {
+                placed * DAffine3::from_scale(DVec3::splat(metres))
+            });
             let count = objects.len() + of_file.len();
             if count > MOST_OBJECTS {
                 let what = "objects in a scene file";
@@ -245,11 +252,7 @@ impl Files {
             let name = escape_controls(name);
             section.fault_at("file", format!("'{name}' is not read: {reason}"))
         };
-        let path = report
-            .source
-            .base()
-            .and_then(|scene| read::sibling(scene, name));
-        let path = path.map_err(|reason| refused(&reason))?;
+        let path = report.sibling(name).map_err(|reason| refused(&reason))?;
         if let Some(objects) = self.known.get(&path) {
             return Ok(Arc::clone(objects));
         }

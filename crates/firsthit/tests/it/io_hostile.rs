@@ -12,6 +12,8 @@ const LOOSE: LoadSettings = LoadSettings {
     max_memory: 8 << 30,
     max_texture: 16_384,
     verify: false,
+    resources: Vec::new(),
+    scale: 1.0,
 };
 
 /// Loads a file of that name and content.
@@ -137,7 +139,7 @@ fn material_libraries_outside_the_folder_are_not_opened() {
         "../../etc/passwd",
         "/etc/passwd",
         "file:///etc/passwd",
-        "a\\b.mtl",
+        "..\\b.mtl",
         "/dev/zero",
     ] {
         let text = format!("mtllib {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");

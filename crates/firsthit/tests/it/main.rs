@@ -29,6 +29,8 @@ mod image;
 mod io_cut;
 mod io_formats;
 mod io_hostile;
+mod io_meanings;
+mod io_off;
 mod io_polygons;
 mod io_regressions;
 mod judge;

@@ -50,9 +50,10 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
         check_others(args, orders, &[])?;
     }
     with_threads(&args.run, || {
-        let settings = loading::settings(&args.load);
+        let settings = loading::settings(&args.file, &args.load);
         let build = |model: &World| args.trees.settings(rays(args, model, asked.as_deref()));
         let loaded = loading::read_with(&args.file, &settings, build, args.light.color)?;
+        loaded.check_surfaces(&args.file)?;
         rendered(args, loaded.picked(&args.pick)?, asked, interrupted)
     })
 }

@@ -57,11 +57,7 @@ pub(super) fn resource<'a>(uri: &str, report: &mut Report) -> Result<Bytes<'a>, 
         let name = file_name(uri)?;
         let shown = escape_controls(uri);
         let named = |reason: String| Problem::Words(format!("'{shown}' is not read: {reason}"));
-        let path = report
-            .source
-            .base()
-            .and_then(|scene| read::sibling(scene, &name));
-        let path = path.map_err(named)?;
+        let path = report.sibling(&name).map_err(named)?;
         match read::content(&path, report) {
             Err(fault @ (Fault::TooLarge { .. } | Fault::Other(Error::TooLarge { .. }))) => {
                 return Err(fault.into());

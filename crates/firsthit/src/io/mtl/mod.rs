@@ -11,7 +11,9 @@ use super::text::{self, Lines, Words, shown};
 use super::{picture, read};
 use crate::error::{Place, escape_controls};
 use crate::geometry::Color;
-use crate::scene::{AlphaMode, MapRole, Maps, Material, MetalRough, Model, Texture, TextureMap};
+use crate::scene::{
+    AlphaMode, MapRole, Maps, Material, MetalRough, Model, Object, Texture, TextureMap,
+};
 use statement::{Map, Stated, cut, state};
 
 /// The materials of all libraries that a file names.
@@ -61,6 +63,7 @@ impl Library {
             stated.model(),
         );
         let [color_map, alpha_map] = [&stated.color_map, &stated.alpha_map].map(Clone::clone);
+        let is_textured = color_map.is_some() || alpha_map.is_some();
         let color_map = color_map.and_then(|map| self.texture(&map, report));
         let alpha_map = alpha_map.and_then(|map| {
             let texture = self.texture(&map, report)?;
@@ -77,16 +80,22 @@ impl Library {
         let maps = Maps::default().with(MapRole::Color, color_map);
         let maps = maps.with(MapRole::Alpha, alpha_map);
         let is_plain = emission == Color::ZERO && model == Model::default();
-        if color.is_none() && maps.is_empty() && is_plain {
+        if color.is_none() && !is_textured && is_plain {
             return Ok(None);
         }
+        // Without its textures it is as neutral as an object without a material.
+        let usual = if maps.is_empty() && is_plain {
+            Object::NEUTRAL
+        } else {
+            Color::ONE
+        };
         Ok(Some(Material {
             name: escape_controls(&String::from_utf8_lossy(name)).into(),
             model,
             emission,
             maps,
             alpha_mode,
-            ..Material::colored(color.unwrap_or(Color::ONE))
+            ..Material::colored(color.unwrap_or(usual))
         }))
     }
 
@@ -159,7 +168,7 @@ impl Library {
     }
 
     fn add_file(&mut self, name: &[u8], report: &mut Report) -> Result<(), String> {
-        let path = read::sibling(report.source.base()?, &String::from_utf8_lossy(name))?;
+        let path = report.sibling(&String::from_utf8_lossy(name))?;
         if self.read.insert(path.clone()) {
             let bytes = read::sibling_content(&path, report)?;
             self.parse(&text::decode(&bytes), &path, report);
