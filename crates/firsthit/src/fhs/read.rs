@@ -13,8 +13,9 @@ use super::record::{
 };
 use super::sensor::CameraRecord;
 use crate::accel::{MeshTree, TreeFacts, TreeParts};
+use crate::camera::Camera;
 use crate::error::{Error, Result, escape_controls};
-use crate::geometry::{Bounds, DAffine3, DMat3, DVec3, Transform};
+use crate::geometry::{Bounds, DAffine3, DMat3, DVec3, Transform, require};
 use crate::io::Report;
 use crate::io::fault::{Checked, Fault};
 use crate::memory::{self, Block};
@@ -55,12 +56,48 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
         duplicates: duplicates.to_vec(),
         bounds: record.bounds.map_or(Bounds::EMPTY, bounds_of),
     });
-    report.scene = Some(of_record(scene)?);
+    let scene = of_record(scene)?;
     let world = of_record(described(&record, objects))?;
+    of_record(check_cameras(&world, scene.bounds()))?;
+    report.scene = Some(scene);
     Ok(World {
         environment,
         ..world
     })
+}
+
+/// Refuses cameras that nothing can be seen through, here where the file is known.
+fn check_cameras(world: &World, bounds: Bounds) -> Result<()> {
+    // Those of the box: what frames a scene depends on all of its vertices, which are not asked one by one.
+    let support = |direction: DVec3| {
+        let corners = bounds
+            .corners()
+            .into_iter()
+            .map(|corner| corner.dot(direction));
+        corners.fold(f64::NEG_INFINITY, f64::max)
+    };
+    let up = if world.up == DVec3::ZERO {
+        DVec3::Z
+    } else {
+        world.up
+    };
+    for camera in &world.cameras {
+        Camera::new(camera.view)?;
+        let described = camera.described(None);
+        for (name, pixels) in [
+            ("columns", described.size().0),
+            ("rows", described.size().1),
+        ] {
+            require(
+                name,
+                "from 1 to 2^28",
+                (1..=1 << 28).contains(&pixels),
+                pixels,
+            )?;
+        }
+        described.camera(bounds, support, up)?;
+    }
+    Ok(())
 }
 
 /// All but the scene and the environment.
@@ -118,7 +155,7 @@ fn record(sections: &mut Sections) -> Checked<Record> {
 /// What a constructor refuses of the record's.
 pub(super) fn of_record<T>(made: Result<T>) -> Checked<T> {
     made.map_err(|error| match error {
-        Error::Argument { .. } => Fault::file(format!("the record: {error}")),
+        Error::Argument { .. } | Error::Limit { .. } => Fault::file(format!("the record: {error}")),
         other => other.into(),
     })
 }

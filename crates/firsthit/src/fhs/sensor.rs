@@ -128,7 +128,7 @@ impl CameraRecord {
         }
     }
 
-    /// The camera. Whether its numbers make sense is checked when it is used, as with those of other files.
+    /// The camera, whatever its numbers.
     pub(super) fn camera(&self) -> Result<NamedCamera> {
         let view = View {
             position: self.position.into(),

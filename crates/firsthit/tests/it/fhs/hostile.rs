@@ -165,6 +165,42 @@ fn a_changed_byte_is_found_and_does_no_harm() {
     assert!(accepted > bytes.len() / 5, "{accepted} of {}", bytes.len());
 }
 
+/// Makes the checksum of the header, the table and the record right again.
+fn mend(changed: &mut [u8], start: usize, sections: usize) {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&changed[..32]);
+    hasher.update(&changed[64..64 * (sections + 1)]);
+    let length = u64::from_le_bytes(changed[80..88].try_into().unwrap()) as usize;
+    if let Some(record) = changed.get(start..start.saturating_add(length)) {
+        hasher.update(record);
+    }
+    let sum = *hasher.finalize().as_bytes();
+    changed[32..64].copy_from_slice(&sum);
+}
+
+#[test]
+fn a_camera_of_impossible_numbers_is_a_fault_of_the_file() {
+    let bytes = small();
+    let start = u64::from_le_bytes(bytes[72..80].try_into().unwrap()) as usize;
+    let sections = u64::from_le_bytes(bytes[24..32].try_into().unwrap()) as usize;
+    let key = b"\"columns\":";
+    let at = bytes.windows(key.len()).position(|piece| piece == key);
+    let at = at.unwrap() + key.len();
+    let digits = bytes[at..].iter().take_while(|byte| byte.is_ascii_digit());
+    let digits = digits.count();
+    let mut changed = bytes.clone();
+    changed[at..at + digits].fill(b' ');
+    changed[at] = b'0';
+    mend(&mut changed, start, sections);
+    let error = load_bytes(Path::new("a.fhs"), &changed, &LoadSettings::default()).unwrap_err();
+    assert!(matches!(error, firsthit::Error::Parse { .. }), "{error}");
+    let said = error.to_string();
+    assert!(
+        said.starts_with("a.fhs: the record: columns must be"),
+        "{said}"
+    );
+}
+
 /// With the checksums of the header and the record made right again, so that the reader sees what is there.
 #[test]
 fn a_record_of_anything_does_no_harm() {
@@ -172,17 +208,7 @@ fn a_record_of_anything_does_no_harm() {
     let start = u64::from_le_bytes(bytes[72..80].try_into().unwrap()) as usize;
     let length = u64::from_le_bytes(bytes[80..88].try_into().unwrap()) as usize;
     let sections = u64::from_le_bytes(bytes[24..32].try_into().unwrap()) as usize;
-    let mend = |changed: &mut [u8]| {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&changed[..32]);
-        hasher.update(&changed[64..64 * (sections + 1)]);
-        let length = u64::from_le_bytes(changed[80..88].try_into().unwrap()) as usize;
-        if let Some(record) = changed.get(start..start.saturating_add(length)) {
-            hasher.update(record);
-        }
-        let sum = *hasher.finalize().as_bytes();
-        changed[32..64].copy_from_slice(&sum);
-    };
+    let mend = |changed: &mut [u8]| mend(changed, start, sections);
     let mut same = bytes.clone();
     mend(&mut same);
     assert!(same == bytes, "the checksum is as the format says");
