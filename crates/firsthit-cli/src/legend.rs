@@ -1,5 +1,6 @@
 //! `--legend`: which colour of a picture of objects is which object.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -95,6 +96,15 @@ pub(crate) fn rows<'a>(scene: &'a Scene, seen: &[i32]) -> Vec<Row<'a>> {
         .collect()
 }
 
+/// A name as spreadsheets take it for text: what begins like a formula gets an apostrophe, lest a file's names compute something.
+fn as_text(name: &str) -> Cow<'_, str> {
+    if name.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        format!("'{name}").into()
+    } else {
+        name.into()
+    }
+}
+
 fn write_csv(rows: &[Row<'_>], out: &mut dyn Write) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(out);
     writer.write_record(["object", "name", "color", "pixels"])?;
@@ -102,7 +112,7 @@ fn write_csv(rows: &[Row<'_>], out: &mut dyn Write) -> io::Result<()> {
         let (object, pixels) = (row.object.to_string(), row.pixels.to_string());
         writer.write_record([
             object.as_str(),
-            row.name,
+            &*as_text(row.name),
             row.color.as_str(),
             pixels.as_str(),
         ])?;

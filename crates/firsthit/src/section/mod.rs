@@ -24,7 +24,7 @@ use std::fmt::{self, Debug, Formatter};
 pub use format::{SECTION_FORMATS, SectionFormat};
 pub use plane::SectionPlane;
 
-use crate::error::Result;
+use crate::error::{Result, escape_controls};
 use crate::geometry::summary::Count;
 use crate::geometry::{DVec2, DVec3};
 use crate::scene::{Object, Scene};
@@ -263,7 +263,7 @@ impl Reason {
 
     fn add(&mut self, identifier: i32, object: &Object, section: &mut Section) {
         if self.count == 0 {
-            let (name, shape) = (object.name(), object.shape().name());
+            let (name, shape) = (escape_controls(object.name()), object.shape().name());
             self.first = format!("object {identifier}, '{name}' ({shape})");
         }
         self.count += 1;
