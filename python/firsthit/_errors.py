@@ -11,6 +11,8 @@ import sys
 import warnings
 from types import FrameType
 
+from . import _firsthit
+
 
 class FirsthitWarning(UserWarning):
     """Something doubtful in a file, or an argument that is probably not what was meant."""
@@ -22,7 +24,8 @@ def warn(text: str) -> None:
     package = _package_of(frame)
     while frame.f_back is not None and _package_of(frame) == package:
         level, frame = level + 1, frame.f_back
-    warnings.warn(text, FirsthitWarning, stacklevel=level)
+    # Names in it may be of anyone's making.
+    warnings.warn(_firsthit.escaped(text), FirsthitWarning, stacklevel=level)
 
 
 def _package_of(frame: FrameType) -> str:

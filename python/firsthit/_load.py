@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _cameras, _colors, _firsthit
-from ._arrays import count, flag, settle
+from ._arrays import count, flag, number, settle
 from ._arrays import vector as as_vector
 from ._display import Display
 from ._edges import Edges
 from ._environment import environment_of
-from ._errors import warn
+from ._errors import FileFormatError, warn
 from ._lights import Sky, light_of
 from ._log import timed
 from ._material import Material, Texture
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from ._lint import LintReport
-    from ._types import Build
+    from ._types import Build, Unit
 
 
 def load(
@@ -33,6 +34,9 @@ def load(
     strict: bool = False,
     max_memory: int = 8 << 30,
     max_texture: int = 16384,
+    units: Unit | None = None,
+    scale: float = 1.0,
+    resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     build: Build = "auto",
 ) -> Scene:
     """Read a 3D file: a mesh, a scene file (TOML), or a built scene (.fhs, see `open`).
@@ -52,6 +56,16 @@ def load(
     max_texture : int
         The largest width and height of a texture in texels. Its texels, four bytes each, may take
         the square of this.
+    units : {"um", "mm", "cm", "m", "km", "in", "ft"}, optional
+        The unit of a mesh file's or a model's lengths: they become metres.
+    scale : float
+        What all lengths of a mesh file or a model are multiplied by, after ``units``. Its lights
+        are as bright on its surfaces as before. Scene files and built scenes have lengths of their
+        own: a scene file says ``units`` for each file that it names.
+    resources : path-like or iterable of path-like
+        Folders whose files the file may name, as textures, beside those of its own folder: one that
+        names ``../textures/wood.png`` needs ``resources=".../textures"``. What is not found by its
+        whole name is looked for there by the last part of it. Nothing else is opened.
     build : {"auto", "fast", "best"}
         How the trees over meshes are built, see `Scene`. A ``.fhs`` file has its own.
 
@@ -59,7 +73,8 @@ def load(
     -------
     Scene
         The file's objects with their names, transforms and materials, and its lights, environment,
-        cameras, background, shading, display, edges and up. Lengths are in the file's unit.
+        cameras, background, shading, display, edges and up. Lengths are in the file's unit, or as
+        ``units`` and ``scale`` say.
 
     Raises
     ------
@@ -69,7 +84,8 @@ def load(
         For an unknown extension and wrong content; also a `ValueError`. Both are `FileError`, with
         path and place.
     ValueError
-        For limits that are no whole numbers, and an unknown ``build``.
+        For limits that are no whole numbers, unknown ``units`` and ``build``, and a ``scale`` that
+        is not positive, or for a file that says itself how long all is.
     MemoryError
         If the file needs more than ``max_memory``, or more than there is.
 
@@ -80,11 +96,25 @@ def load(
     """
     limits = count("max_memory", max_memory), min(count("max_texture", max_texture), 2**32 - 1)
     scene = Scene(build=build)
+    if isinstance(resources, str | PathLike):
+        resources = (resources,)
+    folders = [*map(Path, resources)]
     with timed("read %s", path):
-        model = _firsthit.load(Path(path), flag("strict", strict), *limits)
+        model = _firsthit.load(
+            Path(path), flag("strict", strict), *limits, _factor(units, scale), folders
+        )
     for doubt in model["warnings"]:
         warn(doubt)
-    return _filled(scene, model)
+    return _filled(scene, model, path)
+
+
+def _factor(units: Unit | None, scale: float) -> float:
+    """Return what a file's lengths are multiplied by."""
+    metres = dict(_firsthit.units())
+    if units is not None and units not in metres:
+        raise ValueError(f"units must be one of {', '.join(metres)}, got {units!r}")
+    factor = number("scale", scale)
+    return factor if units is None else metres[units] * factor
 
 
 def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noqa: A001 - fh.open
@@ -136,11 +166,21 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
     """
     with timed("opened %s", path):
         model = _firsthit.open(Path(path), flag("verify", verify))
-    return _filled(Scene(), model)
+    return _filled(Scene(), model, path)
 
 
-def _filled(scene: Scene, model: _firsthit._Model) -> Scene:
+def _filled(scene: Scene, model: _firsthit._Model, path: str | PathLike[str]) -> Scene:
     """Fill an empty scene with what a file holds, and return it."""
+    try:
+        _fill(scene, model)
+    except ValueError as error:
+        # Numbers that nothing can have are the file's, not the caller's.
+        text = fspath(path)
+        raise FileFormatError(_firsthit.escaped(f"{text}: {error}"), text) from None
+    return scene
+
+
+def _fill(scene: Scene, model: _firsthit._Model) -> None:
     scene.up = model["up"]
     scene._up_is_guessed = model["up_is_guessed"]
     meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
@@ -177,7 +217,6 @@ def _filled(scene: Scene, model: _firsthit._Model) -> Scene:
         scene.edges = Edges(*model["edges"])
     if model["scene"] is not None:
         scene._take_built(model["scene"])
-    return scene
 
 
 def lint(

@@ -14,6 +14,9 @@ Vector = tuple[float, float, float]
 #: How the trees over meshes are built, see `Scene`.
 Build = Literal["auto", "fast", "best"]
 
+#: The unit of a file's lengths, see `load`.
+Unit = Literal["um", "mm", "cm", "m", "km", "in", "ft"]
+
 #: Channels of distances, float64; of hits float32 where `Scene.shoot` was asked for it.
 DistanceName = Literal["t", "range", "z"]
 #: The channel of angles, float64.

@@ -1,13 +1,14 @@
 //! The library's errors as Python's.
 
 use firsthit::Error;
-use firsthit::error::Place;
+use firsthit::error::{Place, escape_controls};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 /// The Python exception for an error; those about files are classes of the Python half.
 pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
-    let message = error.to_string();
+    // Names in it may be of a caller who escaped nothing.
+    let message = escape_controls(&error.to_string());
     let file = |class: &str, path: &std::path::Path, place: String| {
         let made = py.import("firsthit._errors").and_then(|module| {
             module
@@ -34,4 +35,10 @@ fn words(place: &Place) -> String {
         Place::Byte(byte) => format!("byte {byte}"),
         _ => String::new(),
     }
+}
+
+/// A text as one line whose every character is seen.
+#[pyfunction]
+pub(crate) fn escaped(text: &str) -> String {
+    escape_controls(text)
 }

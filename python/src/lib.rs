@@ -48,6 +48,8 @@ mod _firsthit {
     #[pymodule_export]
     use crate::environment::{EnvironmentMap, check_environment, environment_radiance, sun_of};
     #[pymodule_export]
+    use crate::errors::escaped;
+    #[pymodule_export]
     use crate::explain::{before_viewplane, explain};
     #[pymodule_export]
     use crate::filters::visible;
@@ -59,7 +61,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::lint::{Lint, lint_kinds};
     #[pymodule_export]
-    use crate::load::{load, open, save};
+    use crate::load::{load, open, save, units};
     #[pymodule_export]
     use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
     #[pymodule_export]

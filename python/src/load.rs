@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use firsthit::fhs;
-use firsthit::load::{LoadSettings, Loaded};
+use firsthit::load::{LoadSettings, Loaded, UNITS};
 use firsthit::scene::Label;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Background, DAffine3, Object, Shape};
@@ -74,15 +74,25 @@ pub(crate) fn load(
     strict: bool,
     max_memory: u64,
     max_texture: u32,
+    scale: f64,
+    resources: Vec<PathBuf>,
 ) -> PyResult<ModelOut> {
     let settings = LoadSettings {
         strict,
         max_memory,
         max_texture,
         verify: false,
+        resources,
+        scale,
     };
     let load = || firsthit::load::load(&path, &settings);
     run(py, 0, |_| load().and_then(with_lit_scene)).map(taken_apart)
+}
+
+/// The units of lengths by name, as metres.
+#[pyfunction]
+pub(crate) fn units() -> Vec<(&'static str, f64)> {
+    UNITS.to_vec()
 }
 
 /// Opens a built scene.

@@ -1,0 +1,60 @@
+"""How files are read: units, folders that are allowed, and what is wrong in them."""
+
+from pathlib import Path
+
+import firsthit as fh
+import numpy as np
+import pytest
+
+PART = "v 0 0 0\nv 1000 0 0\nv 0 1000 0\nf 1 2 3\n"
+
+
+def test_units_become_metres_and_a_scale_multiplies(tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    path.write_text(PART)
+    for given, size in [
+        ({"units": "mm"}, 1),
+        ({"scale": 2}, 2000),
+        ({"units": "mm", "scale": 2}, 2),
+    ]:
+        scene = fh.load(path, **given)
+        assert scene.shoot((size / 4, size / 4, 5), (0, 0, -1)).t == 5
+        assert np.isinf(scene.shoot((size * 0.6, size * 0.6, 5), (0, 0, -1)).t)
+    with pytest.raises(ValueError, match=r"units must be one of um, mm, .*, got 'inch'"):
+        fh.load(path, units="inch")  # type: ignore[arg-type]
+    for scale in (0, -1, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match="scale must be positive and finite"):
+            fh.load(path, scale=scale)
+    scene_file = tmp_path / "s.toml"
+    scene_file.write_text('[[objects]]\nfile = "a.obj"\nunits = "mm"\n')
+    assert fh.load(scene_file).shoot((0.25, 0.25, 5), (0, 0, -1)).t == 5
+    with pytest.raises(ValueError, match="1 but for mesh files"):
+        fh.load(scene_file, units="mm")
+
+
+def test_textures_of_a_folder_that_is_allowed_are_read(tmp_path: Path) -> None:
+    (tmp_path / "model").mkdir()
+    (tmp_path / "textures").mkdir()
+    lines = ["mtllib a.mtl", *PART.splitlines()[:3], "vt 0 0", "usemtl m", "f 1/1 2/1 3/1", ""]
+    (tmp_path / "model/a.obj").write_text("\n".join(lines))
+    (tmp_path / "model/a.mtl").write_text("newmtl m\nmap_Kd ..\\textures\\t.png\n")
+    camera = fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 40, 2, 2)
+    fh.render(fh.Scene(), camera, channels=["color"]).save(tmp_path / "textures/t.png")
+    with pytest.warns(fh.FirsthitWarning, match="resources="):
+        scene = fh.load(tmp_path / "model/a.obj")
+    assert scene.objects[0].materials[0].name == "m"
+    for folders in (tmp_path / "textures", [str(tmp_path / "textures")]):
+        scene = fh.load(tmp_path / "model/a.obj", resources=folders)
+        assert scene.objects[0].materials[0].texture is not None
+
+
+def test_names_from_python_are_escaped_in_warnings() -> None:
+    scene = fh.Scene()
+    scene.add(fh.Box((0, 0, 0), (1, 1, 1)), name="a\x1b[2J\u202eb\n")
+    scene.add(fh.Mesh(np.eye(3), [[0, 1, 2]]))
+    with pytest.warns(fh.FirsthitWarning, match="left out of the section") as said:
+        scene.section((0, 0, 0.5), (0, 0, 1))
+    text = str(said[0].message)
+    assert text.isprintable()
+    assert r"a\u{1b}[2J\u{202e}b\u{a}" in text
+    assert repr(scene.objects[0]).isprintable()
