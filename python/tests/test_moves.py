@@ -3,7 +3,6 @@
 import copy
 import pickle
 import sys
-import time
 
 import firsthit as fh
 import numpy as np
@@ -372,19 +371,3 @@ def test_of_many_moves_of_which_one_is_wrong_none_is_made(ids, transforms, error
     with pytest.raises(error, match=message):
         scene.move(ids, transforms)
     assert all((made.transform == np.eye(4)).all() for made in scene.objects)
-
-
-def test_moving_many_objects_takes_no_longer_than_some_microseconds_each():
-    scene, count = fh.Scene(), 4000
-    for _ in range(count):
-        scene.add(fh.Sphere((0, 0, 0), 1))
-    ids = np.arange(count)
-    times = []
-    for step in range(4):
-        places = at_places(np.arange(count) * 3.0 + step)
-        start = time.process_time()
-        scene.move(ids, places)
-        times.append((time.process_time() - start) / count)
-        scene.shoot(*RAY)
-    # 40 one by one.
-    assert min(times) < 10e-6
