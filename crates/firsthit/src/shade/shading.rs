@@ -108,7 +108,7 @@ impl Shade for Shading<'_> {
     #[cfg(feature = "frame")]
     fn recipe(&self) -> Option<Recipe> {
         let mut digest = Digest::default();
-        digest.word("firsthit shading 4");
+        digest.word("firsthit shading 5");
         digest.word(self.shader.name());
         for (_, value) in self.shader.settings() {
             value.digest(&mut digest);

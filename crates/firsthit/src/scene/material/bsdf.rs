@@ -1,11 +1,13 @@
 //! How a surface scatters light: its bidirectional scattering distribution function.
 
+mod albedo;
 mod coat;
 mod dielectric;
 mod frame;
 mod fresnel;
 mod lambertian;
 mod layered;
+mod leftover;
 mod lobes;
 mod microfacet;
 mod sheen;

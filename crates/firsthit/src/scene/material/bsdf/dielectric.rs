@@ -24,6 +24,11 @@ impl Dielectric {
         Self { f0, weight, tint }
     }
 
+    /// What the lightest colour of its reflection is head on, and how much of it there is.
+    pub(super) fn lightest(&self) -> (f64, f64) {
+        (self.f0.max_element(), self.weight)
+    }
+
     /// By Schlick's formula, as on opaque surfaces and thin walls.
     pub(super) fn schlick(&self, cosine: f64) -> Split {
         self.split(fresnel::schlick(self.f0, cosine))

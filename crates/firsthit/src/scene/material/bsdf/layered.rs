@@ -1,6 +1,6 @@
 //! glTF's metallic-roughness model with its extensions: a dielectric or a metal, under cloth's fibres, under a clear coat (glTF 2.0,
 //! appendix B). There light is reflected once: the light that a rough metal's microfacets send to each other is lost, so that rough metals
-//! are darker than real ones.
+//! are darker than real ones. Where a surface is seen from the side, its matte ground gets less than in glTF: see `leftover.rs`.
 
 use std::f64::consts::PI;
 
@@ -8,6 +8,7 @@ use super::coat::Coat;
 use super::dielectric::{Dielectric, Split};
 use super::frame::Frame;
 use super::fresnel;
+use super::leftover::Leftover;
 use super::lobes::LobeProbabilities;
 use super::microfacet::{self, Microfacets, half};
 use super::sheen::Sheen;
@@ -40,6 +41,8 @@ pub(super) struct Layered {
     metallic: f64,
     pub(super) facets: Microfacets,
     dielectric: Dielectric,
+    /// What the dielectric leaves to the matte ground; `None` where there is none.
+    pub(super) leftover: Option<Leftover>,
     transmission: f64,
     /// The index of the other side divided by that of the side that is seen; `None` for a thin wall.
     pub(super) ior: Option<f64>,
@@ -57,13 +60,17 @@ impl Layered {
         // Of zero, which in glTF stands for a mirror (KHR_materials_ior), a solid is one as well.
         let inside = if layers.ior > 0.0 { layers.ior } else { 1e9 };
         let ratio = if is_front { inside } else { 1.0 / inside };
+        let dielectric = Dielectric::new(layers.ior, layers.specular, layers.specular_color);
+        let has_ground = layers.metallic < 1.0 && layers.transmission < 1.0;
+        let leftover = || Leftover::new(layers.roughness, dielectric.lightest(), out.z);
         let mut layered = Self {
             axes,
             out,
             base: layers.base,
             metallic: layers.metallic,
             facets: Microfacets::of_roughness(layers.roughness),
-            dielectric: Dielectric::new(layers.ior, layers.specular, layers.specular_color),
+            dielectric,
+            leftover: has_ground.then(leftover),
             transmission: layers.transmission,
             ior: layers.absorption.map(|_| ratio),
             sheen: Sheen::new(layers.sheen.0, layers.sheen.1, out),
@@ -102,6 +109,11 @@ impl Layered {
         share * self.dielectric.schlick(cosine).on * self.base
     }
 
+    /// The colour of the matte base, as much as there is of it.
+    pub(super) fn ground(&self) -> Color {
+        (1.0 - self.metallic) * (1.0 - self.transmission) * self.base
+    }
+
     /// The transmittance of microfacets that are met with this cosine.
     pub(super) fn passed(&self, cosine: f64) -> Color {
         let share = (1.0 - self.metallic) * self.transmission;
@@ -137,7 +149,8 @@ impl Layered {
     fn reflected(&self, into: DVec3) -> Color {
         let cosine = self.out.dot(half(self.out, into));
         let facets = self.facets.reflection(self.out, into);
-        let under = self.diffuse(cosine) / PI + facets * self.specular(cosine);
+        let left = (self.leftover).map_or(0.0, |leftover| leftover.share(into.z));
+        let under = left * self.diffuse(cosine) / PI + facets * self.specular(cosine);
         let mut value = self.left(into) * into.z * under;
         let uncoated = 1.0 - self.coat.map_or(0.0, |coat| coat.share);
         if let Some(sheen) = &self.sheen {

@@ -13,6 +13,7 @@ use crate::sampling::warp;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct LobeProbabilities {
     diffuse: f64,
+    sheen: f64,
     specular: f64,
     transmission: f64,
     coat: f64,
@@ -29,18 +30,24 @@ impl Layered {
             // Some microfacets are met head on: they let light through that others reflect.
             0.5 * (here + of(1.0).element_sum() / 3.0)
         };
-        let fibres = self.sheen.map_or(0.0, |sheen| sheen.brightness());
-        let [diffuse, specular, transmission] = [
-            mean(&|cosine| self.diffuse(cosine)) + fibres,
+        // Seen from the side, the microfacets that light comes through are met much more steeply than the surface.
+        let from_side = (self.leftover).and_then(|leftover| leftover.albedo_from_side());
+        let diffuse = from_side.map_or_else(
+            || mean(&|cosine| self.diffuse(cosine)),
+            |albedo| albedo * self.ground().element_sum() / 3.0,
+        );
+        let sheen = self.sheen.map_or(0.0, |sheen| sheen.brightness());
+        let [specular, transmission] = [
             mean(&|cosine| self.specular(cosine)),
             mean(&|cosine| self.passed(cosine)),
         ];
         let coat = self.coat.map_or(0.0, |coat| coat.share);
-        let sum = diffuse + specular + transmission;
+        let sum = diffuse + sheen + specular + transmission;
         if sum > 0.0 {
             let each = (1.0 - coat) / sum;
             LobeProbabilities {
                 diffuse: diffuse * each,
+                sheen: sheen * each,
                 specular: specular * each,
                 transmission: transmission * each,
                 coat,
@@ -69,7 +76,8 @@ impl Layered {
             } else {
                 lobes.specular * self.facets.reflection_pdf(self.out, into)
             };
-            lobes.diffuse * into.z / PI + specular + coat
+            let sheen = lobes.sheen * warp::cap_density(1.0);
+            lobes.diffuse * into.z / PI + sheen + specular + coat
         } else if into.z < 0.0 && flat < 0.0 && !self.is_straight_through() {
             lobes.transmission * self.pdf_through(into)
         } else {
@@ -101,6 +109,9 @@ impl Layered {
             coat.sample(u)
         } else if is_chosen(lobes.diffuse) {
             self.axes.world(warp::cosine_hemisphere(u))
+        } else if is_chosen(lobes.sheen) {
+            // From all sides alike: fibres are brightest in light from the side.
+            self.axes.world(warp::cap(u, 1.0))
         } else {
             let is_through = is_chosen(lobes.transmission);
             if is_through && self.is_straight_through() {

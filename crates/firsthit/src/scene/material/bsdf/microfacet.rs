@@ -19,6 +19,9 @@ pub(super) struct Microfacets {
 /// What is less rough than this is taken as smooth: it spreads light by less than a hundredth of a degree.
 const SMOOTH: f64 = 1e-4;
 
+/// The least roughness that is not smooth.
+pub(super) const LEAST_ROUGHNESS: f64 = 0.01;
+
 impl Microfacets {
     /// Of a roughness from 0 to 1.
     pub(super) fn of_roughness(roughness: f64) -> Self {
@@ -69,12 +72,16 @@ impl Microfacets {
     /// A microfacet's normal, as often as `out` sees it (Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer
     /// Graphics Techniques 7(4), 2018).
     pub(super) fn sample(self, out: DVec3, u: DVec2) -> DVec3 {
+        self.visible_normal(out, warp::disc(u))
+    }
+
+    /// The same for a point of the unit disc.
+    fn visible_normal(self, out: DVec3, point: DVec2) -> DVec3 {
         let stretched = DVec3::new(self.alpha * out.x, self.alpha * out.y, out.z).normalize();
         // Level, so that what is hidden of the disc is hidden from below.
         let across = stretched.cross(DVec3::Z).try_normalize();
         let across = across.unwrap_or(DVec3::X);
         let up = across.cross(stretched);
-        let point = warp::disc(u);
         let rest = (1.0 - point.x * point.x).max(0.0);
         let share = 0.5 * (1.0 + stretched.z);
         let y = (1.0 - share) * rest.sqrt() + share * point.y;
@@ -86,6 +93,22 @@ impl Microfacets {
             normal.z.max(0.0),
         )
         .normalize()
+    }
+
+    /// What is reflected, of what the microfacets reflect, to a direction with that cosine, by the microfacet for a point of a disc; and the
+    /// cosine with which the microfacet is met. The point is at `radius`, and `angle` goes from 0 to 1 along half a circle; the other half is
+    /// its mirror image.
+    pub(super) fn seen_at(self, cosine: f64, radius: f64, angle: f64) -> [f64; 2] {
+        let out = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        let (sin, cos) = libm::sincos(PI * (angle - 0.5));
+        let facet = self.visible_normal(out, DVec2::new(radius * cos, radius * sin));
+        let into = reflected(out, facet).z;
+        let all = if into > 0.0 {
+            2.0 * into * (cosine + self.smith_root(cosine)) * self.visibility(cosine, into)
+        } else {
+            0.0
+        };
+        [all, out.dot(facet)]
     }
 
     /// The probability density of directions that the microfacets of [`sample`](Self::sample) reflect.

@@ -2,48 +2,64 @@
 //! Courses 2017).
 
 use std::f64::consts::{PI, TAU};
-use std::sync::OnceLock;
 
+use super::albedo::{Albedos, AlbedosOfRoughness, mean};
 use super::microfacet::half;
 use crate::geometry::{Color, DVec3};
-use crate::parallel;
 
 /// A layer of fibres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sheen {
     color: Color,
     roughness: f64,
-    /// What it reflects of white light from everywhere, to whoever looks.
+    albedos: AlbedosOfRoughness<1>,
+    /// What its formula says that it reflects of white light from everywhere, to whoever looks: more than all where it is seen from the side.
     albedo: f64,
 }
 
 /// With less than this, fibres stand so straight that nothing is seen of them.
 const LEAST_ROUGHNESS: f64 = 0.07;
 
+static ALBEDOS: Albedos<1> = Albedos::new(LEAST_ROUGHNESS, |cosine, roughness| {
+    albedo(cosine, roughness, [32, 24])
+});
+
 impl Sheen {
     /// `None` for one that is black.
     pub(super) fn new(color: Color, roughness: f64, out: DVec3) -> Option<Self> {
         let roughness = roughness.max(LEAST_ROUGHNESS);
-        (color.max_element() > 0.0).then(|| Self {
-            color,
-            roughness,
-            albedo: albedo(out.z, roughness),
+        (color.max_element() > 0.0).then(|| {
+            let albedos = ALBEDOS.of(roughness);
+            let [albedo] = albedos.at(out.z);
+            Self {
+                color,
+                roughness,
+                albedos,
+                albedo,
+            }
         })
     }
 
+    /// The larger albedo of both directions: with either it gives no more than it gets.
+    fn largest_albedo(&self, into: DVec3) -> f64 {
+        let [albedo] = self.albedos.at(into.z);
+        self.albedo.max(albedo)
+    }
+
     pub(super) fn value(&self, out: DVec3, into: DVec3) -> Color {
-        self.color * distribution(self.roughness, out, into)
+        let most = self.largest_albedo(into).max(1.0);
+        self.color * (distribution(self.roughness, out, into) / most)
     }
 
     /// What it leaves to the layers below.
     pub(super) fn left(&self, into: DVec3) -> f64 {
-        let albedo = self.albedo.max(albedo(into.z.abs(), self.roughness));
+        let albedo = self.largest_albedo(into).min(1.0);
         (1.0 - self.color.max_element() * albedo).max(0.0)
     }
 
     /// How bright it is, to whoever looks.
     pub(super) fn brightness(&self) -> f64 {
-        self.color.max_element() * self.albedo
+        self.color.max_element() * self.albedo.min(1.0)
     }
 }
 
@@ -79,53 +95,17 @@ fn fitted(x: f64, alpha: f64) -> f64 {
     a / (1.0 + b * libm::pow(x, c)) + d * x + e
 }
 
-const SIDE: usize = 24;
-
-/// The albedo for cosines (the columns) and roughnesses (the rows) from 0 to 1.
-fn albedos() -> &'static [[f64; SIDE]; SIDE] {
-    static ALBEDOS: OnceLock<[[f64; SIDE]; SIDE]> = OnceLock::new();
-    parallel::once(&ALBEDOS, || {
-        let step = 1.0 / (SIDE - 1) as f64;
-        std::array::from_fn(|row| {
-            let roughness = (row as f64 * step).max(LEAST_ROUGHNESS);
-            let cosine = |column| (column as f64 * step).max(1e-3);
-            std::array::from_fn(|column| integrated(cosine(column), roughness, 32))
-        })
-    })
-}
-
-/// The albedo as a sum over directions: `steps` cosines, as many angles over half a turn.
-fn integrated(cosine: f64, roughness: f64, steps: u32) -> f64 {
+/// The albedo as a sum over directions: cosines and angles of half a turn, more of both where light comes from the side and from behind.
+fn albedo(cosine: f64, roughness: f64, steps: [u32; 2]) -> [f64; 1] {
     let out = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(steps);
-    let at = |row: u32, column: u32| {
-        let (sin, cos) = libm::sincos(PI * middle(column));
-        let z = middle(row);
+    mean(steps, |row, column| {
+        let (sin, cos) = libm::sincos(PI * column * column);
+        let z = row * row;
         let radius = (1.0 - z * z).sqrt();
-        z * distribution(roughness, out, DVec3::new(radius * cos, radius * sin, z))
-    };
-    let sum: f64 = (0..steps * steps).map(|k| at(k / steps, k % steps)).sum();
-    TAU * sum / f64::from(steps * steps)
-}
-
-/// The albedo between the table's entries.
-fn albedo(cosine: f64, roughness: f64) -> f64 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and SIDE - 2"
-    )]
-    let place = |x: f64| {
-        let x = x.clamp(0.0, 1.0) * (SIDE - 1) as f64;
-        let cell = x.floor().min((SIDE - 2) as f64);
-        (cell as usize, x - cell)
-    };
-    let ((row, down), (column, across)) = (place(roughness), place(cosine));
-    let along = |row: usize| {
-        let [a, b] = [albedos()[row][column], albedos()[row][column + 1]];
-        a + across * (b - a)
-    };
-    along(row) + down * (along(row + 1) - along(row))
+        let into = DVec3::new(radius * cos, radius * sin, z);
+        let spread = 4.0 * row * column;
+        [TAU * spread * z * distribution(roughness, out, into)]
+    })
 }
 
 #[cfg(test)]
@@ -134,12 +114,12 @@ mod tests {
 
     #[test]
     fn the_table_is_the_integral() {
-        for roughness in [0.2, 0.33, 0.7, 1.0] {
-            for cosine in [0.1, 0.3, 0.55, 1.0] {
-                let exact = integrated(cosine, roughness, 400);
-                let found = albedo(cosine, roughness);
+        for roughness in [0.07, 0.075, 0.2, 0.33, 0.7, 0.96] {
+            for cosine in [0.002, 0.01, 0.03, 0.1, 0.3, 0.55, 1.0] {
+                let [exact] = albedo(cosine, roughness, [400, 100]);
+                let [found] = ALBEDOS.of(roughness).at(cosine);
                 assert!(
-                    (exact - found).abs() < 0.01,
+                    (exact - found).abs() < 0.002 * exact.max(1.0),
                     "{roughness} {cosine}: {exact} {found}"
                 );
             }
