@@ -47,7 +47,7 @@ def color_of(
 ) -> tuple[float, float, float]:
     """Return a linear colour: of three numbers, sRGB as ``#rrggbb``, or a CSS name.
 
-    Only lights are brighter than white on purpose, or take light away.
+    Only lights are brighter than white on purpose.
     """
     if isinstance(value, str):
         named, meant = _firsthit.named_color(text(name, value).strip(), others)
@@ -58,9 +58,8 @@ def color_of(
         red, green, blue = named
         return red, green, blue
     made = vector(name, value)
-    if not all(map(math.isfinite, made)) or (min(made) < 0.0 and not is_light):
-        wanted = "finite" if is_light else "finite and not negative"
-        raise ValueError(f"{name} must be {wanted}, got {made}")
+    if not all(map(math.isfinite, made)) or min(made) < 0.0:
+        raise ValueError(f"{name} must be finite and not negative, got {made}")
     levels = None if is_light else _firsthit.meant_as_levels(made)
     if levels is not None:
         warn(

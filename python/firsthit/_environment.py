@@ -123,7 +123,9 @@ class Environment:
         ValueError
             For values that make no sense, with their name.
         """
-        return cls._of("uniform", (_light("color", color),), (), None, strength, seen, None)
+        return cls._of(
+            "uniform", (color_of("color", color, is_light=True),), (), None, strength, seen, None
+        )
 
     @classmethod
     def hemispheres(
@@ -154,7 +156,7 @@ class Environment:
         ValueError
             For values that make no sense, with their name.
         """
-        both = _light("above", above), _light("below", below)
+        both = color_of("above", above, is_light=True), color_of("below", below, is_light=True)
         return cls._of("hemispheres", both, (), None, strength, seen, up)
 
     @classmethod
@@ -186,7 +188,10 @@ class Environment:
         ValueError
             For values that make no sense, with their name.
         """
-        both = _light("horizon", horizon), _light("zenith", zenith)
+        both = (
+            color_of("horizon", horizon, is_light=True),
+            color_of("zenith", zenith, is_light=True),
+        )
         return cls._of("gradient", both, (), None, strength, seen, up)
 
     @classmethod
@@ -378,14 +383,6 @@ def _again(*parts: Any) -> Environment:
 def environment_of(native: _firsthit._Environment) -> Environment:
     """Return the environment of a file."""
     return Environment._of(*native)
-
-
-def _light(name: str, color: npt.ArrayLike) -> Vector:
-    """Return a radiance, which may be brighter than white, and is not negative."""
-    made = color_of(name, color, is_light=True)
-    if min(made) < 0.0:
-        raise ValueError(f"{name} must not be negative, got {made}")
-    return made
 
 
 def _turn(rotate: Turn) -> tuple[tuple[Vector, ...], float]:

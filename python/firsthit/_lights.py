@@ -27,8 +27,8 @@ class DirectionalLight:
     direction : (3,) array_like
         The direction in which the light goes, in world space, of any length but zero.
     color : (3,) array_like or str
-        The linear colour of a white surface that faces the light; any finite numbers, or sRGB as
-        ``"#rrggbb"`` or a CSS name.
+        The linear colour of a white surface that faces the light; numbers that are not negative,
+        or sRGB as ``"#rrggbb"`` or a CSS name.
     angle_degrees : float
         The diameter of a round sun, in degrees, from 0 to 180; above 0 its shadows are soft. That
         of Earth's sun is 0.53.
@@ -69,7 +69,7 @@ class PointLight:
         Where the light is, in world space.
     intensity : (3,) array_like or str
         The linear colour of a white surface that faces the light at a distance of one scene unit;
-        any finite numbers, or sRGB as ``"#rrggbb"`` or a CSS name.
+        numbers that are not negative, or sRGB as ``"#rrggbb"`` or a CSS name.
 
     Raises
     ------
@@ -97,7 +97,7 @@ class SpotLight:
         The direction of the cone's axis, in world space, of any length but zero.
     intensity : (3,) array_like or str
         The linear colour of a white surface on the axis that faces the light at a distance of one
-        scene unit; any finite numbers, or sRGB as ``"#rrggbb"`` or a CSS name.
+        scene unit; numbers that are not negative, or sRGB as ``"#rrggbb"`` or a CSS name.
     inner_angle, outer_angle : float
         Radians from the axis. Up to the inner angle there is full light, from the outer angle on
         there is none. ``0 <= inner_angle < outer_angle <= pi / 2``.
@@ -145,8 +145,8 @@ class SphereLight:
     radius : float
         Its radius, in scene units.
     emission : (3,) array_like or str
-        Its linear radiance, the colour that it has itself; any finite numbers, or sRGB as
-        ``"#rrggbb"`` or a CSS name. No picture shows it, but surfaces reflect it.
+        Its linear radiance, the colour that it has itself; numbers that are not negative,
+        or sRGB as ``"#rrggbb"`` or a CSS name. No picture shows it, but surfaces reflect it.
 
     Raises
     ------

@@ -177,7 +177,10 @@ def test_lines_of_a_scene_file_are_part_of_a_job(folder, tmp_path):
         ({"environment": {"color": "red", "up": [0, 0, 1]}}, "unknown key `up`"),
         ({"environment": {"color": "red", "rotate": 3}}, "unknown key `rotate`"),
         ({"environment": {"above": "red"}}, "output.environment: missing key `below`"),
-        ({"environment": {"color": [1, -1, 1]}}, "output.environment: color must not be negative"),
+        (
+            {"environment": {"color": [1, -1, 1]}},
+            "output.environment: color must be finite and not negative",
+        ),
         ({"environment": {"daylight": {"elevation": 95}}}, "output.environment.daylight: elevat"),
         ({"environment": {"daylight": {"elevation": 5, "sun": False}}}, "unknown key `sun`"),
         ({"environment": {"file": "../sky.hdr"}}, "the path has .."),

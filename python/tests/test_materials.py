@@ -206,7 +206,6 @@ def test_levels_up_to_255_are_a_warning_but_for_lights():
     with pytest.warns(fh.FirsthitWarning, match="written '#ff8000'"):
         fh.Material((255, 128, 0))
     assert fh.PointLight((0, 0, 9), (255, 128, 0)).intensity == (255, 128, 0)
-    assert fh.DirectionalLight((0, 0, 1), (-1, 0, 0)).color == (-1, 0, 0)
 
 
 def test_a_material_is_matte_unless_it_says_more():
@@ -265,3 +264,25 @@ def test_what_surfaces_are_made_of_survives_files_and_pickling(tmp_path):
     assert read.normal_texture.second_uvs
     assert (read.normal_scale, read.attenuation_distance) == (0.5, 2.0)
     assert pickle.loads(pickle.dumps(look)).metallic == 0.5
+
+
+def test_lights_and_emissions_below_zero_are_refused_with_their_names():
+    for make, name in [
+        (lambda dark: fh.PointLight((0, 0, 1), dark), "intensity"),
+        (lambda dark: fh.SpotLight((0, 0, 1), (0, 0, -1), dark), "intensity"),
+        (lambda dark: fh.DirectionalLight((0, 0, -1), dark), "color"),
+        (lambda dark: fh.SphereLight((0, 0, 1), 1, dark), "emission"),
+        (lambda dark: fh.DiscLight((0, 0, 1), (0, 0, -1), 1, dark), "emission"),
+        (lambda dark: fh.RectangleLight((0, 0, 1), (1, 0, 0), (0, 1, 0), dark), "emission"),
+        (lambda dark: fh.Material(emission=dark), "emission"),
+        (lambda dark: fh.Material(kind="glass", absorption=dark), "absorption"),
+        (lambda dark: fh.Environment.uniform(dark), "color"),
+        (lambda dark: fh.Environment.hemispheres(dark, (1, 1, 1)), "above"),
+        (lambda dark: fh.Environment.gradient((1, 1, 1), dark), "zenith"),
+    ]:
+        for dark in [(-1, -1, -1), (1, -1e-9, 1), (1, np.nan, 1)]:
+            with pytest.raises(ValueError, match=f"^{name} must be finite and not negative, got "):
+                make(dark)
+        make((2, 3, 4))
+    with pytest.raises(ValueError, match="strength"):
+        fh.Environment.uniform((1, 1, 1), strength=-1)

@@ -315,6 +315,7 @@ impl<'a> Picture<'a> {
             kind.check_sensor(self.sensor)?;
         }
         self.bar()?;
+        self.scene.check_light()?;
         if let Some(edges) = &self.edges {
             edges.check()?;
             let is_camera = still_camera(self.sensor).is_some();

@@ -35,7 +35,7 @@ pub enum Domain {
     Direction,
     /// A linear colour of a surface: no number is negative.
     Color,
-    /// A linear colour of light: any finite numbers.
+    /// A linear colour of light, however bright: no number is negative.
     Light,
 }
 
@@ -121,8 +121,7 @@ impl Domain {
             Self::Whole(..) => "a whole number in its range",
             Self::Position => "three finite numbers",
             Self::Direction => "three finite numbers that are not all zero",
-            Self::Color => "a colour of finite numbers that are not negative",
-            Self::Light => "a colour of light: three finite numbers",
+            Self::Color | Self::Light => "a colour of finite numbers that are not negative",
         }
     }
 
@@ -150,9 +149,11 @@ impl Domain {
             (Self::Whole(least, most), Value::Number(x)) => {
                 (f64::from(least)..=f64::from(most)).contains(&x) && x.fract() == 0.0
             }
-            (Self::Position | Self::Light, Value::Vector(v)) => v.is_finite(),
+            (Self::Position, Value::Vector(v)) => v.is_finite(),
             (Self::Direction, Value::Vector(v)) => v.is_finite() && v != DVec3::ZERO,
-            (Self::Color, Value::Vector(v)) => v.is_finite() && v.min_element() >= 0.0,
+            (Self::Color | Self::Light, Value::Vector(v)) => {
+                v.is_finite() && v.min_element() >= 0.0
+            }
             _ => false,
         };
         if fits {

@@ -423,6 +423,20 @@ impl Scene {
         *parallel::once(&self.translucent, || self.objects.iter().any(has_some))
     }
 
+    /// Fails for light that makes no sense, whoever gave it: lights, an environment and emissions that are negative or not finite.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`], with the number's name.
+    pub(crate) fn check_light(&self) -> Result<()> {
+        self.lights.iter().try_for_each(Light::check)?;
+        if let Some(environment) = &self.environment {
+            environment.check()?;
+        }
+        let mut materials = (self.objects.iter()).flat_map(|object| object.materials().iter());
+        materials.try_for_each(Material::check_emission)
+    }
+
     /// Whether nothing shines: neither lights nor an environment nor surfaces.
     pub fn is_unlit(&self) -> bool {
         let has_light = !self.lights.is_empty() || self.environment.is_some();

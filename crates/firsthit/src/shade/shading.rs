@@ -7,7 +7,7 @@ use super::{Ground, Points, Samples, Shade, Shader, blend};
 use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, Hit, Ray};
 use crate::sampling::Draws;
-use crate::scene::{Background, Light, Scene, compute_geometry};
+use crate::scene::{Background, Scene, compute_geometry};
 use crate::shoot::Engine;
 
 /// A [`Shader`] at work: with the scene that it looks at, and what misses see.
@@ -102,7 +102,7 @@ impl Shade for Shading<'_> {
     }
 
     fn has_negative_noise(&self) -> bool {
-        self.ground.is_some() && !self.scene.lights().iter().any(Light::has_negative_color)
+        self.ground.is_some()
     }
 
     #[cfg(feature = "frame")]

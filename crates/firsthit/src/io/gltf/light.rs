@@ -32,9 +32,27 @@ pub(super) fn all(
         };
         // A place within an extension of the whole document.
         let entry = Entry::new("extensions/KHR_lights_punctual/lights", index);
-        lights.push(at(light, entry, place, report)?);
+        if !takes_light_away(light, entry, report) {
+            lights.push(at(light, entry, place, report)?);
+        }
     }
     Ok(lights)
+}
+
+/// Whether the light is none, because it would take light away; warns of it.
+fn takes_light_away(light: &LightEntry<'_>, entry: Entry, report: &mut Report) -> bool {
+    let numbers = light
+        .intensity
+        .iter()
+        .map(|intensity| ("intensity", intensity));
+    let colors = light.color.iter().flatten().map(|level| ("color", level));
+    let Some((name, number)) = numbers.chain(colors).find(|(_, number)| **number < 0.0) else {
+        return false;
+    };
+    report.warn("negative light", &entry.at(name), || {
+        format!("must not be negative, got {number}: the light is left out")
+    });
+    true
 }
 
 fn at(
@@ -49,10 +67,6 @@ fn at(
         });
     }
     let intensity = light.intensity.unwrap_or(1.0);
-    if intensity < 0.0 {
-        let what = format!("must not be negative, got {intensity}");
-        return Err(entry.fault("intensity", what));
-    }
     // A white surface sends back 1 / pi of the light that it gets, to each side the same.
     let color = Color::from(light.color.unwrap_or([1.0; 3])) * (intensity / PI);
     let map = place.world_from_node;

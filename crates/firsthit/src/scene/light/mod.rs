@@ -186,11 +186,6 @@ macro_rules! lights {
                 match self { $(Self::$kind(light) => key_of(light),)* }
             }
 
-            /// Whether it takes light away: whether a number of its colour is below 0.
-            pub(crate) fn has_negative_color(&self) -> bool {
-                match self { $(Self::$kind(light) => has_negative_color(light),)* }
-            }
-
             /// The same light, so many times as strong.
             #[must_use]
             pub fn scaled(&self, factor: f64) -> Self {
@@ -213,14 +208,6 @@ lights! {
     "disc" => Disc(DiscLight);
     /// A rectangle, or another parallelogram, that shines on one side.
     "rectangle" => Rectangle(RectangleLight);
-}
-
-fn has_negative_color<S: Settings>(light: &S) -> bool {
-    let mut values = S::LIST.iter().zip(light.values());
-    values.any(|(setting, value)| match value {
-        Value::Vector(color) => setting.domain == Domain::Light && color.min_element() < 0.0,
-        _ => false,
-    })
 }
 
 /// A number that stands for all settings but how strong the light is. Directions count in float32: those of a camera's lights are rounded,
@@ -297,7 +284,6 @@ mod tests {
         };
         assert_eq!(sun(0.3, 1.0).key(), sun(0.3 + 1e-16, 7.0).key());
         assert_ne!(sun(0.3, 1.0).key(), sun(0.301, 1.0).key());
-        assert!(sun(0.3, -1.0).has_negative_color() && !sun(-0.3, 1.0).has_negative_color());
     }
 
     /// Lights with a size, each seen from some points: the directions that are drawn meet the light where they say, with the

@@ -132,18 +132,11 @@ impl Material {
     /// [`Error::Argument`](crate::Error::Argument), with the number's name.
     pub fn check_numbers(&self) -> Result<()> {
         let Self {
-            emission,
             normal_scale,
             occlusion_strength,
             ..
         } = *self;
-        let is_light = emission.is_finite() && emission.min_element() >= 0.0;
-        require(
-            "emission",
-            "a colour of finite numbers that are not negative",
-            is_light,
-            emission,
-        )?;
+        self.check_emission()?;
         require(
             "normal_scale",
             "finite",
@@ -158,6 +151,21 @@ impl Material {
             occlusion_strength,
         )?;
         self.model.check()
+    }
+
+    /// Fails for an emission that is negative or not finite.
+    pub(in crate::scene) fn check_emission(&self) -> Result<()> {
+        require(
+            "emission",
+            "a colour of finite numbers that are not negative",
+            self.emission.is_finite() && self.emission.min_element() >= 0.0,
+            self.emission,
+        )
+    }
+
+    /// Whether it may let light through by its alpha: whether its mode is [`AlphaMode::Blend`].
+    pub fn is_translucent(&self) -> bool {
+        self.alpha_mode == AlphaMode::Blend
     }
 
     /// Whether alpha cuts anything out: whether it is a mask.

@@ -180,6 +180,33 @@ fn lights_are_where_their_nodes_are_and_a_white_surface_sends_back_one_part_in_p
     );
 }
 
+#[test]
+fn a_light_that_would_take_light_away_is_left_out_with_a_warning() {
+    for light in [
+        json!({"type": "point", "intensity": -3}),
+        json!({"type": "directional", "color": [1, -0.5, 1]}),
+    ] {
+        let mut builder = Builder::triangle();
+        builder.json["extensions"] =
+            json!({"KHR_lights_punctual": {"lights": [light, {"type": "point"}]}});
+        let at = |light: usize| json!({"KHR_lights_punctual": {"light": light}});
+        builder.json["nodes"] = json!([
+            {"mesh": 0, "children": [1, 2]}, {"extensions": at(0)}, {"extensions": at(1)},
+        ]);
+        let model = builder.load().unwrap();
+        assert_eq!(model.world.lights.len(), 1);
+        let [warning] = &model.warnings[..] else {
+            panic!("{:?}", model.warnings);
+        };
+        assert!(
+            warning.contains("/extensions/KHR_lights_punctual/lights/0/")
+                && warning.contains("must not be negative, got -")
+                && warning.ends_with("the light is left out"),
+            "{warning}"
+        );
+    }
+}
+
 /// Pi / 2 as a float32 is above pi / 2, which is the most that a light may have.
 #[test]
 fn a_cone_of_a_quarter_turn_in_float32_is_one_of_a_quarter_turn() {

@@ -335,3 +335,67 @@ fn energy_is_neither_made_nor_lost_in_a_furnace() {
         );
     }
 }
+
+/// Walls of white plastic, of colour 0.98, that shine a little: each way of light adds what the last left, and no more.
+#[test]
+fn light_in_a_closed_box_of_white_plastic_does_not_grow() {
+    let model = |roughness| MetalRough {
+        roughness,
+        ..MetalRough::default()
+    };
+    let room = Cuboid::new(DVec3::splat(-3.0), DVec3::splat(3.0)).unwrap();
+    let ray = firsthit::Ray::new(DVec3::new(-2.0, 0.3, 0.1), DVec3::new(-0.3, 0.5, 0.2));
+    for roughness in [0.1, 0.5] {
+        let walls = Material {
+            emission: Color::splat(0.02),
+            model: model(roughness).into(),
+            ..Material::colored(Color::splat(0.98))
+        };
+        let scene = Object::new(room).with_materials([walls]);
+        let scene = Scene::new(vec![scene]).unwrap();
+        let shading = shader("path", &[("depth", 100.0), ("roulette", 100.0)]).on(&scene);
+        for (mean, error) in seen(&shading, &[ray], 64) {
+            // A hundred times the same: that is all if nothing were lost.
+            assert!(mean.x < 1.3 + 5.0 * error.x, "{roughness}: {mean} {error}");
+        }
+    }
+}
+
+/// Lights that take light away make pictures that nobody can explain: a ray of the camera's next sample is darker than black.
+#[test]
+fn a_picture_with_light_below_zero_is_refused_whoever_gave_it() {
+    let picture = |scene: &Scene| {
+        let shading = Shader::default().on(scene);
+        let kinds = [channel::kind("color").unwrap()];
+        let camera = camera(1.0);
+        let picture = Picture::new(scene, &camera, &shading, &kinds);
+        picture
+            .render(&())
+            .map(drop)
+            .map_err(|error| error.to_string())
+    };
+    let color = "a colour of finite numbers that are not negative";
+    let message = picture(&lit(vec![sun(1.0), sun(-1.0)])).unwrap_err();
+    assert!(
+        message.starts_with(&format!("color must be {color}")),
+        "{message}"
+    );
+    let message = picture(&lit(vec![lamp(1.0, f64::NAN)])).unwrap_err();
+    assert!(message.contains(color), "{message}");
+    let dark = Material {
+        emission: Color::new(0.0, -0.1, 0.0),
+        ..Material::default()
+    };
+    let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+    let dark = Scene::new(vec![Object::new(ball).with_materials([dark])]).unwrap();
+    let message = picture(&dark).unwrap_err();
+    assert!(
+        message.starts_with(&format!("emission must be {color}")),
+        "{message}"
+    );
+    assert!(picture(&lit(vec![sun(0.0)])).is_ok());
+    let mut light = Light::named("point").unwrap();
+    let value = firsthit::geometry::Value::Number(-1.0);
+    let message = light.set("intensity", value).unwrap_err().to_string();
+    assert_eq!(message, format!("intensity must be {color}, got -1,-1,-1"));
+}

@@ -348,17 +348,3 @@ fn pictures_of_the_ground_have_no_colour_below_black() {
     let sampled = seen(&shading, &rays, 1);
     assert!(sampled.iter().any(|(color, _)| color.x < -0.01));
 }
-
-/// A light may take light away, and where there is nothing else the picture says so.
-#[test]
-fn lights_that_take_light_away_may_leave_less_than_none() {
-    let scene = disc_in(DirectionalLight {
-        direction: DVec3::NEG_Z,
-        color: Color::splat(-0.5),
-        angle_degrees: 0.0,
-    });
-    for has_ground in [true, false] {
-        let [colors, _] = picture(&before_white(&scene, has_ground));
-        assert!(colors.iter().any(|&x| x < -0.1), "{has_ground}");
-    }
-}
