@@ -79,6 +79,14 @@ def number(name: str, value: npt.ArrayLike) -> float:
     return float(array)
 
 
+def share(name: str, value: npt.ArrayLike) -> float:
+    """Return a number from 0 to 1."""
+    made = number(name, value)
+    if not 0.0 <= made <= 1.0:
+        raise ValueError(f"{name} must be from 0 to 1, got {made}")
+    return made
+
+
 def count(name: str, value: object, least: int = 0, most: int | None = None) -> int:
     """Return a whole number that is not negative, or within its bounds."""
     try:

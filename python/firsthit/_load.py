@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _cameras, _colors, _firsthit
-from ._arrays import count, flag, number, settle
+from ._arrays import count, flag, number, settle, text
 from ._arrays import vector as as_vector
 from ._display import Display
 from ._edges import Edges
@@ -38,6 +38,7 @@ def load(
     scale: float = 1.0,
     resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     build: Build = "auto",
+    variant: str | None = None,
 ) -> Scene:
     """Read a 3D file: a mesh, a scene file (TOML), or a built scene (.fhs, see `open`).
 
@@ -68,6 +69,10 @@ def load(
         whole name is looked for there by the last part of it. Nothing else is opened.
     build : {"auto", "fast", "best"}
         How the trees over meshes are built, see `Scene`. A ``.fhs`` file has its own.
+    variant : str, optional
+        The variant of a glTF file's materials, by its name (``KHR_materials_variants``); of the
+        files that a scene file names, those that have it are read so. If left out, the materials
+        are those that the file shows without one.
 
     Returns
     -------
@@ -84,8 +89,9 @@ def load(
         For an unknown extension and wrong content; also a `ValueError`. Both are `FileError`, with
         path and place.
     ValueError
-        For limits that are no whole numbers, unknown ``units`` and ``build``, and a ``scale`` that
-        is not positive, or for a file that says itself how long all is.
+        For limits that are no whole numbers, unknown ``units`` and ``build``, a ``scale`` that is
+        not positive, or for a file that says itself how long all is, and a variant that the file
+        does not have.
     MemoryError
         If the file needs more than ``max_memory``, or more than there is.
 
@@ -99,9 +105,10 @@ def load(
     if isinstance(resources, str | PathLike):
         resources = (resources,)
     folders = [*map(Path, resources)]
+    named = None if variant is None else text("variant", variant)
     with timed("read %s", path):
         model = _firsthit.load(
-            Path(path), flag("strict", strict), *limits, _factor(units, scale), folders
+            Path(path), flag("strict", strict), *limits, _factor(units, scale), folders, named
         )
     for doubt in model["warnings"]:
         warn(doubt)

@@ -49,6 +49,7 @@ class Queries(Traceable):
         cull: Side | None = None,
         skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
         dtype: npt.DTypeLike | None = None,
@@ -80,6 +81,10 @@ class Queries(Traceable):
             on from a hit, `Hits.leave` is the exact way.
         objects : int, str, or sequence of them, optional
             The identifiers or names of the only objects that the rays meet; all if left out.
+        blend_below : float, optional
+            Take the materials of meshes with the alpha mode ``blend`` as alpha masks with this
+            cutoff, from 0 to 1: where their alpha is below it, rays pass. If left out, rays meet
+            translucent surfaces as if they were opaque.
         threads : int, optional
             The number of threads, here and for the attributes of the hits; all cores if left out.
             The result is the same for any number.
@@ -129,7 +134,7 @@ class Queries(Traceable):
         use = threads_or_all(threads)
         single = dtype is not None and is_single(dtype)
         masks = mask if mask is None or np.ndim(mask) else None
-        built = self._seen(self._ready(), mask, objects)
+        built = self._seen(self._ready(), mask, objects, blend_below)
         if isinstance(origins, Sensor):
             if directions is not None:
                 raise ValueError("directions must be left out with a camera, which has its own")
@@ -171,6 +176,7 @@ class Queries(Traceable):
         cull: Side | None = None,
         skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_]:
@@ -178,7 +184,9 @@ class Queries(Traceable):
 
         Parameters
         ----------
-        origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
+        origins, directions, t_min, t_max, mask, cull, skip, objects
+            As for `shoot`.
+        blend_below, threads, progress
             As for `shoot`. The rays of a camera have the shape (rows, columns).
 
         Returns
@@ -206,7 +214,7 @@ class Queries(Traceable):
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
         # Once: what others add meanwhile is for the next call.
-        native = self._seen(self._ready(), mask, objects).native
+        native = self._seen(self._ready(), mask, objects, blend_below).native
         return _answers(_firsthit.occluded, np.bool_, native, rays, threads, progress)
 
     def count(
@@ -220,6 +228,7 @@ class Queries(Traceable):
         cull: Side | None = None,
         skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.int64]:
@@ -232,7 +241,9 @@ class Queries(Traceable):
 
         Parameters
         ----------
-        origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
+        origins, directions, t_min, t_max, mask, cull, skip, objects
+            As for `shoot`.
+        blend_below, threads, progress
             As for `shoot`. The rays of a camera have the shape (rows, columns).
 
         Returns
@@ -259,7 +270,7 @@ class Queries(Traceable):
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
         # Once: what others add meanwhile is for the next call.
-        native = self._seen(self._ready(), mask, objects).native
+        native = self._seen(self._ready(), mask, objects, blend_below).native
         counts = _answers(_firsthit.count, np.uint32, native, rays, threads, progress)
         # Of unsigned numbers, one less than none is four billion.
         return counts.astype(np.int64)
@@ -277,6 +288,7 @@ class Queries(Traceable):
         cull: Side | None = None,
         skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> AllHits: ...
@@ -294,6 +306,7 @@ class Queries(Traceable):
         cull: Side | None = None,
         skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> Hits: ...
@@ -311,6 +324,7 @@ class Queries(Traceable):
         cull: Side | None = None,
         skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> Hits: ...
@@ -327,6 +341,7 @@ class Queries(Traceable):
         cull: Side | None = None,
         skip: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> AllHits | Hits:
@@ -338,7 +353,9 @@ class Queries(Traceable):
 
         Parameters
         ----------
-        origins, directions, t_min, t_max, mask, cull, skip, objects, threads, progress
+        origins, directions, t_min, t_max, mask, cull, skip, objects
+            As for `shoot`.
+        blend_below, threads, progress
             As for `shoot`. The rays of a camera have the shape (rows, columns); their hits have
             neither ``range`` nor ``z``.
         k : int, optional
@@ -385,7 +402,7 @@ class Queries(Traceable):
         use = threads_or_all(threads)
         masks = mask if mask is None or np.ndim(mask) else None
         rays = rays_of(origins, directions, t_min, t_max, masks=masks, cull=cull, skip=skip)
-        built = self._seen(self._ready(), mask, objects)
+        built = self._seen(self._ready(), mask, objects, blend_below)
         with following(progress, rays.length) as report:
             if wanted is None:
                 return shoot_all(built, rays, use, report)

@@ -39,6 +39,7 @@ def render(
     cull: Side | None = None,
     edges: Edges | float | None = None,
     objects: Selection | None = None,
+    blend_below: float | None = None,
     shade: ShaderName | Shader | OwnShade | None = None,
     light: LightName | None = None,
     ground: bool | None = None,
@@ -115,6 +116,10 @@ def render(
     objects : int, str, or sequence of them, optional
         What is there, by identifiers or names. The others are not in the picture, and cast no
         shadows.
+    blend_below : float, optional
+        Take translucent surfaces of meshes (alpha mode ``blend``) as cut out where their alpha is
+        below this, from 0 to 1, and as opaque elsewhere: in all channels, for colours too. If left
+        out, colours show what is behind them, and all other channels show them as opaque.
     shade : str, Shader or callable, optional
         How hits get their colour: a shader's name, a `Shader` with settings, or a function. A
         function ``shade(hits)`` gets `Hits`, misses included, and returns their linear colours, of
@@ -233,6 +238,7 @@ def render(
         cull=cull,
         edges=edges,
         objects=objects,
+        blend_below=blend_below,
         shade=shade,
         light=light,
         ground=ground,
@@ -260,6 +266,7 @@ def render_progressively(
     cull: Side | None = None,
     edges: Edges | float | None = None,
     objects: Selection | None = None,
+    blend_below: float | None = None,
     shade: ShaderName | Shader | OwnShade | None = None,
     light: LightName | None = None,
     ground: bool | None = None,
@@ -279,10 +286,12 @@ def render_progressively(
 
     Parameters
     ----------
-    scene, camera, channels, background, environment, samples, region, cull, edges, objects, shade
+    scene, camera, channels, background, environment, samples, region, cull, edges, objects
         As for `render`. ``samples`` are those of the last frame. With a camera that has an aperture
         the first frame has 2. A function is called for each sample; with one it is called once.
-    light, ground, ambient, shadows, color_by, color_map, color_range, color_bar, threads
+    blend_below, shade, light, ground, ambient, shadows
+        As for `render`.
+    color_by, color_map, color_range, color_bar, threads
         As for `render`.
     progress : bool or callable, optional
         As for `Scene.shoot`; what all frames take counts together.
@@ -336,6 +345,7 @@ def render_progressively(
         cull=cull,
         edges=edges,
         objects=objects,
+        blend_below=blend_below,
         shade=shade,
         light=light,
         ground=ground,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from . import _firsthit
+from ._arrays import share
 from ._filters import ALL, one_mask
 from ._lights import light_native
 from ._object import chosen
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 #: What is around a scene, which way is up, and whether that is guessed.
 Around: TypeAlias = "tuple[Environment | None, Vector, bool]"
+#: A mask, the objects that are there, and the alpha below which what is translucent is cut out.
+SeenKey: TypeAlias = "tuple[int, tuple[int, ...] | None, float | None]"
 
 
 _IDENTITY = np.eye(4)
@@ -87,15 +90,16 @@ class Built:
             return Built(objects, self.lights, self.around, previous=native)
         return Built(objects, self.lights, self.around, native)
 
-    def seen(self, mask: int, only: Sequence[int] | None) -> Built:
+    def seen(self, mask: int, only: Sequence[int] | None, blend_below: float | None) -> Built:
         """Return what rays with a mask meet, or only some of it, by identifiers.
 
-        All objects are in it, and those that are not met are hidden.
+        All objects are in it, and those that are not met are hidden. What is translucent is cut out
+        below an alpha, if there is one.
         """
-        key = mask, None if only is None else tuple(only)
+        key = mask, None if only is None else tuple(only), blend_below
         last = self._seen
         if last is None or last.key != key:
-            native = self.native.seen_by(mask, None if only is None else list(only))
+            native = self.native.seen_by(mask, None if only is None else list(only), blend_below)
             last = _Seen(self.objects, self.lights, self.around, native, key)
             # The last one alone is kept: it is asked for again and again, or never.
             self._seen = last
@@ -124,7 +128,7 @@ class _Seen(Built):
         lights: Sequence[Light],
         around: Around,
         native: _firsthit.Scene,
-        key: tuple[int, tuple[int, ...] | None],
+        key: SeenKey,
     ) -> None:
         super().__init__(objects, lights, around, native)
         self.key = key
@@ -137,7 +141,7 @@ def _seen_again(
     objects: Sequence[Object],
     lights: Sequence[Light],
     around: Around,
-    key: tuple[int, tuple[int, ...] | None],
+    key: SeenKey,
 ) -> Built:
     return Built(objects, lights, around).seen(*key)
 
@@ -153,12 +157,21 @@ class Traceable:
         """Return what rays are shot at."""
         return self._ready().native
 
-    def _seen(self, built: Built, mask: npt.ArrayLike | None, objects: Selection | None) -> Built:
+    def _seen(
+        self,
+        built: Built,
+        mask: npt.ArrayLike | None,
+        objects: Selection | None,
+        blend_below: float | None = None,
+    ) -> Built:
         """Return what rays of one mask are shot at, where there is one, and of some objects."""
-        if objects is None and (mask is None or np.ndim(mask)):
+        if objects is None and blend_below is None and (mask is None or np.ndim(mask)):
             return built
         bits = ALL if mask is None or np.ndim(mask) else one_mask("mask", mask)
-        return built.seen(bits, None if objects is None else chosen(built.objects, objects))
+        only = None if objects is None else chosen(built.objects, objects)
+        return built.seen(
+            bits, only, None if blend_below is None else share("blend_below", blend_below)
+        )
 
     @property
     def up(self) -> Vector:

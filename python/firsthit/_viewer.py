@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 #: What of `render`'s arguments a page does not take: it asks for pictures itself.
 _NOT_GIVEN = dict.fromkeys(
     (
-        "ambient", "color_bar", "color_by", "color_map", "color_range", "cull", "edges", "noise",
-        "region", "resume", "samples", "shadows", "threads",
+        "ambient", "blend_below", "color_bar", "color_by", "color_map", "color_range", "cull",
+        "edges", "noise", "region", "resume", "samples", "shadows", "threads",
     )
 )  # fmt: skip
 

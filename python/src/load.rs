@@ -76,6 +76,7 @@ pub(crate) fn load(
     max_texture: u32,
     scale: f64,
     resources: Vec<PathBuf>,
+    variant: Option<String>,
 ) -> PyResult<ModelOut> {
     let settings = LoadSettings {
         strict,
@@ -84,6 +85,7 @@ pub(crate) fn load(
         verify: false,
         resources,
         scale,
+        variant,
     };
     let load = || firsthit::load::load(&path, &settings);
     run(py, 0, |_| load().and_then(with_lit_scene)).map(taken_apart)

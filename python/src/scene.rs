@@ -144,8 +144,14 @@ impl Scene {
     }
 
     /// The same scene, where rays meet only the objects that have a bit in common with `mask`, and are in `only` if that is
-    /// given.
-    fn seen_by(&self, py: Python<'_>, mask: u32, only: Option<Vec<usize>>) -> PyResult<Self> {
+    /// given; what is translucent is cut out below an alpha, if that is given.
+    fn seen_by(
+        &self,
+        py: Python<'_>,
+        mask: u32,
+        only: Option<Vec<usize>>,
+        blend_below: Option<f64>,
+    ) -> PyResult<Self> {
         let objects = self.0.objects();
         let mut hidden = vec![only.is_some(); objects.len()];
         for identifier in only.into_iter().flatten() {
@@ -160,11 +166,14 @@ impl Scene {
             .filter(|(_, (object, is_hidden))| *is_hidden || object.mask() & mask == 0)
             .map(|(identifier, _)| (identifier, true))
             .collect();
-        if hidden.is_empty() {
+        if hidden.is_empty() && blend_below.is_none() {
             return Ok(Self(self.0.clone()));
         }
         let seen = || {
-            let mut scene = self.0.try_clone()?;
+            let mut scene = match blend_below {
+                Some(cutoff) => self.0.with_blend_below(cutoff)?,
+                None => self.0.try_clone()?,
+            };
             scene.hide_objects(&hidden).map(|()| scene)
         };
         if objects.len() < FEW_OBJECTS {

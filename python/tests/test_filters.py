@@ -260,3 +260,35 @@ def test_of_copies_in_one_place_each_ray_meets_those_that_it_sees():
     bits = np.resize([1, 3], 1200)
     share = np.resize([1, 2], 1200)
     np.testing.assert_array_equal(scene.count(origins, directions, mask=bits) * 3, counts * share)
+
+
+def panes(*alphas):
+    """Squares above each other, translucent by these alphas."""
+    scene = fh.Scene()
+    for height, alpha in enumerate(alphas):
+        corners = [[-1, -1, height], [1, -1, height], [1, 1, height], [-1, 1, height]]
+        mesh = fh.Mesh(corners, [[0, 1, 2], [0, 2, 3]])
+        scene.add(mesh, material=fh.Material(alpha=alpha, alpha_mode="blend"))
+    return scene
+
+
+def test_rays_pass_what_is_translucent_below_an_alpha_by_query():
+    scene = panes(1.0, 0.5, 0.2)
+    down = ((0.3, 0.2, 9), (0, 0, -1))
+    for blend_below, met in [(None, 2), (0.1, 2), (0.5, 1), (0.51, 0)]:
+        assert scene.shoot(*down, blend_below=blend_below).object == met
+        assert scene.count(*down, blend_below=blend_below) == met + 1
+        assert (
+            scene.shoot_all(*down, blend_below=blend_below).object.tolist() == [2, 1, 0][2 - met :]
+        )
+        occluded = scene.occluded(*down, t_max=7.5, blend_below=blend_below)
+        assert occluded == (met == 2)
+        camera = fh.Camera.look_at((0, 0, 9), (0, 0, 0), (0, 1, 0), 5, rows=2, columns=2)
+        frame = fh.render(scene, camera, channels="object", blend_below=blend_below)
+        assert (frame["object"] == met).all()
+    hits = pickle.loads(pickle.dumps(scene.shoot(*down, blend_below=0.5)))
+    assert hits.object == 1
+    assert scene.shoot(*down, blend_below=0.5, objects=[0, 2]).object == 0
+    for wrong in (-0.1, 1.5, np.nan):
+        with pytest.raises(ValueError, match="blend_below must be from 0 to 1, got"):
+            scene.shoot(*down, blend_below=wrong)

@@ -19,6 +19,8 @@ pub(crate) struct Loaded {
     /// The rest of the file's world: its objects are in the scene.
     pub(crate) model: World,
     pub(crate) files: Vec<PathBuf>,
+    /// See [`load::Loaded::variants`].
+    pub(crate) variants: Vec<String>,
     /// See [`load::Loaded::vertices`].
     pub(crate) vertices: Option<u64>,
 }
@@ -55,6 +57,7 @@ pub(crate) fn settings(path: &Path, args: &LoadArgs) -> LoadSettings {
         strict: args.strict,
         max_memory: args.max_memory,
         max_texture: args.max_texture,
+        variant: args.variant.clone(),
         ..LoadSettings::default()
     }
 }
@@ -70,6 +73,7 @@ pub(crate) fn read_with(
         world: mut model,
         mut warnings,
         files,
+        variants,
         vertices,
         scene: built,
     } = load(path, settings)?;
@@ -99,6 +103,7 @@ pub(crate) fn read_with(
         warnings,
         model,
         files,
+        variants,
         vertices,
     })
 }
@@ -122,7 +127,7 @@ impl Loaded {
         )))
     }
 
-    /// The same with the objects hidden that the arguments leave out.
+    /// The same with the objects hidden that the arguments leave out, and what is translucent cut out as they say.
     pub(crate) fn picked(mut self, args: &PickArgs) -> Result<Self, Failure> {
         let objects = self.scene.objects();
         let mut is_hidden = vec![!args.only.is_empty(); objects.len()];
@@ -137,6 +142,13 @@ impl Loaded {
         let hidden: Vec<_> = hidden.map(|(identifier, _)| (identifier, true)).collect();
         if !hidden.is_empty() {
             self.scene.hide_objects(&hidden)?;
+        }
+        if let Some(cutoff) = args.blend_below {
+            if !self.scene.has_translucent() {
+                let why = "--blend-below does nothing here: no material is translucent";
+                self.warnings.push(why.to_owned());
+            }
+            self.scene = self.scene.with_blend_below(cutoff)?;
         }
         Ok(self)
     }

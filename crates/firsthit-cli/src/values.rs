@@ -343,6 +343,15 @@ pub(crate) fn dash(text: &str) -> Result<Dash, String> {
         .ok_or_else(|| format!("expected {form}"))
 }
 
+/// A number from 0 to 1.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let form = "a number from 0 to 1";
+    let [share] = numbers::<1>(text, ',', form)?;
+    let fine = (0.0..=1.0).contains(&share);
+    fine.then_some(share)
+        .ok_or_else(|| format!("expected {form}"))
+}
+
 /// Zero or a positive number.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     let form = "zero or a positive number";

@@ -43,13 +43,14 @@ fn formats() -> impl Iterator<Item = &'static Format> + Clone {
 ///
 /// [`Error::Read`] when the system refuses, or `path` is no regular file; [`Error::Parse`] when the content or the
 /// extension is wrong; [`Error::TooLarge`] for more than `settings` allow, [`Error::Limit`] for more than
-/// identifiers hold, and [`Error::Argument`] for a scale that the file cannot have.
+/// identifiers hold, and [`Error::Argument`] for a scale that the file cannot have and a variant that there is not.
 ///
 /// [`Error::Argument`]: crate::Error::Argument
 /// [`Error::Read`]: crate::Error::Read
 /// [`Error::Parse`]: crate::Error::Parse
 /// [`Error::TooLarge`]: crate::Error::TooLarge
 /// [`Error::Limit`]: crate::Error::Limit
+/// [`Error::Argument`]: crate::Error::Argument
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
     // A folder is refused as such, before its extension is.
     read::refuse_folder(path)?;
@@ -59,10 +60,27 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
     #[cfg(feature = "fhs")]
     if format.name == fhs::FORMAT.name && !read::is_named_as_packed(path) {
         let block = read::mapped_file(path)?;
-        return fhs::open_mapped(block.into(), &mut report);
+        return with_variant(fhs::open_mapped(block.into(), &mut report)?, settings);
     }
     let bytes = read::regular_file(path, settings.max_memory)?;
-    format.load(bytes.into(), &mut report)
+    with_variant(format.load(bytes.into(), &mut report)?, settings)
+}
+
+/// Refuses a variant that no file has.
+fn with_variant(loaded: Loaded, settings: &LoadSettings) -> Result<Loaded> {
+    match &settings.variant {
+        Some(asked) if !loaded.variants.contains(asked) => {
+            let known = loaded.variants.iter().map(|known| format!("{known:?}"));
+            let known: Vec<String> = known.collect();
+            let got = if known.is_empty() {
+                format!("{asked:?}; it has none")
+            } else {
+                format!("{asked:?}; there are {}", known.join(", "))
+            };
+            Err(Error::argument("variant", "one of the file's", got))
+        }
+        _ => Ok(loaded),
+    }
 }
 
 /// Reads a file's content from memory. Messages call it `name`; the extension of `name` tells the format.
@@ -76,7 +94,7 @@ pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<
     check_scale(format, settings)?;
     let mut report = Report::new(name, settings.clone());
     report.source.in_memory = true;
-    format.load(bytes.into(), &mut report)
+    with_variant(format.load(bytes.into(), &mut report)?, settings)
 }
 
 /// Refuses a factor that is none, and one for files that say themselves how long everything is.

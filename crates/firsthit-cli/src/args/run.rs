@@ -36,6 +36,10 @@ pub(crate) struct LoadArgs {
     /// The same for the folder above the file's own: ../textures/wood.png is read
     #[arg(long)]
     pub(crate) allow_parent: bool,
+    /// The variant of a glTF file's materials, by its name; firsthit info lists them [default: the materials that the file shows
+    /// without one]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) variant: Option<String>,
 }
 
 /// How trees are built.
@@ -69,6 +73,10 @@ pub(crate) struct PickArgs {
     /// Hide all objects but those with this name, or else with this identifier; may be given several times
     #[arg(long, value_name = "OBJECT")]
     pub(crate) only: Vec<String>,
+    /// Take translucent surfaces of meshes (alpha mode BLEND of glTF) as cut out: where alpha is below this number from 0 to 1
+    /// nothing is there, and elsewhere they are opaque
+    #[arg(long, value_name = "ALPHA", value_parser = values::share, allow_hyphen_values = true)]
+    pub(crate) blend_below: Option<f64>,
 }
 
 #[derive(Debug, Args)]

@@ -97,12 +97,14 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         "environment": looks.environment_as_json(),
         "materials": looks.materials_as_json(most),
         "textures": looks.textures_as_json(most),
+        "variants": loaded.variants.iter().take(most).collect::<Vec<_>>(),
         "counts": {
             "objects": scene.objects().len(),
             "cameras": looks.cameras.len(),
             "lights": looks.lights.len(),
             "materials": looks.materials.len(),
             "textures": looks.textures.len(),
+            "variants": loaded.variants.len(),
         },
         "warnings": warnings,
     })
@@ -171,6 +173,11 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
         entry.join("\n")
     };
     lines.extend(listed(most, "  ", objects.map(object)));
+    if !loaded.variants.is_empty() {
+        lines.push(format!("variants   {}", loaded.variants.len()));
+        let names = loaded.variants.iter().map(|name| escape_controls(name));
+        lines.extend(listed(most, "  ", names));
+    }
     lines.extend(Looks::of(model, scene).as_text(most));
     lines.join("\n") + "\n"
 }

@@ -149,3 +149,48 @@ fn a_broken_file_is_one_line_with_its_place() {
     assert_eq!(rest, "");
     assert_eq!(lab.names(), ["a.gltf"]);
 }
+
+/// The square with a translucent material and a variant that is opaque.
+fn translucent() -> Lab {
+    let mut json = document();
+    json["materials"] = json!([
+        {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.4]}},
+        {},
+    ]);
+    json["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_variants"]);
+    json["extensions"]["KHR_materials_variants"] = json!({"variants": [{"name": "wood"}]});
+    let primitive = &mut json["meshes"][0]["primitives"][0];
+    primitive["material"] = json!(0);
+    primitive["extensions"] =
+        json!({"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [0]}]}});
+    let lab = Lab::new();
+    lab.write("a.gltf", json.to_string());
+    lab
+}
+
+#[test]
+fn translucent_surfaces_are_cut_out_below_an_alpha_and_variants_have_names() {
+    let lab = translucent();
+    assert_eq!(z_of(&lab, "--camera 1").1, 9.0);
+    assert_eq!(z_of(&lab, "--camera 1 --blend-below 0.3").1, 9.0);
+    assert_eq!(z_of(&lab, "--camera 1 --blend-below 0.5").1, f64::INFINITY);
+    let wood =
+        lab.ok("render a.gltf --camera 1 --channels z -o z.npy --variant wood --blend-below 0.5");
+    let said = "--blend-below does nothing here: no material is translucent";
+    assert!(wood.stderr.contains(said), "{}", wood.stderr);
+    let outcome = lab.ok("info a.gltf");
+    let text = outcome.text();
+    assert!(text.contains("\nvariants   1\n  wood\n"), "{text}");
+    let refused = lab.run("render a.gltf --variant oak");
+    assert!(
+        refused.stderr.contains("got \"oak\"; there are \"wood\""),
+        "{}",
+        refused.stderr
+    );
+    let refused = lab.run("render a.gltf --blend-below 2");
+    assert!(
+        refused.stderr.contains("expected a number from 0 to 1"),
+        "{}",
+        refused.stderr
+    );
+}

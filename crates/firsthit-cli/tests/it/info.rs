@@ -289,7 +289,7 @@ fn json_lists_the_first_ten_thousand_of_each_kind_and_counts_all() {
     assert_eq!(listed["objects"].as_array().unwrap().len(), 10_000);
     assert_eq!(
         listed["counts"],
-        json!({"objects": 10_003, "cameras": 0, "lights": 0, "materials": 0, "textures": 0})
+        json!({"objects": 10_003, "cameras": 0, "lights": 0, "materials": 0, "textures": 0, "variants": 0})
     );
     let all = info(&lab, "crowd.obj --all");
     assert_eq!(all["objects"].as_array().unwrap().len(), 10_003);

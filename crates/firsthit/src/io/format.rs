@@ -63,6 +63,7 @@ impl Format {
         Ok(Loaded {
             warnings: report.take_lines(),
             files: report.source.take_files(),
+            variants: std::mem::take(&mut report.variants),
             vertices: report.vertices,
             scene: report.scene.take(),
             world: World {

@@ -74,5 +74,6 @@ pub(crate) fn load_part(path: &Path, whole: &mut Report) -> Result<World> {
     let mut report = whole.part(path);
     let loaded = format.load(bytes.into(), &mut report)?;
     whole.absorb(&report, loaded.warnings, loaded.files);
+    whole.add_variants(loaded.variants);
     Ok(loaded.world)
 }

@@ -17,6 +17,8 @@ pub(crate) struct Report {
     pub(crate) source: Source,
     pub(crate) budget: MemoryBudget,
     pub(crate) warnings: Warnings,
+    /// See [`Loaded::variants`](super::Loaded::variants).
+    pub(crate) variants: Vec<String>,
     /// See [`Loaded::vertices`](super::Loaded::vertices).
     pub(crate) vertices: Option<u64>,
     /// See [`Loaded::scene`](super::Loaded::scene).
@@ -26,10 +28,11 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn new(path: &Path, settings: LoadSettings) -> Self {
         Self {
+            source: Source::new(path),
             budget: MemoryBudget::new(settings.max_memory),
             settings,
-            source: Source::new(path),
             warnings: Warnings::default(),
+            variants: Vec::new(),
             vertices: None,
             scene: None,
         }
@@ -43,7 +46,7 @@ impl Report {
         };
         Self {
             budget: self.budget.part(),
-            ..Self::new(path, settings)
+            ..Self::new(path, self.settings.clone())
         }
     }
 
@@ -61,6 +64,15 @@ impl Report {
         self.budget.absorb(&part.budget);
         self.warnings.absorb(warnings);
         self.source.further.extend(files);
+    }
+
+    /// Adds the names of variants that are not known yet.
+    pub(crate) fn add_variants(&mut self, names: impl IntoIterator<Item = String>) {
+        for name in names {
+            if !self.variants.contains(&name) {
+                self.variants.push(name);
+            }
+        }
     }
 
     /// Adds a warning, see [`Warnings::add`].

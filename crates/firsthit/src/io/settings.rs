@@ -24,6 +24,9 @@ pub struct LoadSettings {
     /// What all lengths of a mesh file or a model are multiplied by, positive and finite; see [`UNITS`]. Its lights are as bright on its
     /// surfaces as before. Scene files and built scenes have lengths of their own: for them it is 1.
     pub scale: f64,
+    /// The variant of a glTF file's materials, by its name (`KHR_materials_variants`); that which the file shows without one if left out. Of
+    /// the files that a scene file names, those that have the variant are read so.
+    pub variant: Option<String>,
 }
 
 /// The units that a file's lengths may be in, by name, and how many metres each is.
@@ -47,6 +50,7 @@ impl Default for LoadSettings {
             verify: false,
             resources: Vec::new(),
             scale: 1.0,
+            variant: None,
         }
     }
 }

@@ -11,6 +11,7 @@ const LOOSE: LoadSettings = LoadSettings {
     strict: false,
     max_memory: 8 << 30,
     max_texture: 16_384,
+    variant: None,
     verify: false,
     resources: Vec::new(),
     scale: 1.0,

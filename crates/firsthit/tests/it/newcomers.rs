@@ -118,6 +118,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
     let object = object.with_materials(vec![material; 50]);
     let objects = vec![object.clone(); 1000];
     let loaded = Loaded {
+        variants: Vec::new(),
         world: World {
             objects: objects.clone(),
             ..World::default()

@@ -4,9 +4,10 @@ use firsthit::render::Picture;
 use firsthit::scene::AlphaMode;
 use firsthit::shade::{Ghost, Lambert, Xray};
 use firsthit::shape::Shape;
+use firsthit::shoot::{Count, trace};
 use firsthit::{
-    Background, Camera, Color, Cuboid, DVec3, Disc, Material, Object, Plane, Scene, Shade, Shader,
-    Shading, Sphere, shoot,
+    Background, Camera, Color, Cuboid, DVec3, Disc, Material, Mesh, Object, Plane, Positions,
+    Scene, Shade, Shader, Shading, Sphere, shoot,
 };
 
 const BEHIND: Color = Color::new(0.5, 0.25, 1.0);
@@ -196,4 +197,44 @@ fn what_is_culled_is_culled_behind_translucent_surfaces() {
     let back = Some(firsthit::Side::Back);
     assert_eq!(seen(both.clone(), back), seen(vec![pane.clone()], back));
     assert_ne!(seen(both, None), seen(vec![pane], None));
+}
+
+/// Squares above each other, of these alphas, each of two triangles.
+fn panes(alphas: &[f64]) -> Scene {
+    let pane = |(height, alpha): (u32, &f64)| {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let corners = corners.map(|[x, y]| [x, y, f64::from(height)]);
+        let triangles = vec![[0, 1, 2], [0, 2, 3]];
+        let mesh = Mesh::new(Positions::compact(corners.to_vec()), triangles).unwrap();
+        let material = Material {
+            alpha: *alpha,
+            alpha_mode: AlphaMode::Blend,
+            ..Material::default()
+        };
+        Object::new(std::sync::Arc::new(mesh)).with_materials([material])
+    };
+    Scene::new((0..).zip(alphas).map(pane).collect()).unwrap()
+}
+
+#[test]
+fn rays_pass_what_is_translucent_below_an_alpha_if_they_are_asked_to() {
+    let scene = panes(&[1.0, 0.5, 0.49, 0.0]);
+    let from = DVec3::new(0.3, 0.2, 9.0);
+    let first = |scene: &Scene| shoot(scene, from, DVec3::NEG_Z).object;
+    assert_eq!(first(&scene), 3);
+    for (cutoff, object) in [(0.0, 3), (0.2, 2), (0.5, 1), (0.51, 0), (1.0, 0)] {
+        let cut = scene.with_blend_below(cutoff).unwrap();
+        assert_eq!(first(&cut), object, "{cutoff}");
+        assert!(!cut.has_translucent() && scene.has_translucent());
+        let rays = [firsthit::Ray::new(from, DVec3::NEG_Z)];
+        let count = trace(&cut, &rays, Count, &()).unwrap();
+        assert_eq!(count[0], u32::try_from(object).unwrap() + 1);
+    }
+    for cutoff in [-0.1, 1.1, f64::NAN] {
+        let message = scene.with_blend_below(cutoff).unwrap_err().to_string();
+        assert!(
+            message.starts_with("blend_below must be from 0 to 1, got "),
+            "{message}"
+        );
+    }
 }

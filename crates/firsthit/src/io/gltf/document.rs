@@ -72,6 +72,8 @@ pub(super) struct DocumentExtensions<'a> {
     pub(super) lights: Option<Lights<'a>>,
     #[serde(rename = "CESIUM_RTC")]
     pub(super) relative_to: Option<RelativeTo>,
+    #[serde(borrow, rename = "KHR_materials_variants")]
+    pub(super) variants: Option<Variants<'a>>,
 }
 
 /// A point of the earth that everything is relative to.
@@ -79,6 +81,18 @@ pub(super) struct DocumentExtensions<'a> {
 pub(super) struct RelativeTo {
     #[serde(default)]
     pub(super) center: Vec<f64>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Variants<'a> {
+    #[serde(borrow, default)]
+    pub(super) variants: Vec<VariantEntry<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct VariantEntry<'a> {
+    #[serde(borrow, default)]
+    pub(super) name: Cow<'a, str>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -173,6 +187,22 @@ pub(super) struct Primitive<'a> {
 pub(super) struct PrimitiveExtensions<'a> {
     #[serde(borrow, rename = "KHR_draco_mesh_compression")]
     pub(super) draco: Option<Draco<'a>>,
+    #[serde(rename = "KHR_materials_variants")]
+    pub(super) variants: Option<MappedVariants>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct MappedVariants {
+    #[serde(default)]
+    pub(super) mappings: Vec<VariantMapping>,
+}
+
+/// A material, and the variants that show it.
+#[derive(Debug, Deserialize)]
+pub(super) struct VariantMapping {
+    pub(super) material: Index,
+    #[serde(default)]
+    pub(super) variants: Vec<Index>,
 }
 
 #[derive(Debug, Deserialize)]

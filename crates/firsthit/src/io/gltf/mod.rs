@@ -22,6 +22,7 @@ mod references;
 mod resource;
 mod skin;
 mod values;
+mod variants;
 
 use super::fault::{Checked, Fault};
 use super::report::Report;
@@ -48,6 +49,7 @@ const KNOWN: &[&str] = &[
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
@@ -64,7 +66,6 @@ const LOOKS: &[&str] = &[
     "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_iridescence",
-    "KHR_materials_variants",
     "KHR_technique_webgl",
     "KHR_techniques_webgl",
     "KHR_texture_ktx",
@@ -76,7 +77,8 @@ const LOOKS: &[&str] = &[
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let container = container::open(bytes, report)?;
     document::charge(&container, report)?;
-    let document = document::parse(&container)?;
+    let mut document = document::parse(&container)?;
+    variants::choose(&mut document, report);
     check_extensions(&document, report)?;
     references::check(&document)?;
     let placed = nodes::walk(&document, report)?;

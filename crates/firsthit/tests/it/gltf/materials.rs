@@ -2,7 +2,7 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use firsthit::load::Loaded;
+use firsthit::load::{LoadSettings, Loaded, load_bytes};
 use firsthit::scene::{MapRole, MetalRough, Model, SurfaceInteraction, UvSet};
 use firsthit::{Color, DVec3, Material, Ray, Scene, shoot};
 use serde_json::{Value, json};
@@ -293,4 +293,63 @@ fn tangents_that_are_no_numbers_do_no_harm() {
         "VEC4",
     );
     assert!(value(builder.load().unwrap()).is_finite());
+}
+
+/// A triangle with the variants beach and, of another material, midnight.
+fn with_variants() -> Builder {
+    let mut builder = of(&json!({"name": "plain"}));
+    let names = json!([{"name": "beach"}, {"name": "mid\nnight"}, {"name": "none"}]);
+    builder.json["extensionsUsed"] = json!(["KHR_materials_variants"]);
+    builder.json["extensions"] = json!({"KHR_materials_variants": {"variants": names}});
+    builder.json["materials"] = json!([{"name": "plain"}, {"name": "sand"}, {"name": "ink"}]);
+    builder.primitive()["extensions"] = json!({"KHR_materials_variants": {"mappings": [
+        {"material": 1, "variants": [0]}, {"material": 2, "variants": [1]},
+    ]}});
+    builder
+}
+
+#[test]
+fn a_variant_by_name_brings_its_materials() {
+    let builder = with_variants();
+    let load = |variant: Option<&str>| {
+        let settings = LoadSettings {
+            variant: variant.map(str::to_owned),
+            ..LoadSettings::default()
+        };
+        load_bytes("a.gltf".as_ref(), &builder.text(), &settings)
+    };
+    for (variant, name) in [
+        (None, "plain"),
+        (Some("beach"), "sand"),
+        (Some("mid\nnight"), "ink"),
+        (Some("none"), "plain"),
+    ] {
+        let model = load(variant).unwrap();
+        assert_eq!(&*material(&model).name, name);
+        assert_eq!(model.variants, ["beach", "mid\nnight", "none"]);
+        assert!(model.warnings.is_empty(), "{:?}", model.warnings);
+    }
+    let message = load(Some("noon")).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "variant must be one of the file's, got \"noon\"; there are \"beach\", \"mid\\nnight\", \"none\""
+    );
+}
+
+#[test]
+fn a_variant_of_a_file_that_has_none_is_refused_and_its_materials_must_be_there() {
+    let settings = LoadSettings {
+        variant: Some("beach".to_owned()),
+        ..LoadSettings::default()
+    };
+    let text = of(&json!({})).text();
+    let message = load_bytes("a.gltf".as_ref(), &text, &settings).unwrap_err();
+    let expected = "variant must be one of the file's, got \"beach\"; it has none";
+    assert_eq!(message.to_string(), expected);
+    let mut builder = with_variants();
+    builder.primitive()["extensions"]["KHR_materials_variants"]["mappings"][0]["material"] =
+        json!(9);
+    let message = load_bytes("a.gltf".as_ref(), &builder.text(), &settings).unwrap_err();
+    let message = message.to_string();
+    assert!(message.contains("there is no material 9"), "{message}");
 }
