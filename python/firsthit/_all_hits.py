@@ -12,6 +12,7 @@ from ._hits import Hits
 from ._progress import later
 from ._rays import NO_MAXIMUM, NO_MINIMUM, Rays
 from ._source import Source
+from ._stored import stored
 
 if TYPE_CHECKING:
     import os
@@ -334,7 +335,7 @@ class AllHits:
             As `Hits.save`.
         """
         others = {"ray": self.ray.astype(np.int32), **self.hits._own(path, own)}
-        self.hits._save(path, channels, others)
+        self.hits._save(path, channels, others, stored())
 
     def to_dict(
         self, channels: Asked | Sequence[Asked] | None = None, *, copy: bool = False

@@ -11,6 +11,7 @@ from ._types import (
     EdgeKind,
     EdgesTuple,
     Extrapolation,
+    Far,
     Interpolation,
     LightName,
     MaterialKind,
@@ -745,12 +746,16 @@ def metadata(
 def matte_id(name: str) -> int: ...
 def check_samples(camera: Camera | Sensor, samples: int) -> None: ...
 def origin(scene: Scene, camera: Camera | Sensor | None, channels: Sequence[str]) -> str: ...
+
+#: The step of distances, what becomes of far ones, labels, packed.
+_Stored = tuple[float | None, Far | None, bool, bool]
+
 def write(
     path: Path,
     shape: Sequence[int],
     channels: Sequence[tuple[str, npt.NDArray[Any]]],
     origin: str,
-    png_scale: float | None,
+    stored: _Stored,
     display: tuple[float, str] | None,
 ) -> None: ...
 def read(

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from . import _firsthit
-from ._arrays import count, number, text
+from ._arrays import count, text
 from ._channel_hints import hint
 from ._display import Display, as_display
 from ._errors import FileFormatError, warn
 from ._files import files, is_cloud, is_of_several, matte_of
 from ._log import timed
+from ._stored import stored
 
 if TYPE_CHECKING:
     from collections.abc import ItemsView, Iterator, KeysView, Sequence, ValuesView
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from ._types import (
         AngleName,
         DistanceName,
+        Far,
         IdentifierName,
         MatteName,
         ToneMapName,
@@ -164,7 +166,9 @@ class Frame:
                 if computed not in possible:
                     wanted = f"{', '.join(possible[:-1])} or {possible[-1]}"
                     raise _wrong(path, name, f"dtype must be {wanted}, got {computed!r}")
-                if in_file == "uint32":  # How an EXR holds int32 and bool.
+                said_stored = records[name].get("stored") or {}
+                # How an EXR holds int32 and bool, and a PNG labels.
+                if in_file == "uint32" or said_stored.get("encoding") == "labels":
                     dtype = computed
             channels[name or "array"] = values.astype(dtype, copy=False).reshape(shape)
         rows, columns = next((array.shape[:2] for array in channels.values()), (0, 0))
@@ -264,6 +268,9 @@ class Frame:
         path: str | os.PathLike[str],
         *,
         png_scale: float | None = None,
+        far: Far | None = None,
+        png_labels: bool = False,
+        compress: bool = False,
         exposure: float | None = None,
         tone_map: ToneMapName | None = None,
     ) -> None:
@@ -280,8 +287,17 @@ class Frame:
             sRGB bytes; a PLY is exact otherwise, a PCD float32.
         png_scale : float, optional
             Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers, which count
-            steps of this length in scene units; 0 is a miss. A distance beyond 65535 steps, or
-            below half a step, is an error.
+            steps of this length in scene units; 0 is a miss. A distance beyond 65535 steps, unless
+            ``far`` is given, or below half a step, is an error.
+        far : {"saturate", "zero"}, optional
+            What such a PNG has in place of a distance beyond 65535 steps, such as that of a far
+            background: 65535, or 0 as for a miss. If left out, that is an error.
+        png_labels : bool
+            Write identifiers (``object``, ``primitive``, ``face``, ``node``, ``mesh``,
+            ``material``) to ``.png`` as 16 bit numbers, each plus one; 0 is a miss. `load` takes
+            the one away again. An identifier above 65534 is an error.
+        compress : bool
+            Pack an ``.npz``, by deflate; ``numpy.load`` reads it as any other.
         exposure : float, optional
             Show ``color`` in a ``.png`` so many stops brighter: times 2 to this power. If left out,
             that of `display`. All other files keep linear colours.
@@ -299,6 +315,7 @@ class Frame:
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
         """
         names, shown = list(self._channels), self._display._but(exposure, tone_map)
+        how = stored(png_scale, far, png_labels, compress)
         if len(names) != 1 and not is_of_several(path):
             if "color" not in names:
                 raise ValueError(
@@ -307,7 +324,7 @@ class Frame:
                 )
             names = ["color"]
         for file, held in files(path, names):
-            self._write(file, held, png_scale, shown)
+            self._write(file, held, how, shown)
 
     def matte(
         self, names: str | Sequence[str], channel: MatteName = "crypto_object"
@@ -429,13 +446,12 @@ class Frame:
         return xarray.Dataset(variables, places, about)
 
     def _write(
-        self, path: Path, names: list[str], png_scale: float | None, shown: Display | None = None
+        self, path: Path, names: list[str], how: _firsthit._Stored, shown: Display | None = None
     ) -> None:
         channels = [(name, in_file(name, self._channels[name])) for name in names]
-        scale = None if png_scale is None else number("png_scale", png_scale)
         display = (self._display if shown is None else shown)._native
         with timed("wrote %s", path):
-            _firsthit.write(path, list(self._shape), channels, self._origin, scale, display)
+            _firsthit.write(path, list(self._shape), channels, self._origin, how, display)
 
     def _repr_png_(self) -> bytes | None:
         pictures = [name for name in self._channels if matte_of(name) is None]

@@ -18,6 +18,7 @@ from ._leaving import leaving
 from ._log import timed
 from ._progress import following
 from ._rounding import singles, singles_within
+from ._stored import stored
 from ._types import ChannelName, MatteName, NamedIdentifier
 
 if TYPE_CHECKING:
@@ -29,7 +30,15 @@ if TYPE_CHECKING:
     from ._leaving import LeavingRays
     from ._source import Arrays, Source
     from ._traceable import Built
-    from ._types import AngleName, Asked, DistanceName, IdentifierName, Progress, VectorName
+    from ._types import (
+        AngleName,
+        Asked,
+        DistanceName,
+        Far,
+        IdentifierName,
+        Progress,
+        VectorName,
+    )
 
     # No ArrayLike, which text is too.
     Index = (
@@ -552,6 +561,10 @@ class Hits(Attributed):
         channels: Asked | Sequence[Asked] | None = None,
         *,
         own: Mapping[str, npt.ArrayLike] | None = None,
+        png_scale: float | None = None,
+        far: Far | None = None,
+        png_labels: bool = False,
+        compress: bool = False,
     ) -> None:
         """Write the hits to a file, whole or not at all.
 
@@ -571,6 +584,8 @@ class Hits(Attributed):
         own : mapping of str to (...) or (..., k) array_like, optional
             Numbers of one's own for each ray, under names that are no channels, for a file that
             takes several. See `Frame` for their types and names.
+        png_scale, far, png_labels, compress
+            As for `Frame.save`.
 
         Raises
         ------
@@ -591,7 +606,8 @@ class Hits(Attributed):
         >>> hits = scene.shoot([[0, 0, 5], [0, 3, 5]], [0, 0, -1])
         >>> hits.save("cloud.ply", ["position", "normal", "object"], own={"quality": [0.5, 1]})
         """
-        self._save(path, channels, self._own(path, own))
+        how = stored(png_scale, far, png_labels, compress)
+        self._save(path, channels, self._own(path, own), how)
 
     def _own(
         self, path: str | os.PathLike[str], own: Mapping[str, npt.ArrayLike] | None
@@ -619,6 +635,7 @@ class Hits(Attributed):
         path: str | os.PathLike[str],
         channels: Asked | Sequence[Asked] | None,
         others: dict[str, npt.NDArray[Any]],
+        how: _firsthit._Stored,
     ) -> None:
         """Write channels, and before them ``others`` to a file that takes several."""
         names: list[str]
@@ -638,7 +655,7 @@ class Hits(Attributed):
             made = ((name, others[name] if name in others else self._named(name)) for name in held)
             arrays = [(name, np.ascontiguousarray(array).ravel()) for name, array in made]
             with timed("wrote %s", file):
-                _firsthit.write(file, list(self._shape), arrays, origin, None, None)
+                _firsthit.write(file, list(self._shape), arrays, origin, how, None)
 
     # Names are not in the annotation: NumPy's types make Any of ``hits.object == 0``, for which a
     # checker would no longer know what comes out. `attribute` and `channel` have types.

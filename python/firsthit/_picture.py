@@ -22,6 +22,7 @@ from ._lights import background_native
 from ._own_shading import OwnShading
 from ._progress import check, following, later
 from ._region import Region
+from ._rounding import is_single, singles
 from ._scene import Scene
 from ._sensor import Sensor
 from ._shading import SAMPLES, Shader, Shading, shader_of
@@ -82,6 +83,8 @@ class Picture(NamedTuple):
     own: OwnShade | None
     threads: int
     display: Display
+    #: Whether float64 numbers become float32.
+    single: bool
 
     @classmethod
     def of(
@@ -104,7 +107,7 @@ class Picture(NamedTuple):
             look = look._but(samples=_SAMPLES_WITH_NOISE)
         usual = scene.edges if camera is None or isinstance(camera, Camera) else None
         lines = Edges._of(usual if given["edges"] is None else given["edges"])
-        threads = threads_or_all(given["threads"])
+        threads, single = threads_or_all(given["threads"]), is_single(given.get("dtype"))
         background = scene.background if given["background"] is None else given["background"]
         back = None if background is None else background_native(background)
         if own is not None:
@@ -123,7 +126,7 @@ class Picture(NamedTuple):
             _firsthit.check_samples(camera._native, samples)
         part = Region.of(given["region"], (camera.rows, camera.columns))
         seen = built, native, camera, part, names, asked, look, back, scene.up, samples
-        return cls(*seen, noise, resume, filters, lines, own, threads, scene.display)
+        return cls(*seen, noise, resume, filters, lines, own, threads, scene.display, single)
 
     def frame(self, progress: Progress | None) -> Frame:
         """Make it."""
@@ -248,6 +251,9 @@ class Picture(NamedTuple):
 
     def _framed(self, made: dict[str, npt.NDArray[Any]], origin: str) -> Frame:
         held = {matte_of(name) or name: made[name] for name in self.names}
+        if self.single:
+            doubles = (name for name, array in held.items() if array.dtype == np.float64)
+            held |= {name: singles(held[name]) for name in doubles}
         return Frame._of(self.part.shape, held, origin, display=self.display)
 
 

@@ -51,6 +51,7 @@ def render(
     color_bar: bool | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
+    dtype: npt.DTypeLike | None = None,
 ) -> Frame:
     """Make a picture.
 
@@ -150,6 +151,9 @@ def render(
         The number of threads; all cores if left out. The result is the same for any number.
     progress : bool or callable, optional
         As for `Scene.shoot`; every sample of a pixel and every channel counts.
+    dtype : {float64, float32}, optional
+        The type of the channels that the table below says are float64: with float32 each number is
+        the nearest one, but finite where it is finite, and zero only for zero. Float64 if left out.
 
     Returns
     -------
@@ -249,6 +253,7 @@ def render(
         color_range=color_range,
         color_bar=color_bar,
         threads=threads,
+        dtype=dtype,
     )
     with timed("rendered %d x %d pixels", *picture.part.shape[::-1]):
         return picture.frame(progress)

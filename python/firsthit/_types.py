@@ -102,6 +102,9 @@ ColorMapName = Literal[
 #: Lights that go with the camera.
 LightName = Literal["auto", "studio", "overcast", "sun", "headlight", "shoulder"]
 #: How PNGs show colours of any brightness, see `Display`.
+#: What a PNG of distances in steps has beyond its last step.
+Far = Literal["saturate", "zero"]
+
 ToneMapName = Literal["none", "neutral", "agx", "aces"]
 #: What makes a line of an edge, see `Edges`.
 EdgeKind = Literal["silhouette", "crease", "boundary", "object", "material", "wireframe"]

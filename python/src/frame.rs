@@ -323,6 +323,11 @@ fn data(array: &Bound<'_, PyAny>) -> PyResult<Data> {
     ))
 }
 
+/// How numbers are stored: the step of distances in PNGs, what becomes of those beyond, whether PNGs of identifiers hold labels, whether an
+/// NPZ is packed.
+#[derive(FromPyObject)]
+pub(crate) struct StoredIn(Option<f64>, Option<String>, bool, bool);
+
 /// Writes channels to a file, in the format of its extension, whole or not at all.
 #[pyfunction]
 pub(crate) fn write(
@@ -331,13 +336,18 @@ pub(crate) fn write(
     shape: Vec<usize>,
     channels: Vec<(String, Bound<'_, PyAny>)>,
     origin: &str,
-    png_scale: Option<f64>,
+    stored: StoredIn,
     display: Option<DisplayIn>,
 ) -> PyResult<()> {
     let frame = frame(py, shape, channels, origin)?;
     let display = display.as_ref().map(DisplayIn::transform).transpose();
+    let StoredIn(png_scale, far, png_labels, compress) = stored;
+    let far = far.map(|name| name.parse()).transpose();
     let settings = WriteSettings {
         png_scale,
+        png_far: far.map_err(|error| raise(py, &error))?,
+        png_labels,
+        compress,
         display: display
             .map_err(|error| raise(py, &error))?
             .unwrap_or_default(),

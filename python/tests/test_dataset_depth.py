@@ -183,3 +183,48 @@ def test_a_drive_that_is_farthest_between_its_frames_is_warned_of(tmp_path):
     scale = np.linalg.norm([4, 3, 2]) / 65535
     (said,) = told(tmp_path, poses, 1.001 * scale, sensors=[shutter])
     assert f"a surface may be {np.linalg.norm([7, 5, 2]):.4g} from sensor" in said
+
+
+def made_with(folder, **output):
+    (folder / "room.toml").write_text(SCENE)
+    made = {
+        "scenes": [{"file": "room.toml"}],
+        "sensors": [CAMERA],
+        "poses": {**POSES["inside"], "count": 1},
+        "output": {"pictures": ["z", "object"], "png_scale": 1e-5, **output},
+    }
+    return fh.Plan.from_dict(made, folder)
+
+
+def test_a_plan_saturates_writes_labels_float32_and_packed_files_as_asked(tmp_path):
+    asked = {"far": "saturate", "png_labels": True, "dtype": "float32", "compress": True}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made = fh.dataset(made_with(tmp_path, **asked), tmp_path / "out")
+    assert made is not None
+    (npz,) = (tmp_path / "out").rglob("*.npz")
+    folder = npz.parent
+    (steps,), (labels,) = folder.glob("*.z.png"), folder.glob("*.object.png")
+    with np.load(npz) as arrays:
+        z, identifiers = arrays["z"], arrays["object"]
+    assert z.dtype == np.float32
+    np.testing.assert_allclose(fh.Frame.load(steps)["z"], np.minimum(z, 0.65535), atol=1e-5)
+    np.testing.assert_array_equal(fh.Frame.load(labels)["object"], identifiers)
+    assert fh.read_metadata(labels)["channels"][0]["stored"]["encoding"] == "labels"
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [
+        ({"pictures": ["object"], "far": "zero"}, "far"),
+        ({"pictures": ["z"], "png_scale": 1.0, "png_labels": True}, "png_labels"),
+        ({"frames": ["exr"], "pictures": ["z"], "png_scale": 1.0, "compress": True}, "compress"),
+        ({"pictures": ["z"], "png_scale": 1.0, "far": "clip"}, "saturate"),
+        ({"pictures": [], "dtype": "float16"}, "float32"),
+    ],
+)
+def test_a_plan_refuses_how_files_hold_numbers_that_no_file_holds(output, words, tmp_path):
+    (tmp_path / "room.toml").write_text(SCENE)
+    made = {"scenes": [{"file": "room.toml"}], "sensors": [CAMERA], "poses": POSES["inside"]}
+    with pytest.raises(ValueError, match=words):
+        fh.Plan.from_dict({**made, "output": output}, tmp_path)

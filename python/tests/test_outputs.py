@@ -377,3 +377,52 @@ def test_an_exr_that_claims_more_than_it_holds_is_refused(exr, tmp_path):
         path.write_bytes(before + window + corners + after[16:])
         with pytest.raises(fh.FileFormatError, match="large"):
             fh.Frame.load(path)
+
+
+def test_a_far_background_saturates_or_is_a_miss_as_asked(tmp_path):
+    path = tmp_path / "z.png"
+    far = fh.Frame((1, 3), {"z": np.array([[1.5, 70.0, np.inf]])})
+    with pytest.raises(ValueError, match="unless `far` is given"):
+        far.save(path, png_scale=0.001)
+    for how, beyond in [("saturate", 65.535), ("zero", np.inf)]:
+        far.save(path, png_scale=0.001, far=how)
+        np.testing.assert_allclose(fh.Frame.load(path)["z"], [[1.5, beyond, np.inf]])
+    with pytest.raises(ValueError, match="far must be 'saturate', 'zero' or None, got 'clip'"):
+        far.save(path, png_scale=0.001, far="clip")
+    with pytest.raises(ValueError, match="far needs png_scale"):
+        far.save(path, far="zero")
+
+
+def test_pillow_reads_labels_and_they_come_back(frame, tmp_path):
+    from PIL import Image
+
+    frame.save(tmp_path / "{channel}.png", png_labels=True)
+    with Image.open(tmp_path / "object.png") as picture:
+        np.testing.assert_array_equal(np.asarray(picture), frame["object"] + 1)
+    again = fh.Frame.load(tmp_path / "object.png")["object"]
+    assert again.dtype == np.int32
+    np.testing.assert_array_equal(again, frame["object"])
+
+
+def test_float32_on_request_and_packed_npz_hold_the_nearest_numbers(tmp_path):
+    channels = ("z", "position", "object", "color")
+    exact = fh.render(scene(), camera(), channels=channels)
+    single = fh.render(scene(), camera(), channels=channels, dtype="float32")
+    for name in channels:
+        kind = np.int32 if name == "object" else np.float32
+        assert single[name].dtype == kind
+        np.testing.assert_array_equal(single[name], exact[name].astype(kind))
+    single.save(tmp_path / "plain.npz")
+    single.save(tmp_path / "packed.npz", compress=True)
+    sizes = [(tmp_path / f"{name}.npz").stat().st_size for name in ("packed", "plain")]
+    assert sizes[0] < 0.8 * sizes[1]
+    with np.load(tmp_path / "packed.npz") as arrays:
+        for name in channels:
+            np.testing.assert_array_equal(arrays[name], single[name])
+    again = fh.Frame.load(tmp_path / "packed.npz")
+    assert again["z"].dtype == np.float32
+    assert {each["dtype"] for each in again.metadata["channels"]} == {"float32", "int32"}
+    rig = fh.Rig({"eye": camera()})
+    assert rig.render(scene(), channels="z", dtype=np.float32)["eye"]["z"].dtype == np.float32
+    with pytest.raises(ValueError, match="dtype must be float32 or float64"):
+        fh.render(scene(), camera(), channels="z", dtype="float16")

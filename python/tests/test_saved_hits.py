@@ -135,3 +135,16 @@ def test_a_part_of_a_camera_s_hits_does_not_have_its_matrix(tmp_path):
     # Points need no grid.
     hits[::2].save(tmp_path / "part.ply")
     assert fh.read_metadata(tmp_path / "part.ply")["camera"]["rows"] == 6
+
+
+def test_hits_are_saved_as_steps_and_labels_too(tmp_path):
+    hits = ball().shoot(CAMERA)
+    hits.save(tmp_path / "t.png", "t", png_scale=0.001)
+    np.testing.assert_allclose(fh.Frame.load(tmp_path / "t.png")["t"], hits.t, atol=0.0005001)
+    hits.save(tmp_path / "object.png", "object", png_labels=True)
+    np.testing.assert_array_equal(fh.Frame.load(tmp_path / "object.png")["object"], hits.object)
+    hits.save(tmp_path / "far.png", "t", png_scale=1e-5, far="zero")
+    assert np.isinf(fh.Frame.load(tmp_path / "far.png")["t"]).all()
+    hits.save(tmp_path / "all.npz", compress=True)
+    with np.load(tmp_path / "all.npz") as arrays:
+        np.testing.assert_array_equal(arrays["t"], hits.t)

@@ -4,6 +4,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use firsthit::camera::{Focus, PixelMatrix, StandardView};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use firsthit::geometry::{COLOR_NAMES, ColorMap, Domain, Setting, Value, color_of};
+use firsthit::image::Far;
 use firsthit::lint::KINDS;
 use firsthit::load::UNITS;
 use firsthit::scene::Build;
@@ -51,6 +52,11 @@ pub(crate) fn view() -> impl TypedValueParser<Value = StandardView> {
 /// The name of a tone map.
 pub(crate) fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
     PossibleValuesParser::new(ToneMap::NAMES).try_map(|name| name.parse())
+}
+
+/// What becomes of far distances.
+pub(crate) fn far() -> impl TypedValueParser<Value = Far> {
+    PossibleValuesParser::new(Far::NAMES).try_map(|name| name.parse())
 }
 
 /// How trees are built.

@@ -32,7 +32,7 @@ def warn_of_distances(plan: Plan, number: int, scene: Scene) -> None:
     output = plan._output
     names = [name for name in output.pictures if name in DISTANCES]
     sensors = [one for one in plan._sensors if not isinstance(one, LidarSensor)]
-    if not names or output.png_scale is None:
+    if not names or output.png_scale is None or output.far is not None:
         return
     most = _MOST_STEPS * output.png_scale
     ends = f"PNGs of {', '.join(names)} end at {most:g}, {_MOST_STEPS} steps of `png_scale`"

@@ -10,12 +10,14 @@ from firsthit._files import in_path
 from firsthit._parts._digest import canonical, of_arrays
 from firsthit._parts._part import name_of
 from firsthit._render import render
+from firsthit._stored import stored
 from firsthit.annotations import annotate
 from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import meters
 
 from ._fragments import fragments, instances, save_masks
 from ._lidars import LidarSensor
+from ._output import DISTANCES
 from ._sampling import POSES, Uniforms
 
 if TYPE_CHECKING:
@@ -95,15 +97,17 @@ class FrameMaker:
             sensor.at(place),
             channels=output.channels,  # type: ignore[arg-type] # checked by the plan
             threads=self._threads,
+            dtype=output.dtype,
             **output.look.told(scene),
         )
         made.display = made.display._but(**output.look.display)
         for form in output.frames:
-            made.save(folder / f"{sensor.name}.{form}")
+            made.save(folder / f"{sensor.name}.{form}", compress=output.compress)
         for channel in output.pictures:
             path = folder / picture_name(sensor.name, channel)
-            scale = output.png_scale if channel in ("t", "range", "z") else None
-            made._write(path, [channel], scale)
+            is_distance = channel in DISTANCES
+            scale, far = (output.png_scale, output.far) if is_distance else (None, None)
+            made._write(path, [channel], stored(scale, far, output.png_labels))
         return made
 
     def _annotated(

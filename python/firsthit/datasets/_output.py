@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from firsthit import _firsthit
 from firsthit._channel_hints import hint
 from firsthit._files import attribute_of, in_path
 from firsthit._lidar_scan import LidarScan
 from firsthit._project import plane
+from firsthit._types import Far, IdentifierName
 
 from ._lidars import LidarSensor
 from ._look import LOOK, NO_LOOK, Look, look, refuse
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 #: The formats of a picture's channels, and of a scan's returns.
 FRAMES = ("npz", "exr")
 CLOUDS = tuple(extension.removeprefix(".") for extension in LidarScan.EXTENSIONS)
+
+#: How files hold numbers.
+_STORED = ("far", "png_labels", "dtype", "compress")
 
 #: Channels of distances, whose pictures need a scale.
 DISTANCES = ("t", "range", "z")
@@ -43,6 +47,14 @@ class Output(NamedTuple):
         The channels that have a PNG each.
     png_scale : float or None
         The step of the numbers in PNGs of distances, in scene units.
+    far : str or None
+        What those have in place of distances beyond the last step.
+    png_labels : bool
+        Whether PNGs of identifiers hold their numbers, plus one.
+    dtype : str
+        The type of numbers that are computed as float64.
+    compress : bool
+        Whether NPZ files are packed.
     look : Look
         How colours are made and shown.
     clouds : tuple of str
@@ -59,6 +71,10 @@ class Output(NamedTuple):
     frames: tuple[str, ...]
     pictures: tuple[str, ...]
     png_scale: float | None
+    far: Far | None
+    png_labels: bool
+    dtype: str
+    compress: bool
     look: Look
     clouds: tuple[str, ...]
     masks: tuple[str, ...]
@@ -74,7 +90,16 @@ class Output(NamedTuple):
 def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Output:
     """Return what a table of a plan asks for; files that it names are in a folder or below."""
     lidars = [one for one in sensors if isinstance(one, LidarSensor)]
-    of_cameras = ("channels", "frames", "pictures", "png_scale", "flow", "disparity", *LOOK)
+    of_cameras = (
+        "channels",
+        "frames",
+        "pictures",
+        "png_scale",
+        *_STORED,
+        "flow",
+        "disparity",
+        *LOOK,
+    )
     if len(lidars) == len(sensors):
         refuse(table, of_cameras, "no sensor makes pictures")
         moved = Motion()
@@ -84,6 +109,7 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
         scale, shown = None, NO_LOOK
     else:
         channels, frames, pictures, scale = _pictures(table, sensors)
+        _refuse_idle(table, frames, pictures)
         shown = look(table, channels, pictures, sensors, folder)
         moved = motion(table, sensors)
     if not lidars:
@@ -104,6 +130,10 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
         tuple(frames),
         tuple(pictures),
         scale,
+        table.text("far", None, get_args(Far)),
+        table.flag("png_labels", default=False),
+        table.text("dtype", "float64", ("float32", "float64")),
+        table.flag("compress", default=False),
         shown,
         tuple(clouds),
         tuple(masks),
@@ -116,6 +146,16 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
             raise table.refused(None, why)
     table.finish()
     return made
+
+
+def _refuse_idle(table: Table, frames: list[str], pictures: list[str]) -> None:
+    """Refuse keys about how files hold numbers where no file does."""
+    if not any(name in DISTANCES for name in pictures):
+        refuse(table, ("far",), "`pictures` has no distance (t, range or z)")
+    if not any(name in get_args(IdentifierName) for name in pictures):
+        refuse(table, ("png_labels",), "`pictures` has no identifier, such as object")
+    if "npz" not in frames:
+        refuse(table, ("compress",), "`frames` has no npz")
 
 
 def _annotated(sensors: tuple[PlannedSensor, ...]) -> list[PictureSensor]:

@@ -17,6 +17,7 @@ from firsthit._parts._digest import finite, of_arrays, of_json
 from firsthit._parts._part import name_of
 from firsthit._render import render
 from firsthit._shading import Shader
+from firsthit._stored import stored
 from firsthit.datasets._output import DISTANCES
 
 from ._jobs import How, Job, listed, lit, settled, shared
@@ -261,7 +262,7 @@ class _Pictures(NamedTuple):
             end = f".{in_path(channel)}{extension}" if several else extension
             has_scale = extension == ".png" and channel in DISTANCES
             scale = self.png_scale if has_scale else None
-            frame._write(path.with_name(f"{path.name}{end}"), [channel], scale)
+            frame._write(path.with_name(f"{path.name}{end}"), [channel], stored(scale))
 
 
 #: The extensions of files that hold one channel.

@@ -13,7 +13,7 @@ mod run;
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use look::{ColorsArgs, EdgeArgs, LightingArgs};
-pub(crate) use picture::{DemoArgs, DisplayArgs, RenderArgs};
+pub(crate) use picture::{DemoArgs, DisplayArgs, FileArgs, RenderArgs};
 pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
     SectionArgs, ShootArgs, StreamFormat, ViewArgs,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use firsthit::ToneMap;
+use firsthit::image::Far;
 
 use super::{
     CameraArgs, ColorsArgs, CulledSide, EdgeArgs, LightingArgs, LoadArgs, PickArgs, RunArgs,
@@ -61,10 +62,8 @@ pub(crate) struct PictureArgs {
     /// picture (sRGB) and its count of pixels, as .csv or .json
     #[arg(long, value_name = "FILE")]
     pub(crate) legend: Option<PathBuf>,
-    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
-    /// miss. Otherwise a PNG of distances is in false colours, to look at
-    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
-    pub(crate) png_scale: Option<f64>,
+    #[command(flatten)]
+    pub(crate) files: FileArgs,
     /// Antialiasing: the colour is the mean of this many points of a pixel. They are the first ones of a fixed
     /// low-discrepancy sequence; 1 is the pixel's centre [default: the file's, else 256 with --noise, else 16 where the shader draws
     /// random numbers or there is a ground, else 4]
@@ -80,6 +79,37 @@ pub(crate) struct PictureArgs {
     pub(crate) resume: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) display: DisplayArgs,
+}
+
+/// How numbers are stored.
+#[derive(Debug, Args)]
+pub(crate) struct FileArgs {
+    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
+    /// miss. Otherwise a PNG of distances is in false colours, to look at
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
+    pub(crate) png_scale: Option<f64>,
+    /// What --png-scale makes of distances beyond 65535 steps: saturate makes them 65535, zero makes them 0, as a miss [default:
+    /// they are an error]
+    #[arg(long, value_name = "HOW", value_parser = values::far(), requires = "png_scale")]
+    pub(crate) far: Option<Far>,
+    /// Write identifiers (object, primitive, face, node, mesh, material) to .png as 16 bit numbers, each plus one; 0 is a miss.
+    /// Otherwise a PNG of identifiers is in false colours
+    #[arg(long)]
+    pub(crate) png_labels: bool,
+    /// The type of distances, positions and other numbers that are computed as float64, in all files: the nearest float32 halves
+    /// a .npz [default: float64]
+    #[arg(long, value_name = "TYPE", value_parser = ["float32", "float64"], hide_possible_values = true)]
+    pub(crate) dtype: Option<String>,
+    /// Pack .npz files, by deflate; np.load reads them as all others
+    #[arg(long)]
+    pub(crate) compress: bool,
+}
+
+impl FileArgs {
+    /// Whether float64 numbers are rounded to float32.
+    pub(crate) fn is_rounded(&self) -> bool {
+        self.dtype.as_deref() == Some("float32")
+    }
 }
 
 /// How PNGs show colours.
@@ -114,10 +144,8 @@ pub(crate) struct DemoArgs {
         hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,
-    /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
-    /// miss. Otherwise a PNG of distances is in false colours, to look at
-    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
-    pub(crate) png_scale: Option<f64>,
+    #[command(flatten)]
+    pub(crate) files: FileArgs,
     /// Antialiasing: the colour is the mean of this many points of a pixel [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536), allow_hyphen_values = true)]
     pub(crate) samples: Option<u32>,

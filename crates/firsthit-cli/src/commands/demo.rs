@@ -32,7 +32,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
         warn(&do_nothing(samples, WITHOUT_COLOR));
     }
     let usual = DisplayTransform::default();
-    let settings = settings(args.png_scale, (&args.display, usual), &orders);
+    let settings = settings(&args.files, (&args.display, usual), &orders);
     with_threads(&args.run, || {
         let scene = example::scene()?;
         let (columns, rows) = args.size;
@@ -49,6 +49,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
             noise: None,
             resume: None,
             settings,
+            is_rounded: args.files.is_rounded(),
             guessed: &[],
             legend: None,
             cull: None,

@@ -241,6 +241,7 @@ fn stored(stored: &Stored) -> String {
         encoding,
         miss,
         scale,
+        far,
         legend,
         exposure,
         tone_map,
@@ -250,11 +251,14 @@ fn stored(stored: &Stored) -> String {
         Some(scale) => format!("steps of {scale}"),
         None => encoding.name().to_owned(),
     };
+    let far = (far.as_ref()).map_or_else(String::new, |far| format!(", what is beyond is {far}"));
     let exposure = exposure.map_or_else(String::new, |stops| format!(", exposure {stops}"));
     let tone_map = (tone_map.as_ref()).map_or_else(String::new, |map| format!(", tone map {map}"));
     let legend = legend
         .as_ref()
         .map(|legend| format!(": {legend}"))
         .unwrap_or_default();
-    format!("stored as {names} ({dtype}, {meaning}{exposure}{tone_map}, a miss is {miss}){legend}")
+    format!(
+        "stored as {names} ({dtype}, {meaning}{far}{exposure}{tone_map}, a miss is {miss}){legend}"
+    )
 }

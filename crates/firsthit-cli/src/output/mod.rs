@@ -8,6 +8,7 @@ mod write;
 pub(crate) use channels::{Source, has, kinds};
 pub(crate) use paths::{check_files, check_not_inputs, check_other};
 pub(crate) use targets::{
-    Order, Target, check_all_go_somewhere, names, orders, shows_colors, takes_scale, targets,
+    Order, Target, check_all_go_somewhere, names, orders, packs, shows_colors, takes_labels,
+    takes_scale, targets,
 };
 pub(crate) use write::{as_json, say_legends, stream, write};

@@ -190,6 +190,17 @@ pub(crate) fn takes_scale(Order { kinds, targets }: &Order) -> bool {
     has_png_of(Display::Distance, kinds, targets)
 }
 
+/// Whether some of the files can hold identifiers as labels.
+pub(crate) fn takes_labels(Order { kinds, targets }: &Order) -> bool {
+    has_png_of(Display::Identifier, kinds, targets)
+}
+
+/// Whether some of the files can be packed.
+pub(crate) fn packs(Order { targets, .. }: &Order) -> bool {
+    let mut formats = targets.iter().filter_map(|target| target.format);
+    formats.any(|format| format.name == "npz")
+}
+
 /// Whether some of the files show colours.
 pub(crate) fn shows_colors(Order { kinds, targets }: &Order) -> bool {
     has_png_of(Display::Color, kinds, targets)

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::Kind;
 use firsthit::error::escaped;
-use firsthit::image::{self, Display, Frame, WriteSettings, short_legend, write_whole};
+use firsthit::image::{self, Display, Far, Frame, WriteSettings, short_legend, write_whole};
 use serde_json::{Value, json};
 
 use super::targets::{Target, is_png};
@@ -73,7 +73,17 @@ fn legend(channel: &image::Channel, settings: WriteSettings) -> Option<String> {
     match settings.png_scale {
         Some(scale) if channel.display == Display::Distance => {
             let name = &channel.name;
-            Some(format!("{name} in steps of {scale}, 16 bits; misses 0"))
+            let far = settings.png_far.map_or("", |far| match far {
+                Far::Saturate => "; what is beyond 65535 steps is 65535",
+                Far::Zero => "; what is beyond 65535 steps is 0",
+            });
+            Some(format!(
+                "{name} in steps of {scale}, 16 bits; misses 0{far}"
+            ))
+        }
+        _ if settings.png_labels && channel.display == Display::Identifier => {
+            let name = &channel.name;
+            Some(format!("{name} plus one, 16 bits; misses 0"))
         }
         _ => short_legend(channel),
     }

@@ -295,6 +295,45 @@ fn distances_in_steps_are_within_half_a_step() {
 }
 
 #[test]
+fn far_distances_labels_float32_and_packed_files_are_as_asked() {
+    let lab = lab();
+    let z = "--channels z,object,position -o n-{channel}.png -o n.npz";
+    let outcome = lab.ok(&format!(
+        "render square.ply {ABOVE} {z} --png-scale 0.00001 --far saturate --png-labels --dtype float32 --compress"
+    ));
+    for said in [
+        "n-z.png: z in steps of 0.00001, 16 bits; misses 0; what is beyond 65535 steps is 65535",
+        "n-object.png: object plus one, 16 bits; misses 0",
+    ] {
+        assert!(outcome.stderr.contains(said), "{}", outcome.stderr);
+    }
+    lab.ok("diff n-object.png object.npy");
+    lab.ok("diff n.npz a.npz --channels z --tolerance 0.000001");
+    let channels = &info(&lab, "n.npz")["metadata"]["channels"];
+    let types: Vec<_> = (0..3).map(|k| channels[k]["dtype"].clone()).collect();
+    assert_eq!(types, ["float32", "int32", "float32"]);
+    let text = lab.ok("info n-z.png");
+    assert!(
+        text.text().contains("what is beyond is 65535"),
+        "{}",
+        text.text()
+    );
+    let idle = lab.ok(&format!(
+        "render square.ply {ABOVE} --channels z -o c.npy --png-labels --compress"
+    ));
+    for said in [
+        "--png-labels does nothing without an identifier, such as object, in a .png",
+        "--compress does nothing without a .npz",
+    ] {
+        assert!(idle.stderr.contains(said), "{}", idle.stderr);
+    }
+    let refused = lab.run(&format!(
+        "render square.ply {ABOVE} --channels z -o d.png --far zero"
+    ));
+    assert!(refused.stderr.contains("--png-scale"), "{}", refused.stderr);
+}
+
+#[test]
 fn an_old_sidecar_never_stays_beside_a_new_array() {
     let lab = lab();
     let before = lab.read("z.npy.json");

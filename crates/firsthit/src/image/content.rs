@@ -5,9 +5,9 @@ use super::frame::Display;
 use super::frame::{Channel, Data};
 use super::metadata::Metadata;
 use crate::error::{Error, Result};
-use crate::geometry::DisplayTransform;
 #[cfg(any(feature = "exr", feature = "cloud"))]
 use crate::geometry::single;
+use crate::geometry::{DisplayTransform, named};
 use crate::watch::Watch;
 
 /// Settings of some formats.
@@ -16,8 +16,34 @@ pub struct WriteSettings {
     /// The step of a 16 bit PNG in scene units: distances are stored as a number of steps, misses as 0. `None`:
     /// distances are stored as colours.
     pub png_scale: Option<f64>,
+    /// What a 16 bit PNG has in place of distances beyond its last step, 65535. `None`: they are an error.
+    pub png_far: Option<Far>,
+    /// Whether PNGs of identifiers hold their numbers, each plus one, in 16 bits, and misses as 0. Otherwise they are stored as colours.
+    pub png_labels: bool,
+    /// Whether an NPZ is packed, by deflate.
+    pub compress: bool,
     /// How a PNG shows colours. All other formats hold them as they are.
     pub display: DisplayTransform,
+}
+
+named! {
+    /// What a 16 bit PNG has in place of distances beyond its last step.
+    pub enum Far, "far":
+    /// The last step.
+    #[default]
+    "saturate" => Saturate;
+    /// 0, as for a miss.
+    "zero" => Zero;
+}
+
+impl Far {
+    /// The number in the file.
+    pub(super) fn steps(self) -> u16 {
+        match self {
+            Self::Saturate => u16::MAX,
+            Self::Zero => 0,
+        }
+    }
 }
 
 /// The content of a file, checked.

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::origin::Origin;
 use crate::error::{Error, Result};
+use crate::geometry::single;
 use crate::geometry::summary::Count;
 
 /// The result of a picture or a batch of rays: named channels over the same elements.
@@ -231,9 +232,41 @@ impl Frame {
         Ok(frame)
     }
 
+    /// The same with float32 numbers where there are float64 ones: the nearest, but finite for what is finite, and zero for zero alone. So
+    /// a hit does not become a miss.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] when there is no memory for them.
+    pub fn rounded(mut self) -> Result<Self> {
+        for channel in &mut self.channels {
+            if let Data::Float64(values) = &channel.data {
+                let mut rounded = Data::Float32(Vec::new());
+                rounded.reserve(values.len(), 1)?;
+                if let Data::Float32(singles) = &mut rounded {
+                    singles.extend(values.iter().map(|&value| distance(value)));
+                }
+                channel.data = rounded;
+            }
+        }
+        Ok(self)
+    }
+
     /// The channel called `name`.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
+    }
+}
+
+/// See [`Frame::rounded`].
+fn distance(value: f64) -> f32 {
+    let rounded = single(value);
+    if rounded.is_infinite() && value.is_finite() {
+        f32::MAX.copysign(rounded)
+    } else if rounded == 0.0 && value != 0.0 {
+        f32::from_bits(1).copysign(rounded)
+    } else {
+        rounded
     }
 }
 

@@ -110,6 +110,9 @@ pub struct Stored {
     /// With [`Encoding::Steps`]: the size of one step, in the channel's unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
+    /// With [`Encoding::Steps`]: the number that stands for distances beyond the last step, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub far: Option<String>,
     /// With [`Encoding::Picture`]: how to read the picture, where that needs words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub legend: Option<String>,
@@ -133,6 +136,8 @@ pub enum Encoding {
     TwosComplement,
     /// Rounded to the nearest whole number of steps of `scale`.
     Steps,
+    /// A whole number, plus one.
+    Labels,
     /// Bytes to look at, by the formula of `docs/outputs.md`.
     Picture,
 }
@@ -145,6 +150,7 @@ impl Encoding {
             Self::Rounded => "rounded",
             Self::TwosComplement => "two's complement",
             Self::Steps => "steps",
+            Self::Labels => "plus one",
             Self::Picture => "to look at",
         }
     }
@@ -284,6 +290,7 @@ impl Stored {
             encoding,
             miss: miss.to_owned(),
             scale: None,
+            far: None,
             legend: None,
             exposure: None,
             tone_map: None,

@@ -46,7 +46,7 @@ mod tones;
 pub use channel_colors::{color_of_identifier, legend, short_legend};
 pub use color_bar::{ColorBar, ColorsRecord};
 pub use compare::{Difference, compare};
-pub use content::WriteSettings;
+pub use content::{Far, WriteSettings};
 pub use cryptomatte::{Cryptomatte, matte_id};
 #[cfg(feature = "exr")]
 pub(crate) use decode::exr::decode as decode_exr;

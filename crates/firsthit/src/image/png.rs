@@ -36,8 +36,10 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
     }
     let scales = (content.channels.iter()).filter_map(|c| Some((c, scale(c, &content.settings)?)));
     for (channel, scale) in scales {
-        steps::check(channel, scale, content.shape)?;
+        steps::check(channel, scale, content.settings.png_far, content.shape)?;
     }
+    let mut labels = (content.channels.iter()).filter(|c| is_labels(c, &content.settings));
+    labels.try_for_each(|channel| steps::check_labels(channel, content.shape))?;
     if (content.channels.iter()).any(|channel| channel.display == Display::Color) {
         content.settings.display.check()?;
     }
@@ -51,13 +53,22 @@ fn scale(channel: &Channel, settings: &WriteSettings) -> Option<f64> {
         .filter(|_| channel.display == Display::Distance)
 }
 
+/// Whether a channel is stored as numbers plus one.
+fn is_labels(channel: &Channel, settings: &WriteSettings) -> bool {
+    settings.png_labels && channel.display == Display::Identifier
+}
+
 pub(super) fn stored(channel: &Channel, settings: &WriteSettings) -> Stored {
     let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
     if let Some(scale) = scale(channel, settings) {
         return Stored {
             scale: Some(scale),
+            far: settings.png_far.map(|far| far.steps().to_string()),
             ..Stored::new(names(&["grey"]), "uint16", Encoding::Steps, "0")
         };
+    }
+    if is_labels(channel, settings) {
+        return Stored::new(names(&["grey"]), "uint16", Encoding::Labels, "0");
     }
     let is_color = channel.display == Display::Color;
     let miss = if is_color { channel.miss() } else { "black" };
@@ -82,10 +93,17 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         return Err(io::Error::other("not a picture of one channel"));
     };
     let text = content.metadata.to_json();
-    if let Some(scale) = scale(channel, &content.settings) {
+    let settings = &content.settings;
+    let scale = scale(channel, settings);
+    if scale.is_some() || is_labels(channel, settings) {
         let mut writer = header((rows, columns), ColorType::Grayscale, &text, out)?;
         let mut writer = writer.stream_writer_with_size(CHUNK)?;
-        steps::encode(channel, scale, columns, &mut writer)?;
+        match scale {
+            Some(scale) => {
+                steps::encode(channel, scale, settings.png_far, columns, &mut writer)?;
+            }
+            None => steps::encode_labels(channel, columns, &mut writer)?,
+        }
         writer.finish()?;
     } else {
         let color = if channel.is_transparent() {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use firsthit::channel::KINDS;
 use firsthit::image::{
-    Channel, Data, Display, Encoding, FORMATS, Format, Frame, Holds, Metadata, Numbers,
+    Channel, Data, Display, Encoding, FORMATS, Far, Format, Frame, Holds, Metadata, Numbers,
     WriteSettings, compare, format_named, is_point_cloud, read, write, write_channel,
 };
 use firsthit::scene::DirectionalLight;
@@ -227,6 +227,126 @@ fn a_16_bit_png_refuses_what_it_cannot_hold_and_names_the_pixel() {
         assert!(matches!(write(scale), Err(Error::Argument { .. })));
     }
     assert!(!path.exists());
+}
+
+/// A frame of a row of distances, and of identifiers.
+fn row(distances: &[f64], identifiers: &[i32]) -> Frame {
+    let mut frame = Frame::new([1, distances.len()]);
+    for (name, data) in [
+        ("z", Data::Float64(distances.to_vec())),
+        ("object", Data::Int32(identifiers.to_vec())),
+    ] {
+        let kind = firsthit::channel::kind(name).unwrap();
+        frame.push(kind.channel(data)).unwrap();
+    }
+    frame
+}
+
+#[test]
+fn a_far_background_saturates_or_is_a_miss_in_a_png_of_millimetres_as_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("z.png");
+    let frame = row(&[1.5, 65.5354, 65.536, 1e300, f64::INFINITY], &[0; 5]);
+    let write = |far| {
+        let settings = WriteSettings {
+            png_scale: Some(0.001),
+            png_far: far,
+            ..WriteSettings::default()
+        };
+        let png = format_named("png").unwrap();
+        png.write(&frame, Some("z"), settings, &path, &())
+    };
+    let message = write(None).unwrap_err().to_string();
+    assert!(message.contains("unless `far` is given"), "{message}");
+    for (far, beyond, said) in [
+        (Far::Saturate, 65.535, "65535"),
+        (Far::Zero, f64::INFINITY, "0"),
+    ] {
+        write(Some(far)).unwrap();
+        let output = read(&path).unwrap();
+        let Numbers::Float64(z) = &output.arrays[0].numbers else {
+            panic!("distances");
+        };
+        let expected = [1.5, 65.535, beyond, beyond, f64::INFINITY];
+        let is_close = |(a, b): (&f64, f64)| *a == b || (a - b).abs() < 1e-9;
+        assert!(z.iter().zip(expected).all(is_close), "{z:?}");
+        let metadata = output.metadata.unwrap();
+        let stored = metadata.channels[0].stored.as_ref().unwrap();
+        assert_eq!(
+            (stored.scale, stored.far.as_deref()),
+            (Some(0.001), Some(said))
+        );
+    }
+}
+
+#[test]
+fn labels_of_16_bits_are_identifiers_plus_one_and_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("object.png");
+    let settings = WriteSettings {
+        png_labels: true,
+        ..WriteSettings::default()
+    };
+    let png = format_named("png").unwrap();
+    let write = |identifiers: &[i32]| {
+        let frame = row(&[1.0; 3], identifiers);
+        png.write(&frame, Some("object"), settings, &path, &())
+    };
+    write(&[-1, 0, 65_534]).unwrap();
+    let output = read(&path).unwrap();
+    assert!(matches!(&output.arrays[0].numbers, Numbers::Integer(v) if v == &[-1, 0, 65_534]));
+    let decoder = png::Decoder::new(std::io::Cursor::new(fs::read(&path).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    assert_eq!(
+        reader.output_color_type(),
+        (png::ColorType::Grayscale, png::BitDepth::Sixteen)
+    );
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut bytes).unwrap();
+    assert_eq!(bytes, [0, 0, 0, 1, 255, 255]);
+    let message = write(&[0, 65_535, 0]).unwrap_err().to_string();
+    assert!(
+        message.contains("got 65535 at row 0, column 1"),
+        "{message}"
+    );
+    // What is no identifier is a picture as before.
+    png.write(&row(&[1.0; 3], &[0; 3]), Some("z"), settings, &path, &())
+        .unwrap();
+}
+
+#[test]
+fn a_packed_npz_has_the_same_numbers_in_fewer_bytes_and_float32_halves_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let [plain, packed, small] =
+        ["a", "b", "c"].map(|name| folder.path().join(name).with_extension("npz"));
+    let frame = row(&[1.25; 5000], &[7; 5000]);
+    let npz = format_named("npz").unwrap();
+    let settings = WriteSettings {
+        compress: true,
+        ..WriteSettings::default()
+    };
+    write(&frame, &plain).unwrap();
+    npz.write(&frame, None, settings, &packed, &()).unwrap();
+    let size = |path: &Path| fs::metadata(path).unwrap().len();
+    assert!(size(&packed) * 10 < size(&plain));
+    let numbers = |path: &Path| {
+        let arrays = read(path).unwrap().arrays;
+        let numbers = arrays.into_iter().map(|array| array.numbers);
+        numbers.collect::<Vec<_>>()
+    };
+    assert!(numbers(&plain) == numbers(&packed));
+    write(&frame.rounded().unwrap(), &small).unwrap();
+    assert!(size(&small) + 4 * 5000 == size(&plain));
+    let tiny = row(&[1e-60, 1e60, f64::INFINITY, 0.0, 0.1], &[0; 5])
+        .rounded()
+        .unwrap();
+    let Data::Float32(values) = &tiny.channels()[0].data else {
+        panic!("rounded");
+    };
+    assert_eq!(
+        values,
+        &[f32::from_bits(1), f32::MAX, f32::INFINITY, 0.0, 0.1]
+    );
 }
 
 #[test]

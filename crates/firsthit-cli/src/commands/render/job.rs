@@ -12,7 +12,7 @@ use firsthit::{Camera, DisplayTransform, Scene, Shading, Side};
 use serde_json::{Value, json};
 
 use super::idle::do_nothing;
-use crate::args::{DisplayArgs, RunArgs};
+use crate::args::{DisplayArgs, FileArgs, RunArgs};
 use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
 use crate::legend;
@@ -30,6 +30,8 @@ pub(crate) struct Job<'a> {
     /// The file of the state, to go on with.
     pub(crate) resume: Option<&'a Path>,
     pub(crate) settings: WriteSettings,
+    /// Whether float64 numbers are rounded to float32.
+    pub(crate) is_rounded: bool,
     /// What was guessed, in words, each with the option that says otherwise.
     pub(crate) guessed: &'a [String],
     /// The file of `--legend`.
@@ -40,16 +42,27 @@ pub(crate) struct Job<'a> {
     pub(crate) edges: Option<Edges>,
 }
 
-/// How files are written; says so where the scale, the exposure or the tone map does nothing. Colours are shown as the command line
+/// How files are written; says so where an option of that does nothing. Colours are shown as the command line
 /// says, the rest as the file says.
 pub(crate) fn settings(
-    png_scale: Option<f64>,
+    files: &FileArgs,
     (args, of_file): (&DisplayArgs, DisplayTransform),
     orders: &[Order],
 ) -> WriteSettings {
     if !orders.iter().any(output::takes_scale) {
-        let scale = [("--png-scale", png_scale.is_some())];
+        let scale = [("--png-scale", files.png_scale.is_some())];
         warn(&do_nothing(scale, "without t, range or z in a .png"));
+    }
+    if !orders.iter().any(output::takes_labels) {
+        let labels = [("--png-labels", files.png_labels)];
+        warn(&do_nothing(
+            labels,
+            "without an identifier, such as object, in a .png",
+        ));
+    }
+    if !orders.iter().any(output::packs) {
+        let compress = [("--compress", files.compress)];
+        warn(&do_nothing(compress, "without a .npz"));
     }
     let for_color = [
         ("--exposure", args.exposure.is_some()),
@@ -62,7 +75,13 @@ pub(crate) fn settings(
         exposure: args.exposure.unwrap_or(of_file.exposure),
         tone_map: args.tone_map.unwrap_or(of_file.tone_map),
     };
-    WriteSettings { png_scale, display }
+    WriteSettings {
+        png_scale: files.png_scale,
+        png_far: files.far,
+        png_labels: files.png_labels,
+        compress: files.compress,
+        display,
+    }
 }
 
 /// Makes a picture, writes it, and says so in one line.
@@ -103,6 +122,9 @@ pub(crate) fn picture(
         }
         None => picture.render(&progress)?,
     };
+    if job.is_rounded {
+        whole = whole.rounded()?;
+    }
     let objects = match whole.channel("object").map(|channel| &channel.data) {
         Some(Data::Int32(objects)) => objects.as_slice(),
         _ => &[],

@@ -46,6 +46,10 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
     let channel = only_channel(output.metadata.as_ref());
     let (numbers, is_picture) = match channel {
         Some((_, Encoding::Steps, Some(scale))) => (distances(&whole, scale)?, false),
+        Some((_, Encoding::Labels, _)) => {
+            let identifiers = whole.iter().map(|label| label - 1);
+            (Numbers::Integer(collected(count, identifiers)?), false)
+        }
         Some((_, Encoding::Picture, _)) | None => (Numbers::Integer(whole), true),
         Some(_) => (Numbers::Integer(whole), false),
     };
