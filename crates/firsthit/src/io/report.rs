@@ -46,7 +46,7 @@ impl Report {
         };
         Self {
             budget: self.budget.part(),
-            ..Self::new(path, self.settings.clone())
+            ..Self::new(path, settings)
         }
     }
 
