@@ -14,7 +14,7 @@ use firsthit::{Camera, DVec3, Projection, Scene};
 use crate::args::CameraArgs;
 use crate::console::{in_words, warn};
 use crate::failure::Failure;
-use crate::hints::{span, triple};
+use crate::hints::{exact_triple, span, triple};
 use crate::values::Target;
 
 /// 16,384 squared: more is a slip of the finger more often than a picture.
@@ -580,12 +580,12 @@ fn check_aim(described: &Description) -> Result<(), Failure> {
     match (described.aim, described.position) {
         (Some(Aim::At(target)), None) => Err(Failure::usage(format!(
             "--look-at {} needs --position; or use --look-at auto",
-            triple(target)
+            exact_triple(target)
         ))),
         (Some(Aim::At(target)), Some(position)) if target == position => {
             Err(Failure::usage(format!(
                 "--look-at must be another point than --position, got {}",
-                triple(target)
+                exact_triple(target)
             )))
         }
         _ => Ok(()),

@@ -2,7 +2,9 @@
 
 use firsthit::explain::before_viewplane;
 use firsthit::{Bounds, Camera, Scene};
-pub(crate) use firsthit_view::words::{number, six_digits, triple};
+pub(crate) use firsthit_view::words::{
+    coordinate, exact_triple, extent, number, place, six_digits, triple,
+};
 
 use crate::console::counted;
 
@@ -38,7 +40,8 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: usize) -> Vec<String> 
 
 /// A box as text.
 pub(crate) fn span(bounds: Bounds) -> String {
-    format!("{} to {}", triple(bounds.low), triple(bounds.high))
+    let [low, high] = [bounds.low, bounds.high].map(|corner| place(corner, extent(bounds)));
+    format!("{low} to {high}")
 }
 
 fn looks_away(camera: &Camera, bounds: Bounds) -> bool {

@@ -13,7 +13,7 @@ from firsthit._progress import following, later
 from firsthit._scan import ScanSettings
 from firsthit._types import Returns, Rings
 
-from ._directions import direction, triple
+from ._directions import direction, place
 from ._program import Parser, UsageError, run
 from ._scanner import add_place, add_scanner, scanner, with_values
 from ._values import memory, named_number, numbers, whole
@@ -238,10 +238,11 @@ def _guessed(arguments: argparse.Namespace, scene: Scene) -> list[str]:
 def _why_none(scene: Scene, lidar: Lidar, how: dict[str, Any]) -> str:
     """Return where things are, for a scan that met nothing."""
     low, high = scene.bounds
+    start, extent = lidar.poses()[0, 0, :3, 3], float(max(high - low))
     limits = f"{how['min_range']:g} to {how['max_range']:g}"
     return (
-        f"no beam met anything: the scanner starts at {triple(lidar.poses()[0, 0, :3, 3])}, the "
-        f"scene goes from {triple(low)} to {triple(high)}, and ranges of {limits} count"
+        f"no beam met anything: the scanner starts at {place(start, extent)}, the scene goes from "
+        f"{place(low, extent)} to {place(high, extent)}, and ranges of {limits} count"
     )
 
 

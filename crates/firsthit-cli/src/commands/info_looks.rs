@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 use super::info_environment;
 use super::listing::listed;
 use crate::camera::labelled;
-use crate::hints::{number, triple};
+use crate::hints::{extent, number, place, triple};
 
 /// What there is, in the file's order; materials and textures are those in use, each once.
 pub(super) struct Looks<'a> {
@@ -21,6 +21,7 @@ pub(super) struct Looks<'a> {
     pub(super) lights: &'a [Light],
     environment: Option<&'a Environment>,
     up: DVec3,
+    extent: f64,
     pub(super) materials: Vec<&'a Material>,
     pub(super) textures: Vec<&'a Arc<Texture>>,
 }
@@ -33,6 +34,7 @@ impl<'a> Looks<'a> {
             lights: &model.lights,
             environment: model.environment.as_deref(),
             up: model.up_in(scene),
+            extent: extent(scene.bounds()),
             textures: textures(&materials),
             materials,
         }
@@ -112,10 +114,10 @@ impl<'a> Looks<'a> {
     pub(super) fn as_text(&self, most: usize) -> Vec<String> {
         let mut lines = Vec::new();
         let cameras = self.cameras.iter().enumerate();
-        let cameras = cameras.map(|(k, camera)| camera_line(k, camera));
+        let cameras = cameras.map(|(k, camera)| camera_line(k, camera, self.extent));
         list("cameras", most, cameras, &mut lines);
         let lights = self.lights.iter().enumerate();
-        let lights = lights.map(|(k, light)| light_line(k, light));
+        let lights = lights.map(|(k, light)| light_line(k, light, self.extent));
         list("lights", most, lights, &mut lines);
         let environment = self.environment.into_iter();
         lines.extend(environment.map(|one| info_environment::line(one, self.up)));
@@ -148,7 +150,7 @@ fn size(texture: &Arc<Texture>) -> Value {
     json!([texture.columns(), texture.rows()])
 }
 
-fn camera_line(place: usize, camera: &NamedCamera) -> String {
+fn camera_line(number_of: usize, camera: &NamedCamera, extent: f64) -> String {
     let view = &camera.view;
     let sees = match &view.lens {
         Lens::Flat(viewplane) if viewplane.parallel => format!("{} high", number(viewplane.height)),
@@ -174,13 +176,13 @@ fn camera_line(place: usize, camera: &NamedCamera) -> String {
             }
         }
     };
-    let (label, kind) = (labelled(place, camera), view.lens.projection().name());
-    let (position, aim) = (triple(view.position), triple(view.aim));
+    let (label, kind) = (labelled(number_of, camera), view.lens.projection().name());
+    let (position, aim) = (place(view.position, extent), triple(view.aim));
     format!("{label}  ({kind}, {sees}, at {position}, aim {aim})")
 }
 
 /// The kind of a light, where it is, and where it goes.
-fn light_line(number: usize, light: &Light) -> String {
+fn light_line(number: usize, light: &Light, extent: f64) -> String {
     let mut line = format!("{number}  {}", light.name());
     for (name, value) in light.settings() {
         let word = match name {
@@ -192,7 +194,10 @@ fn light_line(number: usize, light: &Light) -> String {
             line += " ";
             line += word;
             line += " ";
-            line += &triple(vector);
+            line += &match word {
+                "at" => place(vector, extent),
+                _ => triple(vector),
+            };
         }
     }
     line

@@ -10,7 +10,7 @@ use super::listing::{listed, most_listed};
 use crate::args::InfoArgs;
 use crate::console::{json_text, warn};
 use crate::failure::Failure;
-use crate::hints::{number, triple};
+use crate::hints::{coordinate, number, place, triple};
 
 /// As text or as JSON, with a line break at the end.
 pub(super) fn text(args: &InfoArgs, format: &Format) -> Result<String, Failure> {
@@ -132,7 +132,8 @@ fn describe_sensor(sensor: &SensorRecord, say: &mut impl FnMut(&str, String)) {
         say(&format!("  {name}"), number(value));
     }
     if let Some(body) = &sensor.trajectory {
-        let (poses, start, end) = (body.poses, number(body.start), number(body.end));
+        let [start, end] = [body.start, body.end].map(|time| coordinate(time, EXTENT));
+        let poses = body.poses;
         let between = &body.interpolation;
         say(
             "  trajectory",
@@ -153,10 +154,13 @@ const TOLD: [&str; 8] = [
     "skew",
 ];
 
+/// What is taken for how far a scene reaches that is not here, and for how long a drive lasts.
+const EXTENT: f64 = 1000.0;
+
 fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
     let triple = |v: [f64; 3]| triple(v.into());
     let row = |row: &[f64]| {
-        let row: Vec<String> = row.iter().map(|&x| number(x)).collect();
+        let row: Vec<String> = row.iter().map(|&x| coordinate(x, EXTENT)).collect();
         format!("[{}]", row.join(", "))
     };
     let matrix = |rows: Vec<String>| format!("[{}]", rows.join(", "));
@@ -167,7 +171,7 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
             camera.projection, camera.ray_start
         ),
     );
-    say("  position", triple(camera.position));
+    say("  position", place(camera.position.into(), EXTENT));
     say("  aim", triple(camera.aim));
     say("  up", triple(camera.up));
     if let Some(focal_length) = camera.focal_length {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::args::LintArgs;
 use crate::console::{counted, json_text, kept_warnings, warn};
 use crate::failure::Failure;
-use crate::hints::triple;
+use crate::hints::{self, extent};
 use crate::loading::{self, with_count};
 use crate::output;
 use crate::progress::Interrupt;
@@ -76,7 +76,7 @@ fn name<'a>(scene: &'a Scene, place: &Place) -> Option<&'a str> {
 
 /// Where it is, for people.
 fn line(scene: &Scene, place: &Place) -> String {
-    let position = triple(place.position);
+    let position = hints::place(place.position, extent(scene.bounds()));
     let (Some(object), Some(name)) = (place.object, name(scene, place)) else {
         return format!("  at {position}");
     };

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::args::SectionArgs;
 use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
-use crate::hints::{number, triple};
+use crate::hints::{extent, number, place, triple};
 use crate::loading::{self, Loaded, NO_RAYS, with_threads};
 use crate::output;
 use crate::progress::Interrupt;
@@ -38,7 +38,9 @@ pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Fa
                 .map_err(|error| Failure::stdout(&error));
         }
         if !args.run.quiet {
-            as_text(args, &cut).iter().for_each(say);
+            as_text(args, &cut, extent(loaded.scene.bounds()))
+                .iter()
+                .for_each(say);
         }
         Ok(())
     })
@@ -67,12 +69,12 @@ fn counts(cut: &Section) -> [usize; 2] {
     [closed, cut.len() - closed]
 }
 
-fn as_text(args: &SectionArgs, cut: &Section) -> Vec<String> {
+fn as_text(args: &SectionArgs, cut: &Section, reach: f64) -> Vec<String> {
     let (plane, [closed, open]) = (cut.plane(), counts(cut));
     let mut lines = vec![
         format!(
             "plane      through {}, normal {}",
-            triple(plane.origin()),
+            place(plane.origin(), reach),
             triple(plane.normal())
         ),
         format!(

@@ -21,7 +21,7 @@ pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failu
         Ok(Answers {
             data: Data::Float64(lengths),
             summary: least.map_or("nothing behind any".into(), |(index, least)| {
-                let place = triple(points[index].into());
+                let place = place(points[index].into(), extent(scene.bounds()));
                 format!("{least} at the thinnest, near point {index} ({place})")
             }),
             facts: vec![

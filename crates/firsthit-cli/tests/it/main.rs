@@ -13,6 +13,7 @@ mod clouds;
 mod colours;
 mod edges;
 mod environment;
+mod far;
 mod files;
 mod gltf;
 mod golden;

@@ -11,7 +11,7 @@ use firsthit::{Ray, RayFilter, Side, SurfaceId};
 use serde_json::{Value, json};
 
 use crate::words::counted;
-use crate::words::{exact_number, number, triple};
+use crate::words::{exact_number, number, place, triple};
 
 /// The explanation as lines for people, with a newline at the end of each. With `all`, every object has a line of its own.
 pub fn text(explained: &Explanation<'_>, all: bool) -> String {
@@ -30,7 +30,7 @@ pub fn text(explained: &Explanation<'_>, all: bool) -> String {
     }
     lines.extend(ray_lines(explained));
     match &explained.hit {
-        Some(hit) => lines.extend(surface::lines(hit, explained.pixel.as_ref())),
+        Some(hit) => lines.extend(surface::lines(explained, hit)),
         None => lines.push("hit        none".to_owned()),
     }
     lines.extend(behind_lines(explained));
@@ -60,7 +60,7 @@ fn ray_lines(explained: &Explanation<'_>) -> Vec<String> {
     let Explanation { ray, filter, .. } = explained;
     let mut lines = vec![format!(
         "ray        from {} along {}, {} < t <= {}",
-        triple(ray.origin),
+        place(ray.origin, explained.extent),
         triple(ray.direction),
         exact_number(ray.t_min),
         exact_number(ray.t_max),

@@ -1,22 +1,24 @@
 //! The hit of an explained ray: the surface there, and its material.
 
-use firsthit::explain::{AttributeThere, CatalogEntry, HitDetails, Pixel};
+use firsthit::explain::{AttributeThere, CatalogEntry, Explanation, HitDetails};
 use firsthit::scene::MapRole;
 use firsthit::shape::PropertyOf;
 use firsthit::{AlphaMode, DVec2, Material};
 use serde_json::{Value, json};
 
 use super::{list, named, part, short};
-use crate::words::{exact_number, number, triple};
+use crate::words::{coordinate, exact_number, number, place, triple};
 
 /// How many numbers of an attribute people read, and how many attributes.
 const MOST: usize = 12;
 
 /// The hit in words.
-pub(super) fn lines(details: &HitDetails<'_>, pixel: Option<&Pixel>) -> Vec<String> {
+pub(super) fn lines(explained: &Explanation<'_>, details: &HitDetails<'_>) -> Vec<String> {
+    let extent = explained.extent;
     let hit = &details.hit;
-    let from_camera = pixel.map_or_else(String::new, |pixel| {
-        format!(", range {}, z {}", number(pixel.range), number(pixel.z))
+    let from_camera = explained.pixel.as_ref().map_or_else(String::new, |pixel| {
+        let [range, z] = [pixel.range, pixel.z].map(|length| coordinate(length, extent));
+        format!(", range {range}, z {z}")
     });
     let face = if details.shape == "mesh" {
         format!(", face {}", details.face)
@@ -32,7 +34,7 @@ pub(super) fn lines(details: &HitDetails<'_>, pixel: Option<&Pixel>) -> Vec<Stri
     ];
     lines.extend(origin_line(details));
     lines.extend([
-        format!("           position {}", triple(details.position)),
+        format!("           position {}", place(details.position, extent)),
         format!("           normal {}, {side} met", triple(details.normal)),
     ]);
     if details.shading_normal.to_array() != details.normal.to_array()

@@ -73,6 +73,8 @@ pub struct Explanation<'a> {
     pub behind_count: usize,
     /// Every object, in the order of identifiers.
     pub candidates: Vec<Candidate<'a>>,
+    /// The longest side of the box around the scene.
+    pub extent: f64,
 }
 
 /// A crossing behind the hit.
@@ -186,6 +188,7 @@ pub fn explain<'a>(
         behind,
         behind_count,
         candidates: candidates(scene, (ray, filter, &out), &hit, watch)?,
+        extent: scene.bounds().size().max_element(),
     })
 }
 
