@@ -513,3 +513,18 @@ def test_the_bytes_of_a_plan_are_those_of_files_that_nothing_compresses(tmp_path
     exr_and_png = 100 * 80 * (4 * (3 + 1 + 1 + 3 + 12 + 2 + 1) + 3)
     assert made.cost().bytes - exr_and_png == pytest.approx(flat, rel=0.1)
     assert sizes["camera.exr"] + sizes["camera.color.png"] < exr_and_png
+
+
+@pytest.mark.parametrize("workers", [None, ThreadPoolExecutor])
+def test_a_data_set_is_not_all_there_where_its_scene_has_changed(tmp_path, workers):
+    scene = (PLANS / "yard.toml").read_text()
+    (tmp_path / "yard.toml").write_text(scene)
+    made = fh.Plan.from_dict(plan(), tmp_path)
+    done = fh.dataset(made, tmp_path / "out")
+    before = tree(tmp_path / "out")
+    (tmp_path / "yard.toml").write_text(scene.replace("radius = 0.5", "radius = 0.6"))
+    with pytest.raises(fh.FileFormatError, match=r"yard\.toml: not what it was when the job began"):
+        fh.dataset(made, tmp_path / "out", on=workers and workers(2))
+    assert tree(tmp_path / "out") == before
+    (tmp_path / "yard.toml").unlink()
+    assert fh.dataset(made, tmp_path / "out").digest == done.digest

@@ -265,6 +265,18 @@ def test_ambient_occlusion_up_to_a_distance_is_a_channel():
         fh.render(scene, camera, channels="ao:-1")
 
 
+@pytest.mark.parametrize("name", ["sums", "squares", "samples"])
+def test_a_state_whose_numbers_were_changed_is_refused(scene, tmp_path, name):
+    state = tmp_path / "state.npz"
+    fh.render(scene, CAMERA, samples=3, resume=state)
+    with np.load(state) as file:
+        arrays = {**file}
+    arrays[name].flat[7] += 1
+    np.savez(state, **arrays)
+    with pytest.raises(ValueError, match=r"state\.npz, whose numbers were changed since"):
+        fh.render(scene, CAMERA, samples=8, resume=state)
+
+
 def test_a_picture_goes_on_from_the_state_in_a_file(scene, tmp_path):
     state = tmp_path / "state.npz"
     fh.render(scene, CAMERA, channels=CHANNELS, samples=3, resume=state)

@@ -154,9 +154,11 @@ def dataset(
         count, kept = drive(
             frames, FORM, maker, wanted, on=on, verify=is_verified, progress=progress, unit="frames"
         )
+        missing, digest = frames.state()
+        if digest is not None and count < made.frames:
+            maker.refuse_changed()
     finally:
         forget(run)
-    missing, digest = frames.state()
     if digest is not None:
         merge(folder, made, frames.records, digest)
     return Made(made.frames, count, kept, missing, digest)
@@ -180,6 +182,15 @@ class _Frames(NamedTuple):
     plan: Plan
     marks: list[Mark]
     threads: int | None
+
+    def refuse_changed(self) -> None:
+        """Refuse frames that an earlier run made of scenes that are others by now.
+
+        A scene whose file is gone is none that somebody could take them for.
+        """
+        for planned, mark in zip(self.plan._scenes, self.marks, strict=True):
+            if planned.path.exists():
+                opened(self.run, planned.path, mark, planned.up)
 
     def make(self, folder: Path, task: Task) -> dict[str, Any]:
         number = self.plan.scene_of(task.number).scene

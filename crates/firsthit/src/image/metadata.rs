@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::color_bar::ColorsRecord;
 use super::cryptomatte::{Cryptomatte, ascii};
-use super::frame::{Channel, Display, Frame};
+use super::frame::{Channel, Data, Display, Frame};
 use super::names::Names;
 use super::origin::{CameraRecord, Origin, SensorRecord, ShadingRecord};
+use crate::geometry::Digest;
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.
 pub(super) const KEY: &str = "firsthit";
@@ -46,6 +47,9 @@ pub struct Metadata {
     /// How surfaces are coloured by numbers: the legend of the colours, if they are in this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colors: Option<ColorsRecord>,
+    /// A digest of the numbers, where they are the state of a picture that is gone on with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<String>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
     /// What the identifiers of the channels `object`, `node`, `mesh` and `material` stand for, if one of them is in this file.
@@ -206,6 +210,7 @@ impl Metadata {
             samples: samples.filter(|_| has_samples),
             shading: shading.filter(|_| has(COLOR) || has(STATE)),
             colors: colors.filter(|_| has_colors || has(STATE)),
+            state: has(STATE).then(|| digest(channels)),
             channels: (channels.iter())
                 .map(|channel| ChannelRecord::of(channel, has_units, stored(channel)))
                 .collect(),
@@ -252,6 +257,26 @@ impl Metadata {
     pub fn channel(&self, name: &str) -> Option<&ChannelRecord> {
         self.channels.iter().find(|channel| channel.name == name)
     }
+}
+
+/// A digest of all numbers of some channels.
+fn digest(channels: &[&Channel]) -> String {
+    const PIECE: usize = 1 << 12;
+    let mut digest = Digest::default();
+    for channel in channels {
+        digest.word(&channel.name);
+        digest.count(channel.data.len());
+        if let Data::Float64(values) = &channel.data {
+            digest.numbers(values);
+            continue;
+        }
+        for start in (0..channel.data.len()).step_by(PIECE) {
+            let places = start..channel.data.len().min(start + PIECE);
+            let numbers: Vec<f64> = places.map(|place| channel.data.value(place)).collect();
+            digest.numbers(&numbers);
+        }
+    }
+    digest.name()
 }
 
 impl Pixels {

@@ -142,6 +142,13 @@ fn read_state(path: &Path, own: &Frame) -> Result<Cow<'static, Frame>> {
         }
         state.push(channel(array)?)?;
     }
+    // Those of before there were digests have none.
+    let digest = output.metadata.and_then(|metadata| metadata.state);
+    if digest.is_some() && digest != state.metadata().state {
+        let expected = "that of this picture, as it was written";
+        let got = format!("{}, whose numbers were changed since", escaped(path));
+        return Err(Error::argument("state", expected, got));
+    }
     Ok(Cow::Owned(state))
 }
 
