@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
 import numpy as np
@@ -735,6 +737,7 @@ class Camera(ReadCameras, Sensor):
         record = None if said is None else said.get("camera")
         if record is None:
             raise ValueError(f"{path} does not say which camera made it")
+        _firsthit.note_input(Path(path))
         return cls._of(_firsthit.Camera.of_record(json.dumps(record)))
 
     @classmethod

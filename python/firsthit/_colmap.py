@@ -115,6 +115,8 @@ def content(path: str | os.PathLike[str]) -> bytes:
     if Path(path).exists() and not Path(path).is_file():
         raise FileReadError(f"{text}: not a regular file", text)
     try:
-        return Path(path).read_bytes()
+        read = Path(path).read_bytes()
     except OSError as error:
         raise FileReadError(f"{text}: {error.strerror}", text) from None
+    _firsthit.note_input(Path(path))
+    return read

@@ -7,8 +7,10 @@ attribute, an object, a kind of finding. What is looked up like the keys of a di
 another type altogether is a ``TypeError``.
 """
 
+import os
 import sys
 import warnings
+from pathlib import Path
 from types import FrameType
 
 from . import _firsthit
@@ -64,3 +66,14 @@ class FileWriteError(FileError, OSError):
 
 class FileFormatError(FileError, ValueError):
     """A file's content is wrong."""
+
+
+def refuse_input(path: str | os.PathLike[str]) -> None:
+    """Refuse to write over a file that this process has read.
+
+    Writers in Python ask it; those in Rust do by themselves.
+    """
+    if _firsthit.is_input(Path(path)):
+        text = os.fspath(path)
+        why = "is an input; it will not be overwritten (remove it first, or take another name)"
+        raise FileWriteError(f"{text}: {why}", text)

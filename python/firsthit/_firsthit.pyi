@@ -60,6 +60,7 @@ __all__ = [
     "explain",
     "inside",
     "instruction_set",
+    "is_input",
     "lidar_models",
     "lint_kinds",
     "load",
@@ -67,6 +68,7 @@ __all__ = [
     "meant_as_levels",
     "metadata",
     "named_color",
+    "note_input",
     "occluded",
     "open",
     "origin",
@@ -75,6 +77,7 @@ __all__ = [
     "png",
     "polygons",
     "read",
+    "read_points",
     "render",
     "render_more",
     "render_work",
@@ -765,3 +768,12 @@ def png(
     shape: Sequence[int], name: str, values: npt.NDArray[Any], display: tuple[float, str]
 ) -> bytes: ...
 def write_bytes(path: Path, content: bytes) -> None: ...
+def note_input(path: Path) -> None: ...
+def is_input(path: Path) -> bool: ...
+def read_points(
+    path: Path,
+) -> tuple[
+    npt.NDArray[np.float64],
+    list[tuple[str | None, list[int], npt.NDArray[Any], str]],
+    list[str],
+]: ...

@@ -7,12 +7,13 @@ import html
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from . import _firsthit
+
 if TYPE_CHECKING:
     import os
 
     import numpy.typing as npt
 
-    from . import _firsthit
     from ._camera import Camera
     from ._environment import Environment
     from ._lights import Sky
@@ -67,13 +68,13 @@ class NotebookView:
         ------
         ValueError
             For another extension.
-        OSError
-            If the system refuses to write it.
+        FileWriteError
+            If the system refuses to write it; also an `OSError`.
         """
         path = Path(path)
         if path.suffix.lower() not in (".html", ".htm"):
             raise ValueError(f"{path} must end in .html")
-        path.write_bytes(self._viewer.report())
+        _firsthit.write_bytes(path, self._viewer.report())
 
     def __repr__(self) -> str:
         """Say what it shows."""

@@ -365,6 +365,18 @@ pub(crate) fn write_bytes(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyRe
     })
 }
 
+/// Notes that a file is read: from now on nothing is written over it.
+#[pyfunction]
+pub(crate) fn note_input(path: PathBuf) {
+    firsthit::inputs::note(&path);
+}
+
+/// Whether a path leads to a file that was read.
+#[pyfunction]
+pub(crate) fn is_input(path: PathBuf) -> bool {
+    firsthit::inputs::is_input(&path)
+}
+
 /// A channel of a file: its name, its shape, its numbers, and their type in the file.
 type ArrayOut<'py> = (Option<String>, Vec<usize>, Bound<'py, PyAny>, String);
 
@@ -375,6 +387,11 @@ pub(crate) fn read(
     path: PathBuf,
 ) -> PyResult<(Vec<ArrayOut<'_>>, Option<String>, Vec<String>)> {
     let output = run(py, 0, |_| image::read(&path))?;
+    let metadata = output.metadata.as_ref().map(Metadata::to_json);
+    Ok((arrays_out(py, output.arrays), metadata, output.notes))
+}
+
+fn arrays_out(py: Python<'_>, arrays: Vec<image::Array>) -> Vec<ArrayOut<'_>> {
     let array = |array: image::Array| {
         let numbers = match array.numbers {
             Numbers::Float64(values) => PyArray1::from_vec(py, values).into_any(),
@@ -383,9 +400,18 @@ pub(crate) fn read(
         };
         (array.name, array.shape, numbers, array.dtype)
     };
-    let metadata = output.metadata.as_ref().map(Metadata::to_json);
-    let arrays = output.arrays.into_iter().map(array).collect();
-    Ok((arrays, metadata, output.notes))
+    arrays.into_iter().map(array).collect()
+}
+
+/// Reads points: three numbers of each in a row, the other columns, and what is doubtful.
+#[pyfunction]
+pub(crate) fn read_points(
+    py: Python<'_>,
+    path: PathBuf,
+) -> PyResult<(Bound<'_, PyArray1<f64>>, Vec<ArrayOut<'_>>, Vec<String>)> {
+    let points = run(py, 0, |_| image::read_points(&path))?;
+    let positions = PyArray1::from_vec(py, points.positions.into_flattened());
+    Ok((positions, arrays_out(py, points.columns), points.notes))
 }
 
 /// One channel as the bytes of a PNG.

@@ -417,7 +417,7 @@ def test_what_is_wrong_is_one_line_and_an_exit_code(room, tmp_path, capsys, argu
 def test_the_3d_file_itself_is_not_written_over(room, tmp_path, capsys):
     fh.Scene().save("empty.fhs")
     (tmp_path / "model.ply").symlink_to(tmp_path / "empty.fhs")
-    fails(capsys, "empty.fhs --lidar vlp-16 -o model.ply", 2, "must not be the 3D file itself")
+    fails(capsys, "empty.fhs --lidar vlp-16 -o model.ply", 2, "model.ply is an input")
 
 
 def test_a_missing_package_is_said_before_the_scan(room, capsys, monkeypatch):
@@ -554,3 +554,35 @@ def test_real_files_are_scanned(tmp_path, monkeypatch):
     file = next(TESTDATA.rglob("*.ply"))
     assert command.main([str(file), "--lidar", "hdl-32e", "--columns", "90", "-q"]) == 0
     assert (tmp_path / f"{file.stem}-scan.ply").stat().st_size > 0
+
+
+def test_nothing_that_was_read_is_written_over(room, tmp_path, capsys):
+    (tmp_path / "beams.csv").write_text("azimuth,elevation\n0,0\n90,0\n")
+    (tmp_path / "pose.csv").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n")
+    os.link("drive.csv", "second.csv")
+    (tmp_path / "link.csv").symlink_to("beams.csv")
+    kept = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    lidar = "room.toml --lidar vlp-16"
+    for arguments, name in [
+        (f"{lidar} --trajectory drive.csv -o drive.csv", "drive.csv"),
+        (f"{lidar} --trajectory drive.csv -o second.csv", "second.csv"),
+        ("room.toml --pattern beams.csv -o beams.csv", "beams.csv"),
+        ("room.toml --pattern beams.csv -o link.csv", "link.csv"),
+        (f"{lidar} --pose pose.csv -o ./pose.csv", "pose.csv"),
+    ]:
+        fails(capsys, arguments, 2, f"{name} is an input; it will not be overwritten")
+    fails(capsys, f"{lidar} -o a.ply -o ./a.ply", 2, "must not be given twice")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == kept
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="FIFOs are waited for in steps on Linux")
+def test_ctrl_c_ends_the_wait_for_the_reader_of_a_pipe(room):
+    os.mkfifo("pipe.ply")
+    program = [sys.executable, "-m", "firsthit", "scan", "room.toml", "--lidar", "vlp-16"]
+    program += ["-o", "pipe.ply"]
+    process = subprocess.Popen(program, stderr=subprocess.PIPE, text=True)
+    time.sleep(3)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=10)
+    assert (process.returncode, said) == (130, "firsthit: error: interrupted\n")

@@ -189,6 +189,7 @@ fn of_output(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
         return Ok(None);
     };
     let read = firsthit::image::read(path)?;
+    firsthit::inputs::note(path);
     let record = read.metadata.and_then(|metadata| metadata.camera);
     let Some(record) = record else {
         return Err(Failure::bad_input(format!(

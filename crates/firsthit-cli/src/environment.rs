@@ -87,14 +87,6 @@ pub(crate) fn lit(
     Ok(scene.with_environment(Some(Arc::new(environment))))
 }
 
-/// The file that is read for it.
-pub(crate) fn file(args: &LightingArgs) -> Option<PathBuf> {
-    match &args.environment {
-        Some(EnvironmentArg::File { path, .. }) => Some(path.clone()),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use firsthit::error::escaped;
@@ -28,7 +28,7 @@ pub(crate) struct Row<'a> {
 }
 
 /// Refuses a table without a picture, and one that would overwrite another file of the run.
-pub(crate) fn check(path: &Path, orders: &[Order], inputs: &[PathBuf]) -> Result<(), Failure> {
+pub(crate) fn check(path: &Path, orders: &[Order]) -> Result<(), Failure> {
     if !is_json(path) && !has_extension(path, "csv") {
         return Err(Failure::usage(format!(
             "--legend: {} must end in .csv or .json",
@@ -41,7 +41,7 @@ pub(crate) fn check(path: &Path, orders: &[Order], inputs: &[PathBuf]) -> Result
             "--legend is of a picture of objects: it needs object among the --channels",
         ));
     }
-    output::check_other(path, orders, inputs)
+    output::check_other(path, orders)
 }
 
 /// Writes the table.

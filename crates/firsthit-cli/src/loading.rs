@@ -1,6 +1,6 @@
 //! From a file to a scene.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use firsthit::error::escaped;
 use firsthit::load::{self, LoadSettings, load};
@@ -18,7 +18,6 @@ pub(crate) struct Loaded {
     pub(crate) warnings: Vec<String>,
     /// The rest of the file's world: its objects are in the scene.
     pub(crate) model: World,
-    pub(crate) files: Vec<PathBuf>,
     /// See [`load::Loaded::variants`].
     pub(crate) variants: Vec<String>,
     /// See [`load::Loaded::vertices`].
@@ -72,10 +71,10 @@ pub(crate) fn read_with(
     let load::Loaded {
         world: mut model,
         mut warnings,
-        files,
         variants,
         vertices,
         scene: built,
+        ..
     } = load(path, settings)?;
     let is_neutral = |object: &Object| object.materials().is_empty();
     if neutral.is_some() && !model.objects.iter().any(is_neutral) {
@@ -102,7 +101,6 @@ pub(crate) fn read_with(
         },
         warnings,
         model,
-        files,
         variants,
         vertices,
     })

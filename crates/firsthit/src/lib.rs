@@ -122,6 +122,8 @@ pub mod fhs;
 pub mod geometry;
 #[cfg(feature = "frame")]
 pub mod image;
+#[cfg(any(feature = "frame", feature = "load"))]
+pub mod inputs;
 #[cfg(feature = "load")]
 mod io;
 pub mod lint;

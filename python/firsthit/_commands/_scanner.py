@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
-from firsthit import Lidar, Trajectory
+from firsthit import Lidar, Trajectory, _firsthit
 from firsthit._errors import FileError, FileFormatError
 from firsthit._lidar import MODELS
 from firsthit._types import (
@@ -469,6 +469,7 @@ def _turned(aim: list[float] | None, up: npt.NDArray[np.float64]) -> npt.NDArray
 
 def _matrix(path: Path) -> npt.NDArray[np.float64]:
     text = path.read_text(encoding="utf-8", errors="replace")
+    _firsthit.note_input(path)
     try:
         values = [float(word) for word in re.split(r"[\s,;]+", text.strip())]
     except ValueError:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 import firsthit as fh
+from firsthit import _firsthit
 from firsthit._errors import FileWriteError, warn
 from firsthit._lidar_scan import lacking
 from firsthit._progress import following, later
@@ -200,6 +201,9 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     how = _settings(arguments)
     scene = fh.load(arguments.file, strict=arguments.strict, max_memory=arguments.max_memory)
     made, guessed = scanner(arguments, scene.up), _guessed(arguments, scene)
+    for output in outputs:
+        if _firsthit.is_input(output):
+            raise UsageError(f"{output} is an input; it will not be overwritten")
     _check_turns(made, how["seed"])
     scan = _turns(scene, made, how, arguments)
     for output in outputs:
@@ -327,12 +331,10 @@ def _outputs(arguments: argparse.Namespace) -> list[Path]:
         if suffix not in fh.LidarScan.EXTENSIONS:
             known = ", ".join(fh.LidarScan.EXTENSIONS)
             raise UsageError(f"--output must end in one of {known}, got {output}")
-        if output.exists() and Path(arguments.file).exists() and output.samefile(arguments.file):
-            raise UsageError(f"--output must not be the 3D file itself, got {output}")
         if why := lacking(suffix):
             raise FileWriteError(f"{output}: {why}", str(output))
         if not output.absolute().parent.is_dir():
             raise FileWriteError(f"{output}: no such folder", str(output))
-    if len(set(outputs)) < len(outputs):
+    if len({output.resolve() for output in outputs}) < len(outputs):
         raise UsageError("--output must not be given twice with the same file")
     return outputs

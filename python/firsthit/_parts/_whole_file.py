@@ -7,7 +7,7 @@ import secrets
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, BinaryIO
 
-from firsthit._errors import FileError, FileWriteError
+from firsthit._errors import FileError, FileWriteError, refuse_input
 
 from ._sync import sync
 
@@ -23,8 +23,9 @@ def writing_file(path: Path) -> Iterator[BinaryIO]:
     Raises
     ------
     FileWriteError
-        If the system refuses.
+        If the system refuses, and over a file that was read.
     """
+    refuse_input(path)
     # `remove_leftovers` knows this name.
     beside = path.with_name(f".{path.name}.{secrets.token_hex(16)}")
     try:

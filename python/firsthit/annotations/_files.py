@@ -14,7 +14,7 @@ import numpy as np
 from firsthit import _png
 from firsthit._arrays import number, text
 from firsthit._camera import Camera
-from firsthit._errors import FileWriteError
+from firsthit._errors import FileWriteError, refuse_input
 
 from ._annotations import Annotations
 
@@ -116,6 +116,7 @@ def meters(unit: float | str) -> float:
 
 def write(path: Path, content: bytes) -> None:
     """Write a file, whole or not at all; folders above it are made."""
+    refuse_input(path)
     # Until it has its name it is beside it, on the same device.
     beside = path.with_name(f".{path.name[:100]}.{secrets.token_hex(8)}.tmp")
     try:

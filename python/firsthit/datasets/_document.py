@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from firsthit import _firsthit
 from firsthit._errors import FileFormatError, FileReadError
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ class Document(NamedTuple):
                 raise FileReadError(f"{name}: {what}, not a file", name)
             with file.open("rb") as opened:
                 content = opened.read(MOST_BYTES + 1)
+            _firsthit.note_input(file)
         except OSError as error:
             if isinstance(error, FileReadError):
                 raise

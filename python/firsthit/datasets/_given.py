@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from firsthit import _firsthit
 from firsthit._conventions import rigid
 from firsthit._trajectory import Trajectory
 from firsthit._types import BodyName, Extrapolation, Interpolation, TrajectoryFormat
@@ -225,6 +226,7 @@ def _array(path: FilePath) -> npt.NDArray[np.float64]:
         array = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError) as error:
         raise ValueError(f"not an array of NumPy (.npy): {error}") from None
+    _firsthit.note_input(path)
     if not isinstance(array, np.ndarray) or array.dtype.kind not in "fiu":
         raise ValueError("must be one array of real numbers (.npy)")
     return array.astype(np.float64)

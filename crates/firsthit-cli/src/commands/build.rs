@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use firsthit::error::escaped;
 use firsthit::fhs;
+use firsthit::inputs;
 use firsthit::scene::BuildSettings;
 use serde_json::json;
 
@@ -25,10 +26,11 @@ pub(crate) fn run(args: &BuildArgs, interrupted: &AtomicBool) -> Result<(), Fail
         let what = format!("--output: {} must end in .fhs", escaped(path));
         return Err(Failure::usage(what));
     }
-    output::check_other(path, &[], std::slice::from_ref(&args.file))?;
+    inputs::note(&args.file);
+    output::check_other(path, &[])?;
     with_threads(&args.run, || {
         let loaded = loading::read(&args.file, &args.load, BuildSettings::default(), None)?;
-        output::check_other(path, &[], &loaded.files)?;
+        output::check_other(path, &[])?;
         warn(&loaded.warnings);
         let scene = &loaded.scene;
         fhs::save(path, scene, &loaded.model, &Interrupt(interrupted))?;

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     };
     let with_channels = |path: &PathBuf| (path.clone(), asked::channels(&args.channels, path));
     let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
-    let orders = output::orders(&outputs, &[], args.run.quiet || args.run.json)?;
+    let orders = output::orders(&outputs, args.run.quiet || args.run.json)?;
     if !orders.iter().any(needs_samples) {
         let samples = [("--samples", args.samples.is_some())];
         warn(&do_nothing(samples, WITHOUT_COLOR));

@@ -3,6 +3,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::Scene;
 use firsthit::error::escape_controls;
+use firsthit::inputs;
 use firsthit::lint::{Finding, Kind, LintSettings, Place, Report, lint, save_marked};
 use serde_json::{Value, json};
 
@@ -29,12 +30,13 @@ pub(crate) fn run(args: &LintArgs, interrupted: &AtomicBool) -> Result<(), Failu
     {
         return Err(Failure::usage("--output: the file must end in .ply"));
     }
-    output::check_files(outputs, std::slice::from_ref(&args.file))?;
+    inputs::note(&args.file);
+    output::check_files(outputs)?;
     let settings = settings(args)?;
     with_count(args.threads, || {
         let loaded = loading::read(&args.file, &args.load, args.trees.settings(None), None)?;
         warn(&loaded.warnings);
-        output::check_files(outputs, &loaded.files)?;
+        output::check_files(outputs)?;
         let (scene, watch) = (&loaded.scene, Interrupt(interrupted));
         let report = lint(scene, &settings, &watch)?;
         if let Some(path) = &args.output {

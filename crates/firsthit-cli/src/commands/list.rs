@@ -49,6 +49,7 @@ pub(super) fn run<const COLUMNS: usize>(
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
+        sinks.check()?;
         warn(&warnings);
         let progress = Progress::new(list.len() as u64, sinks.is_quiet, interrupted);
         let answers = ask(&scene, &list, &progress)?;

@@ -2,6 +2,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::error::escaped;
+use firsthit::inputs;
 use firsthit::section::{Section, SectionFormat, SectionPlane, section};
 use serde_json::{Value, json};
 
@@ -17,12 +18,13 @@ pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Fa
     for path in &args.output {
         SectionFormat::of(path)?;
     }
-    output::check_files(&args.output, std::slice::from_ref(&args.file))?;
+    inputs::note(&args.file);
+    output::check_files(&args.output)?;
     with_threads(&args.run, || {
         let started = Instant::now();
         let loaded = loading::read(&args.file, &args.load, NO_RAYS, None)?.picked(&args.pick)?;
         warn(&loaded.warnings);
-        output::check_files(&args.output, &loaded.files)?;
+        output::check_files(&args.output)?;
         let watch = Interrupt(interrupted);
         let cut = section(&loaded.scene, plane(args, &loaded)?, &watch)?;
         warn(cut.warnings());

@@ -87,6 +87,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
+        sinks.check()?;
         kinds.iter().try_for_each(|kind| kind.check(&scene))?;
         warn(&warnings);
         let counts = match source {

@@ -23,12 +23,13 @@ pub(super) fn announce(outputs: &[PathBuf]) {
 /// Where a result goes.
 pub(super) struct Sinks {
     files: Vec<Target>,
+    clouds: Vec<Target>,
     stdout: Option<StreamFormat>,
     pub(super) is_quiet: bool,
 }
 
 impl Sinks {
-    /// Those that were asked for; none of `inputs` may be among them.
+    /// Those that were asked for. None of `inputs`, which will be read, may be among them.
     pub(super) fn new(
         (outputs, format): (&[PathBuf], Option<StreamFormat>),
         inputs: &[&Path],
@@ -44,7 +45,8 @@ impl Sinks {
         let files: Vec<PathBuf> = (outputs.iter().filter(|path| !stdout(path)))
             .cloned()
             .collect();
-        let files = output::targets(&files, kinds, output::Source::Rays, inputs)?;
+        inputs.iter().for_each(|path| firsthit::inputs::note(path));
+        let files = output::targets(&files, kinds, output::Source::Rays)?;
         if !streams {
             if format.is_some() {
                 return Err(Failure::usage(
@@ -63,9 +65,35 @@ impl Sinks {
         let is_quiet = run.quiet || run.json;
         Ok(Self {
             files,
+            clouds: Vec::new(),
             stdout,
             is_quiet,
         })
+    }
+
+    /// Has files beside, `more`, in place of standard output where nobody asked for that.
+    pub(super) fn beside(mut self, more: Vec<Target>, is_asked: bool) -> Result<Self, Failure> {
+        if !more.is_empty() && !is_asked {
+            self.stdout = None;
+        }
+        self.clouds = more;
+        self.check()?;
+        Ok(self)
+    }
+
+    /// Fails for a file that was read by now.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        output::check_paths(self.files.iter().chain(&self.clouds))
+    }
+
+    /// Writes the files beside.
+    pub(super) fn write_clouds(
+        &self,
+        cloud: &Frame,
+        interrupted: &AtomicBool,
+    ) -> Result<(), Failure> {
+        output::write(cloud, &self.clouds, WriteSettings::default(), interrupted)?;
+        Ok(())
     }
 
     /// Writes all of it. Files first: a reader of standard output who has had enough ends the program.
@@ -82,7 +110,9 @@ impl Sinks {
         let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
         let stdout = self.stdout.map(|_| json!({"file": "-", "channels": names}));
         let files = output::as_json(&self.files, kinds, &[]);
-        stdout.into_iter().chain(files).collect()
+        let clouds = self.clouds.iter();
+        let clouds = clouds.map(|target| json!({"file": target.path.to_string_lossy()}));
+        stdout.into_iter().chain(files).chain(clouds).collect()
     }
 
     /// Whether lines of rays can be answered one by one.
@@ -91,10 +121,11 @@ impl Sinks {
     }
 
     pub(super) fn names(&self) -> String {
-        match (self.stdout, &self.files[..]) {
-            (Some(_), []) => "standard output".into(),
-            (Some(_), files) => format!("standard output, {}", output::names(files)),
-            (None, files) => output::names(files),
+        let files = output::names(self.files.iter().chain(&self.clouds));
+        match (self.stdout, &files[..]) {
+            (Some(_), "") => "standard output".into(),
+            (Some(_), _) => format!("standard output, {files}"),
+            (None, _) => files,
         }
     }
 }

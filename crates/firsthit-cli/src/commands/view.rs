@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use firsthit::error::escaped;
 use firsthit::image::write_whole;
+use firsthit::inputs;
 use firsthit::watch::Watch;
 use firsthit_view::Viewer;
 use firsthit_view::server::Server;
@@ -44,16 +45,15 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
         scene,
         warnings,
         model,
-        files,
         ..
     } = loaded;
-    if let Some(report) = &report {
-        output::check_other(report.path, &[], &files)?;
-    }
     warn(&warnings);
     let base = of_file(&args.camera, &model)?;
     let chosen = camera(&args.camera, (&args.file, &base), &scene, &model)?;
     let (scene, appearance) = asked_for(&asked, &model, scene, &chosen.camera)?;
+    if let Some(report) = &report {
+        output::check_other(report.path, &[])?;
+    }
     let viewer = Viewer::new(title(&args.file), scene, appearance, &chosen.camera)?;
     let viewer = viewer
         .shown(model.display, model.edges)
@@ -99,7 +99,8 @@ impl<'a> Report<'a> {
             let what = format!("--output: {} must end in .html", escaped(path));
             return Err(Failure::usage(what));
         }
-        output::check_other(path, &[], std::slice::from_ref(&args.file))?;
+        inputs::note(&args.file);
+        output::check_other(path, &[])?;
         Ok(Self { path })
     }
 

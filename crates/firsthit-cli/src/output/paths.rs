@@ -5,52 +5,31 @@ use std::path::{Path, PathBuf};
 
 use firsthit::error::escaped;
 use firsthit::image::sidecar_of;
+use firsthit::inputs;
 
 use super::targets::{Order, Target};
 use crate::failure::Failure;
 
-/// Refuses to write over what was read.
-pub(crate) fn check_not_inputs(orders: &[Order], inputs: &[PathBuf]) -> Result<(), Failure> {
-    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    check_paths(orders.iter().flat_map(|order| &order.targets), &inputs)
+/// Refuses targets that cannot be written, are named twice, or are files that were read.
+pub(crate) fn check_orders(orders: &[Order]) -> Result<(), Failure> {
+    check_paths(orders.iter().flat_map(|order| &order.targets))
 }
 
 /// Refuses a further output that is one of the files already.
-pub(crate) fn check_other(
-    path: &Path,
-    orders: &[Order],
-    inputs: &[PathBuf],
-) -> Result<(), Failure> {
+pub(crate) fn check_other(path: &Path, orders: &[Order]) -> Result<(), Failure> {
     let targets = orders.iter().flat_map(|order| &order.targets);
-    let other = Target {
-        path: path.to_owned(),
-        format: None,
-        channel: None,
-    };
-    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    check_paths(targets.chain([&other]), &inputs)
+    check_paths(targets.chain([&Target::other(path)]))
 }
 
-/// Refuses outputs of other kinds that cannot be written, are named twice, or are among the inputs.
-pub(crate) fn check_files(paths: &[PathBuf], inputs: &[PathBuf]) -> Result<(), Failure> {
-    let target = |path: &PathBuf| Target {
-        path: path.clone(),
-        format: None,
-        channel: None,
-    };
-    let targets: Vec<Target> = paths.iter().map(target).collect();
-    let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-    check_paths(&targets, &inputs)
+/// The same of outputs of other kinds.
+pub(crate) fn check_files(paths: &[PathBuf]) -> Result<(), Failure> {
+    let targets: Vec<Target> = paths.iter().map(|path| Target::other(path)).collect();
+    check_paths(&targets)
 }
 
-pub(super) fn check_paths<'a>(
+pub(crate) fn check_paths<'a>(
     targets: impl IntoIterator<Item = &'a Target>,
-    inputs: &[&Path],
 ) -> Result<(), Failure> {
-    let inputs: Vec<PathBuf> = inputs
-        .iter()
-        .filter_map(|input| input.canonicalize().ok())
-        .collect();
     let mut seen: Vec<PathBuf> = Vec::new();
     let with_sidecar = targets.into_iter().flat_map(|target| {
         let Target { path, format, .. } = target;
@@ -66,7 +45,7 @@ pub(super) fn check_paths<'a>(
                 escaped(path)
             )));
         }
-        if inputs.contains(&place) {
+        if inputs::is_input(path) {
             return Err(Failure::usage(format!(
                 "{} is an input; it will not be overwritten",
                 escaped(path)

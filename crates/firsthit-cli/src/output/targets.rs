@@ -7,18 +7,29 @@ use firsthit::error::escaped;
 use firsthit::image::{Display, Format, Holds};
 
 use super::channels::{Source, has, kinds};
-use super::paths::{check_paths, is_folder};
+use super::paths::{check_orders, check_paths, is_folder};
 use crate::asked::with_required;
 use crate::failure::Failure;
 
 /// A file to be written.
 #[derive(Debug)]
 pub(crate) struct Target {
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// `None`: CSV.
     pub(super) format: Option<&'static Format>,
     /// The only channel in it; `None`: all.
     pub(super) channel: Option<&'static str>,
+}
+
+impl Target {
+    /// A file of another kind than channels.
+    pub(super) fn other(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            format: None,
+            channel: None,
+        }
+    }
 }
 
 /// Files that are made together, and what is in them.
@@ -28,18 +39,16 @@ pub(crate) struct Order {
     pub(crate) targets: Vec<Target>,
 }
 
-/// What a camera's picture goes to: `outputs`, each with the names of its channels; none of `inputs` may be
-/// among them. Files with the same channels are one order.
+/// What a camera's picture goes to: `outputs`, each with the names of its channels. Files with the same channels are one order.
 pub(crate) fn orders(
     outputs: &[(PathBuf, Vec<String>)],
-    inputs: &[&Path],
     quiet: bool,
 ) -> Result<Vec<Order>, Failure> {
     let mut orders: Vec<Order> = Vec::new();
     for (path, channels) in outputs {
         let channels = with_required(channels, [path]);
         let kinds = kinds(&channels, Source::Camera, quiet || !orders.is_empty())?;
-        let made = targets(std::slice::from_ref(path), &kinds, Source::Camera, inputs)?;
+        let made = targets(std::slice::from_ref(path), &kinds, Source::Camera)?;
         // A picture has one channel of a name.
         for order in &orders {
             for kind in &kinds {
@@ -58,23 +67,41 @@ pub(crate) fn orders(
             }),
         }
     }
-    check_paths(orders.iter().flat_map(|order| &order.targets), inputs)?;
+    check_orders(&orders)?;
     for (_, channels) in outputs {
         let same = outputs.iter().filter(|(_, others)| others == channels);
         let same: Vec<PathBuf> = same.map(|(path, _)| path.clone()).collect();
         let kinds = kinds(channels, Source::Camera, true)?;
-        let targets = targets(&same, &kinds, Source::Camera, inputs)?;
+        let targets = targets(&same, &kinds, Source::Camera)?;
         check_all_go_somewhere(&targets, &kinds)?;
     }
     Ok(orders)
 }
 
-/// The files for the `kinds`; none of `inputs` may be among them.
+/// The files for a cloud of points with any columns.
+pub(crate) fn clouds(paths: &[PathBuf]) -> Result<Vec<Target>, Failure> {
+    let target = |path: &PathBuf| {
+        let format = format(path, Source::Rays)?;
+        if format.is_some_and(|format| format.holds == Holds::OneChannel) {
+            let path = escaped(path);
+            let what = format!("--cloud: {path} holds one channel; use .ply, .pcd, .npz or .csv");
+            return Err(Failure::usage(what));
+        }
+        let path = path.clone();
+        Ok(Target {
+            path,
+            format,
+            channel: None,
+        })
+    };
+    paths.iter().map(target).collect()
+}
+
+/// The files for the `kinds`.
 pub(crate) fn targets(
     outputs: &[PathBuf],
     kinds: &[&'static Kind],
     source: Source,
-    inputs: &[&Path],
 ) -> Result<Vec<Target>, Failure> {
     let mut targets: Vec<Target> = Vec::new();
     for path in outputs {
@@ -107,7 +134,7 @@ pub(crate) fn targets(
             });
         }
     }
-    check_paths(&targets, inputs)?;
+    check_paths(&targets)?;
     check_mattes(&targets, kinds)?;
     Ok(targets)
 }

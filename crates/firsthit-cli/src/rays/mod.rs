@@ -228,6 +228,7 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
             return Err(io::Error::other("a folder, not a file"));
         }
         File::open(path)?.read_to_end(&mut bytes)?;
+        firsthit::inputs::note(path);
     }
     Ok(bytes)
 }

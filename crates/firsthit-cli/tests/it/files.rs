@@ -111,7 +111,13 @@ fn inputs_are_not_overwritten_under_any_name() {
     std::os::unix::fs::symlink("square.ply", lab.path("link.png")).unwrap();
     std::os::unix::fs::symlink("rays.csv", lab.path("link.csv")).unwrap();
     fs::create_dir(lab.path("folder")).unwrap();
+    fs::hard_link(lab.path("rays.csv"), lab.path("second.csv")).unwrap();
     lab.fails("render square.ply -o link.png", 2, "link.png is an input");
+    lab.fails(
+        "shoot square.ply rays.csv -o second.csv",
+        2,
+        "second.csv is an input",
+    );
     lab.fails(
         "shoot square.ply rays.csv -o link.csv",
         2,
@@ -166,4 +172,64 @@ fn no_output_of_a_scene_leaves_its_folder_whatever_the_channels() {
     assert!(!lab.path("out.png").exists());
     lab.ok("render scene/a.toml --size 8x8 --channels t,object");
     assert!(lab.path("scene/t.png").exists() && lab.path("scene/object.png").exists());
+}
+
+/// Whatever reads a file, and whatever would write over it: a file that the command line names, or one that another file names.
+#[test]
+fn no_command_writes_over_what_it_reads() {
+    let lab = Lab::with_square();
+    let scene = "[[objects]]\nfile = \"square.ply\"\n";
+    let texts = [
+        ("s.toml", scene),
+        ("rays.csv", "0,0,1,0,0,-1\n"),
+        ("pairs.csv", "0,0,1,0,0,-1\n"),
+        ("points.csv", "0,0,1\n"),
+        ("pose.csv", "1 0 0 0 0 1 0 0 0 0 1 5\n"),
+    ];
+    for (name, text) in texts {
+        lab.write(name, text);
+    }
+    let size = "--size 8x6 --samples 1";
+    lab.ok(&format!("render square.ply {size} -o e.exr"));
+    lab.ok(&format!(
+        "render square.ply {size} --channels color,position -o cloud.ply"
+    ));
+    let before: Vec<(String, Vec<u8>)> = lab
+        .names()
+        .into_iter()
+        .map(|name| (name.clone(), lab.read(&name)))
+        .collect();
+    for (command, output) in [
+        (
+            format!("render square.ply --camera e.exr {size}"),
+            "-o e.exr",
+        ),
+        (format!("render s.toml {size}"), "-o square.ply"),
+        (
+            format!("render square.ply {size} --environment e.exr"),
+            "-o e.exr",
+        ),
+        (
+            format!("render square.ply {size} -o a.png --channels object --pose pose.csv --fov 40"),
+            "--legend pose.csv",
+        ),
+        ("shoot s.toml rays.csv".to_owned(), "-o square.ply"),
+        ("shoot square.ply rays.csv".to_owned(), "-o rays.csv"),
+        (
+            "shoot square.ply points.csv --from 0,0,9".to_owned(),
+            "-o points.csv",
+        ),
+        ("nearest s.toml points.csv".to_owned(), "-o square.ply"),
+        ("nearest s.toml cloud.ply".to_owned(), "-o cloud.ply"),
+        ("nearest s.toml points.csv".to_owned(), "--cloud square.ply"),
+        ("inside s.toml points.csv".to_owned(), "-o points.csv"),
+        ("thickness s.toml points.csv".to_owned(), "-o points.csv"),
+        ("visible s.toml pairs.csv".to_owned(), "-o pairs.csv"),
+        ("lint s.toml".to_owned(), "-o square.ply"),
+    ] {
+        lab.fails(&format!("{command} {output}"), 2, "is an input");
+    }
+    for (name, content) in before {
+        assert!(lab.read(&name) == content, "{name}");
+    }
 }

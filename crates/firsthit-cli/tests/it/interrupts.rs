@@ -132,3 +132,45 @@ fn a_killed_run_leaves_a_whole_picture() {
         assert!(width == 64 || width == 320);
     }
 }
+
+/// Nobody reads at the other end: to open it, and to fill it, waits.
+#[cfg(target_os = "linux")]
+#[test]
+fn ctrl_c_ends_the_wait_for_the_reader_of_a_pipe() {
+    use std::fs::OpenOptions;
+    use std::io::Read;
+    let lab = Lab::with_square();
+    let fifo = lab.path("pipe.npz");
+    assert!(
+        Command::new("mkfifo")
+            .arg(&fifo)
+            .status()
+            .unwrap()
+            .success()
+    );
+    let render = "render square.ply --size 400x300 --channels position -o pipe.npz";
+    let outcome = interrupt(lab.start(render));
+    assert_eq!(
+        (outcome.code, outcome.stderr.as_str()),
+        (130, "firsthit: error: interrupted\n")
+    );
+    let child = lab.start(render);
+    let mut reader = std::fs::File::open(&fifo).unwrap();
+    let mut start = [0; 2];
+    reader.read_exact(&mut start).unwrap();
+    assert_eq!(start, *b"PK");
+    assert_eq!(interrupt(child).code, 130);
+    // A reader that comes late gets everything.
+    let child = lab.start(render);
+    sleep(A_WHILE);
+    let mut all = Vec::new();
+    OpenOptions::new()
+        .read(true)
+        .open(&fifo)
+        .unwrap()
+        .read_to_end(&mut all)
+        .unwrap();
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+    lab.ok(&render.replace("pipe", "file"));
+    assert!(all == lab.read("file.npz"));
+}

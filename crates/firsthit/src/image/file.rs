@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+use super::stream::{check_watch, opened_stream, wait_for_room};
 use crate::error::{Error, Result};
+use crate::inputs;
 use crate::watch::Watch;
 
 /// The writer's buffer, in bytes: few system calls, and small beside any picture.
@@ -29,8 +31,8 @@ const MOST_LINKS: usize = 40;
 ///
 /// # Errors
 ///
-/// [`Error::Write`] with `path` if the system, or `content`, refuses; or if `path` is a folder or a
-/// read-only file; [`Error::Interrupted`] when `watch` stops it. The temporary file is then gone and the old
+/// [`Error::Write`] with `path` if the system, or `content`, refuses; or if `path` is a folder, a
+/// read-only file or [a file that was read](inputs::is_input); [`Error::Interrupted`] when `watch` stops it. The temporary file is then gone and the old
 /// file as it was.
 pub fn write_whole(
     path: &Path,
@@ -143,6 +145,9 @@ fn target(path: &Path) -> io::Result<Target> {
             io::ErrorKind::PermissionDenied,
             "the file is read-only",
         )),
+        Ok(_) if inputs::is_input(&path) => Err(io::Error::other(
+            "is an input; it will not be overwritten (remove it first, or take another name)",
+        )),
         Ok(there) => Ok(Target::File(path, Some(there.permissions()))),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Target::File(path, None)),
         Err(error) => Err(error),
@@ -212,6 +217,7 @@ fn prepare(
 impl Prepared {
     fn commit(self) -> io::Result<()> {
         self.temporary.become_file(&self.path)?;
+        inputs::written(&self.path);
         // Without this a power cut may undo the rename, but never tear the file: best effort is enough,
         // and not every system can do it.
         let _ = File::open(folder_of(&self.path)).and_then(|folder| folder.sync_all());
@@ -225,8 +231,7 @@ fn append(
     watch: &dyn Watch,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    let file = OpenOptions::new().append(true).open(path)?;
-    buffered(&file, watch, content)
+    buffered(&opened_stream(path, watch)?, watch, content)
 }
 
 /// A temporary file, not yet under its final name.
@@ -358,11 +363,13 @@ struct Stoppable<'a> {
 
 impl Write for Stoppable<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.watch.is_stopped() {
-            // Not `ErrorKind::Interrupted`, which means: try again.
-            return Err(io::Error::other("interrupted"));
+        loop {
+            check_watch(self.watch)?;
+            match self.file.write(bytes) {
+                Err(full) if full.kind() == io::ErrorKind::WouldBlock => wait_for_room(self.file),
+                written => return written,
+            }
         }
-        self.file.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {

@@ -39,6 +39,7 @@ mod read;
 mod srgb;
 #[cfg(feature = "png")]
 mod steps;
+mod stream;
 #[cfg(feature = "png")]
 mod tones;
 

@@ -21,14 +21,16 @@ use super::file::sidecar_of;
 use super::format::format_of;
 use super::metadata::Metadata;
 use crate::error::{Error, Place, Result};
+use crate::inputs;
 
 /// The default limit of memory for the numbers of one file, in bytes: 16,384 squared pixels of four channels.
-const MOST_BYTES: u64 = 1 << 32;
+pub(super) const MOST_BYTES: u64 = 1 << 32;
 
 /// Metadata are short; a sidecar that is longer is none.
 const LONGEST_METADATA: u64 = 1 << 24;
 
-/// Reads an output: a file in one of [`FORMATS`](super::FORMATS), which its extension tells.
+/// Reads an output: a file in one of [`FORMATS`](super::FORMATS), which its extension tells. It may be written over: who takes it for an
+/// input tells [`inputs`].
 ///
 /// # Errors
 ///
@@ -43,7 +45,7 @@ pub fn read(path: &Path) -> Result<Output> {
         });
     }
     let format = format_of(path)?;
-    let bytes = read_regular(path, MOST_BYTES)?;
+    let bytes = regular(path, MOST_BYTES)?;
     let mut output = (format.decode)(&bytes, MOST_BYTES).map_err(|what| wrong(path, what))?;
     if format.has_sidecar {
         read_sidecar(path, &mut output)?;
@@ -62,7 +64,7 @@ pub fn read_bytes(name: &Path, bytes: &[u8], max_memory: u64) -> Result<Output> 
     (format.decode)(bytes, max_memory).map_err(|what| wrong(name, what))
 }
 
-fn wrong(path: &Path, what: String) -> Error {
+pub(super) fn wrong(path: &Path, what: String) -> Error {
     Error::Parse {
         path: path.to_owned(),
         place: Place::File,
@@ -75,7 +77,7 @@ fn read_sidecar(path: &Path, output: &mut Output) -> Result<()> {
     if !beside.exists() {
         return Ok(());
     }
-    let bytes = read_regular(&beside, LONGEST_METADATA)?;
+    let bytes = regular(&beside, LONGEST_METADATA)?;
     let text = String::from_utf8(bytes).map_err(|_| wrong(&beside, "not UTF-8".to_owned()))?;
     let metadata = Metadata::from_json(&text).map_err(|what| wrong(&beside, what))?;
     let [array] = output.arrays.as_mut_slice() else {
@@ -106,12 +108,19 @@ fn fits(array: &Array, shape: &[u64], components: u64, dtype: &str) -> bool {
     array.dtype == dtype && shape.eq(expected)
 }
 
-/// The whole content of a regular file of at most `limit` bytes. Devices and pipes, which may never end, are refused.
+/// The whole content of a regular file of at most `limit` bytes, which is then an [input](inputs). Devices and pipes, which may never
+/// end, are refused.
 ///
 /// # Errors
 ///
 /// [`Error::Read`] if the system refuses or it is no regular file, [`Error::Parse`] for a longer one.
 pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
+    let bytes = regular(path, limit)?;
+    inputs::note(path);
+    Ok(bytes)
+}
+
+fn regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
     let refuse = |source| Error::Read {
         path: path.to_owned(),
         source,

@@ -10,6 +10,7 @@ use super::memory_budget::size_in_words;
 use super::report::Report;
 use super::source::without_gz;
 use crate::error::{Error, Place, Result, escaped};
+use crate::inputs;
 use crate::memory::Block;
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
@@ -60,6 +61,7 @@ fn opened(path: &Path) -> Result<(File, u64)> {
         let file = File::open(path)?;
         let metadata = file.metadata()?;
         check_regular(&metadata)?;
+        inputs::note(path);
         Ok((file, metadata.len()))
     };
     open().map_err(|source| refused(path, source))

@@ -12,6 +12,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
+use firsthit::inputs;
 use firsthit::render::{Appearance, check_state_file, default_samples, default_shader, world_up};
 use firsthit::shade::LightRig;
 use firsthit::shoot::Cpu;
@@ -38,6 +39,7 @@ const SAMPLES_WITH_NOISE: u32 = 256;
 pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     check(&args.camera)?;
     light::check(&args.light)?;
+    inputs::note(&args.file);
     // What is wrong with these is told before large files are read.
     if let Some(path) = &args.picture.resume {
         check_state_file(path)?;
@@ -47,7 +49,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
         .transpose()?;
     output::kinds(&args.picture.channels, Source::Camera, true)?;
     if let Some(orders) = &asked {
-        check_others(args, orders, &[])?;
+        check_others(args, orders)?;
     }
     with_threads(&args.run, || {
         let settings = loading::settings(&args.file, &args.load);
@@ -104,12 +106,9 @@ fn rendered(
         scene,
         warnings,
         model,
-        files,
         ..
     } = loaded;
-    let files = files.into_iter().chain(environment::file(&args.light));
-    let files: Vec<PathBuf> = files.collect();
-    let orders = all_orders(args, asked, &model.outputs, &files)?;
+    let orders = all_orders(args, asked, &model.outputs)?;
     let has_colors = orders.iter().any(needs_shade);
     let edges = edges(&args.edges, model.edges);
     warn(&idle::of_edges(&args.edges, edges.as_ref(), &orders));
@@ -123,6 +122,9 @@ fn rendered(
     } = chosen;
     let noise = args.picture.noise.filter(|_| has_colors);
     let (lit, mut appearance) = asked_for(&Asked::of(args), &model, scene, &camera)?;
+    // Now everything is read.
+    output::check_orders(&orders)?;
+    check_others(args, &orders)?;
     let samples = args.picture.samples.or(model.samples);
     appearance.samples = samples.or(noise.map(|_| SAMPLES_WITH_NOISE));
     let seen = appearance.resolve(&lit, Some(&camera))?;
@@ -212,12 +214,11 @@ pub(crate) fn asked_for(
     Ok((scene, appearance))
 }
 
-/// What goes where, none of it over an input.
+/// What goes where, none of it over what was read so far.
 fn all_orders(
     args: &RenderArgs,
     asked: Option<Vec<Order>>,
     outputs: &[Output],
-    files: &[PathBuf],
 ) -> Result<Vec<Order>, Failure> {
     let is_of_file = asked.is_none() && args.picture.channels.is_empty() && !outputs.is_empty();
     let blamed = |failure: Failure| {
@@ -229,18 +230,18 @@ fn all_orders(
     };
     let orders = asked.map_or_else(|| orders(args, outputs), Ok);
     let orders = orders.map_err(blamed)?;
-    output::check_not_inputs(&orders, files).map_err(blamed)?;
-    check_others(args, &orders, files)?;
+    output::check_orders(&orders).map_err(blamed)?;
+    check_others(args, &orders)?;
     Ok(orders)
 }
 
 /// Checks the files beside the outputs.
-fn check_others(args: &RenderArgs, orders: &[Order], inputs: &[PathBuf]) -> Result<(), Failure> {
+fn check_others(args: &RenderArgs, orders: &[Order]) -> Result<(), Failure> {
     if let Some(path) = &args.picture.legend {
-        legend::check(path, orders, inputs)?;
+        legend::check(path, orders)?;
     }
     if let Some(path) = &args.picture.resume {
-        resume::check(path, orders, inputs)?;
+        resume::check(path, orders)?;
     }
     Ok(())
 }
@@ -272,7 +273,7 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         })
         .collect::<Result<_, Failure>>()?
     };
-    output::orders(&outputs, &[&args.file], args.run.quiet || args.run.json)
+    output::orders(&outputs, args.run.quiet || args.run.json)
 }
 
 /// The input's name with the extension of a picture, in the current folder.
