@@ -34,6 +34,7 @@ TARGETS = {
     "scene_file": {"toml"},
     "fhs": {"fhs"},
     "output": {"exr", "png", "npz", "npy"},
+    "points": {"ply", "pcd", "las", "xyz", "txt", "asc", "csv", "npz", "npy"},
     "http": {"http"},
 }
 

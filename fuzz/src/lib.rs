@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use firsthit::image::read_bytes;
+use firsthit::image::{points_of, read_bytes};
 use firsthit::load::{LoadSettings, Loaded, load, load_bytes};
 use firsthit::{DVec3, Result};
 
@@ -31,6 +31,19 @@ pub fn read_output(name: &str, bytes: &[u8]) {
             for array in &output.arrays {
                 let count: usize = array.shape.iter().product();
                 assert_eq!(array.numbers.len(), count);
+            }
+        }
+    }
+}
+
+/// Reads points, each with a row in every column.
+pub fn read_points(bytes: &[u8]) {
+    match points_of(Path::new("cloud"), bytes) {
+        Err(error) => check_line(&error.to_string()),
+        Ok(points) => {
+            for array in &points.columns {
+                assert_eq!(array.shape.first(), Some(&points.positions.len()));
+                assert_eq!(array.numbers.len(), points.positions.len() * array.components);
             }
         }
     }

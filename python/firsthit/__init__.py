@@ -48,6 +48,7 @@ from ._moving import Pushbroom, RollingShutter
 from ._nearest import ClosestPoints
 from ._notebook import NotebookView
 from ._object import Object
+from ._points import Points, read_points
 from ._ray_sensor import RaySensor
 from ._render import render, render_progressively
 from ._rig import Rig
@@ -107,6 +108,7 @@ __all__ = [
     "Plan",
     "Plane",
     "PointLight",
+    "Points",
     "Polyline",
     "Pushbroom",
     "RaySensor",
@@ -137,6 +139,7 @@ __all__ = [
     "optical_flow",
     "parts",
     "read_metadata",
+    "read_points",
     "render",
     "render_many",
     "render_progressively",

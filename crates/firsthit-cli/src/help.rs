@@ -61,6 +61,7 @@ Examples:
       --channels t,object,normal
   firsthit shoot part.stl rays.npy -o scan.ply
   firsthit shoot part.stl rays.npy --all -o crossings.csv
+  firsthit shoot part.stl cloud.ply --from 0,0,10 -o hits.csv
   echo 0,0,10,0,0,-1 | firsthit shoot part.stl - --channels t,object,position
 
 Rays are arrays of shape (n, 6), each an origin and a direction, or two arrays of shape (n, 3); as .npy, \
@@ -81,33 +82,53 @@ A .fhs file is mapped into memory as it is, with its trees: opening it takes mil
 the same time share its memory. Rays meet the same things to the bit. It holds objects, materials, textures, cameras, lights and \
 names, but not the outputs that a scene file asks for. Do not change it in place while it is open; build replaces it.";
 
-pub(crate) const NEAREST_EXAMPLES: &str = "\
+/// What points are read from.
+macro_rules! points {
+    () => {
+        "Points are in the world's coordinates. Their format is told by the first bytes: PLY, PCD, LAS, LAZ, .npy of shape (n, 3), \
+.npz and .exr with an array points or a channel position, as render, shoot and scan write them, or text (XYZ, TXT, ASC, TSV, CSV): a \
+line for each point with commas, semicolons, tabs or blanks between its numbers; under a header with the names x,y,z, in any order and \
+beside other columns, or without one, then the first three numbers count."
+    };
+}
+
+pub(crate) const NEAREST_EXAMPLES: &str = concat!(
+    "\
 Examples:
   firsthit nearest part.stl points.npy -o nearest.npz
   firsthit nearest part.stl points.csv --signed
+  firsthit nearest part.stl scan.las --signed --cloud compared.ply
   firsthit nearest part.stl points.npy --count 4 --radius 0.5 -o near.csv
   echo 0,0,10 | firsthit nearest part.stl -
 
-Points are an array of shape (n, 3); as .npy, as .npz with the entry points, or as .csv with three numbers in a \
-line; under a header with the names x,y,z, in any order and beside other columns. The channels are distance, object, primitive, position and barycentric; with --count there is also point, the number of the \
-point in the input, from 0.";
+",
+    points!(),
+    " The channels are distance, object, primitive, position and barycentric; with --count there is also point, the number of the \
+point in the input, from 0. --cloud writes the points that were given again, with all their columns and with distance. The line at the end has the \
+mean of the distances, the root of their mean square (RMS), and up to which 95 % of them are, whatever their signs."
+);
+
 pub(crate) const VISIBLE_EXAMPLES: &str = "\
 Examples:
   firsthit visible city.glb pairs.npy -o visible.npy
+  firsthit visible city.glb points.las --from 2,5,1.8 -o seen.npy
   echo 0,0,2,50,10,1.5 | firsthit visible city.glb -
 
 Pairs of points are arrays of shape (n, 6), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with six \
 numbers in a line; under a header with the names ax,ay,az,bx,by,bz, in any order and beside other columns. The answer for each is 1 or true if nothing is between the two points. It does not depend on which comes first. \
-A surface exactly at one of them does not count.";
+A surface exactly at one of them does not count. With --from points are read as by firsthit nearest.";
 
-pub(crate) const THICKNESS_EXAMPLES: &str = "\
+pub(crate) const THICKNESS_EXAMPLES: &str = concat!(
+    "\
 Examples:
   firsthit thickness part.stl points.npy -o thickness.npy
   echo 1,2,3 | firsthit thickness part.stl -
 
-Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with three numbers in \
-a line; under a header with the names x,y,z, in any order and beside other columns. Each stands for the surface point nearest to it. The answer is the distance from there, against the normal, to the other side of \
-the same object: inf where there is none. firsthit nearest tells which surface points these are.";
+",
+    points!(),
+    " Each stands for the surface point nearest to it. The answer is the distance from there, against the normal, to the other side of \
+the same object: inf where there is none. firsthit nearest tells which surface points these are."
+);
 
 pub(crate) const VIEW_EXAMPLES: &str = "\
 Examples:
@@ -119,17 +140,20 @@ The page's address is printed; it holds a secret, without which nobody is answer
 after the page was closed. It listens on this machine alone. The camera, the light and the colours that the page begins with are those \
 of firsthit render with the same options.";
 
-pub(crate) const INSIDE_EXAMPLES: &str = "\
+pub(crate) const INSIDE_EXAMPLES: &str = concat!(
+    "\
 Examples:
   firsthit inside part.stl points.npy -o inside.npy
   echo 1,2,3 | firsthit inside part.stl -
 
-Points are arrays of shape (n, 3), in the world's coordinates; as .npy, as .npz with the entry points, or as .csv with three numbers in \
-a line; under a header with the names x,y,z, in any order and beside other columns. The answer for each is 1 or true if it is inside any object.
+",
+    points!(),
+    " The answer for each is 1 or true if it is inside any object.
 
 A closed mesh and a solid hold a point if a ray from it crosses them an odd number of times, which is decided exactly. An open mesh \
 holds the points in its box around which its winding number is above one half or below minus one half; a warning counts such \
-meshes. A plane and a disc hold nothing.";
+meshes. A plane and a disc hold nothing."
+);
 
 pub(crate) const PROBE_EXAMPLES: &str = "\
 Examples:
@@ -139,7 +163,7 @@ Examples:
   firsthit probe scene.toml --pixel 20,30 --hide glass --json
 
 Each object has one reason why it is or is not the hit. Its box is the one around it along the axes of the world. A t has all its \
-digits, other numbers have six; --json has all digits. Exit code 0 also if the ray meets nothing.";
+digits, places as many as tell them to a millionth of the scene's size, other numbers six; --json has all digits. Exit code 0 also if the ray meets nothing.";
 
 pub(crate) const INFO_EXAMPLES: &str = "\
 Examples:

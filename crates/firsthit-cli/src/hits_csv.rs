@@ -58,8 +58,11 @@ fn header(frame: &Frame) -> Vec<String> {
                 header.extend((0..count).map(|k| format!("{name}_{k}")));
             }
             (2, name) => header.extend(["u", "v"].map(|axis| format!("{name}_{axis}"))),
-            (_, name @ "base_color") => {
+            (3, name @ "base_color") => {
                 header.extend(["r", "g", "b"].map(|level| format!("{name}_{level}")));
+            }
+            (count, name) if count != 3 => {
+                header.extend((0..count).map(|k| format!("{name}_{k}")));
             }
             (_, name) => header.extend(["x", "y", "z"].map(|axis| format!("{name}_{axis}"))),
         }

@@ -16,7 +16,7 @@ pub(crate) use look::{ColorsArgs, EdgeArgs, LightingArgs};
 pub(crate) use picture::{DemoArgs, DisplayArgs, FileArgs, RenderArgs};
 pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
-    SectionArgs, ShootArgs, StreamFormat, ViewArgs,
+    SectionArgs, ShootArgs, StreamFormat, ViewArgs, VisibleArgs,
 };
 pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
 
@@ -50,7 +50,7 @@ pub(crate) enum Command {
     Inside(ListArgs),
     /// Tell which points see each other, past the objects of a 3D file.
     #[command(after_help = help::VISIBLE_EXAMPLES)]
-    Visible(ListArgs),
+    Visible(VisibleArgs),
     /// Measure how thick the objects of a 3D file are, at points of their surfaces.
     #[command(after_help = help::THICKNESS_EXAMPLES)]
     Thickness(ListArgs),

@@ -18,10 +18,13 @@ pub(crate) struct ShootArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
     /// The rays, or only their origins: .npy, .npz or .csv, or - for standard input. From CSV on standard input to CSV on
-    /// standard output, lines are answered as they arrive
+    /// standard output, lines are answered as they arrive. With --from points in any format that firsthit nearest takes
     pub(crate) rays: PathBuf,
     /// The directions of the rays, if RAYS has only their origins
     pub(crate) directions: Option<PathBuf>,
+    /// Where a sensor is: a ray goes from there to each point of RAYS, where its t is 1
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true, conflicts_with = "directions")]
+    pub(crate) from: Option<DVec3>,
     /// Where to write: .npz, .npy (one channel), .csv, .ply or .pcd (a point cloud of what was hit), - for standard
     /// output; may be given several times [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]
@@ -85,12 +88,16 @@ pub(crate) struct BuildArgs {
 pub(crate) struct NearestArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The points: .npy, .npz or .csv, or - for standard input
+    /// The points, or - for standard input: PLY, PCD, LAS, LAZ, NPY, NPZ, EXR, or text such as CSV and XYZ
     pub(crate) points: PathBuf,
     /// Where to write: .npz, .csv, .ply or .pcd (a point cloud of the nearest points), .npy with {channel} in its name,
-    /// - for standard output; may be given several times [default: - as CSV]
+    /// - for standard output; may be given several times [default: - as CSV; none with --cloud]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
+    /// Write the points again with all their columns, and with the column distance: .ply, .pcd, .npz or .csv; may be given
+    /// several times
+    #[arg(long, value_name = "FILE", conflicts_with = "count")]
+    pub(crate) cloud: Vec<PathBuf>,
     /// The format on standard output [default: csv]
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<StreamFormat>,
@@ -119,7 +126,8 @@ pub(crate) struct NearestArgs {
 pub(crate) struct ListArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The points, or the pairs of points: .npy, .npz or .csv, or - for standard input
+    /// The points, or - for standard input: PLY, PCD, LAS, LAZ, NPY, NPZ, EXR, or text such as CSV and XYZ. The pairs of points of
+    /// firsthit visible without --from: .npy, .npz or .csv
     pub(crate) points: PathBuf,
     /// Where to write: .npz, .npy or .csv, - for standard output; may be given several times [default: - as CSV]
     #[arg(short, long, value_name = "FILE")]
@@ -135,6 +143,15 @@ pub(crate) struct ListArgs {
     pub(crate) load: LoadArgs,
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VisibleArgs {
+    /// Where a sensor is: whether each point is seen from there, in place of pairs of points
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub(crate) from: Option<DVec3>,
+    #[command(flatten)]
+    pub(crate) list: ListArgs,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

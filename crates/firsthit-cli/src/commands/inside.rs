@@ -11,6 +11,7 @@ use crate::args::ListArgs;
 use crate::console::counted;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::rays;
 
 pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
@@ -26,7 +27,13 @@ pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failu
             warnings: warning(scene, &found.rules).into_iter().collect(),
         })
     };
-    list::run(args, (INSIDE, "point"), ask, interrupted)
+    list::run(
+        args,
+        (INSIDE, "point"),
+        rays::read_positions,
+        ask,
+        interrupted,
+    )
 }
 
 /// That some objects are open.

@@ -1,5 +1,6 @@
 //! A list of questions, and a channel of answers.
 
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -15,7 +16,6 @@ use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
-use crate::rays;
 
 /// A question is answered by so many rays, about.
 const RAYS: u64 = 2;
@@ -31,10 +31,11 @@ pub(super) struct Answers {
     pub(super) warnings: Vec<String>,
 }
 
-/// Reads a list of rows of `columns` numbers, asks, and writes and reports what the answers are.
+/// Reads a list of rows of numbers, asks, and writes and reports what the answers are.
 pub(super) fn run<const COLUMNS: usize>(
     args: &ListArgs,
     (kind, noun): (&'static Kind, &str),
+    read: impl FnOnce(&Path) -> Result<Vec<[f64; COLUMNS]>, Failure> + Send,
     ask: impl FnOnce(&Scene, &[[f64; COLUMNS]], &Progress<'_>) -> Result<Answers, Failure> + Send,
     interrupted: &AtomicBool,
 ) -> Result<(), Failure> {
@@ -44,7 +45,7 @@ pub(super) fn run<const COLUMNS: usize>(
     let sinks = Sinks::new(outputs, &inputs, &[kind], &args.run)?;
     let started = Instant::now();
     with_threads(&args.run, || {
-        let list = rays::read_points::<COLUMNS>(&args.points)?;
+        let list = read(&args.points)?;
         let trees = args.trees.settings(Some(list.len() as u64 * RAYS));
         let Loaded {
             scene, warnings, ..

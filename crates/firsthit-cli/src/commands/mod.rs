@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 
 pub(crate) mod build;
+mod cloud;
 pub(crate) mod completions;
 pub(crate) mod demo;
 pub(crate) mod diff;

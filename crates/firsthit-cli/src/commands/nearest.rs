@@ -8,11 +8,13 @@ use firsthit::nearest::{ClosestPoints, Wanted, closest_points, signed_distances_
 use firsthit::render::origin;
 use serde_json::json;
 
+use super::cloud::{Summary, with_column};
 use super::sinks::{self, Sinks};
 use crate::args::NearestArgs;
 use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
+use crate::output;
 use crate::progress::Progress;
 use crate::rays;
 
@@ -20,44 +22,60 @@ use crate::rays;
 const RAYS: u64 = 10;
 
 pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
-    sinks::announce(&args.output);
+    // With a cloud alone nothing goes to standard output.
+    let is_asked = !args.output.is_empty() || args.format.is_some();
+    if is_asked || args.cloud.is_empty() {
+        sinks::announce(&args.output);
+    }
     let kinds = kinds(args)?;
     let outputs = (&args.output[..], args.format);
     let inputs = [args.file.as_path(), args.points.as_path()];
     let sinks = Sinks::new(outputs, &inputs, &kinds, &args.run)?;
+    let sinks = sinks.beside(output::clouds(&args.cloud)?, is_asked)?;
     let started = Instant::now();
     with_threads(&args.run, || {
-        let points = rays::read_points(&args.points)?;
+        let cloud = rays::read_cloud(&args.points)?;
+        let points = &cloud.positions;
         let trees = args.trees.settings(Some(points.len() as u64 * RAYS));
         let Loaded {
             scene, warnings, ..
         } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
+        sinks.check()?;
         warn(&warnings);
         let progress = Progress::new(work(args, points.len()), sinks.is_quiet, interrupted);
-        let found = search(args, &scene, &points, &progress)?;
+        let found = search(args, &scene, points, &progress)?;
         drop(progress);
+        let count = points.len();
+        let summary = Summary::of(&found.distance);
         let is_found = found.object.iter().filter(|&&object| object >= 0).count();
         let origin = origin(&scene, None, None, &kinds);
-        let mut frame = Frame::new([found.distance.len()]).from_origin(origin);
-        for (kind, data) in kinds.iter().zip(columns(args, points.len(), found)?) {
+        let mut frame = Frame::new([found.distance.len()]).from_origin(origin.clone());
+        for (kind, data) in kinds.iter().zip(columns(args, count, found)?) {
             frame.push(kind.channel(data))?;
+        }
+        if let (Some(distance), false) = (frame.channel("distance"), args.cloud.is_empty()) {
+            let cloud = with_column(cloud, distance.clone(), origin)?;
+            sinks.write_clouds(&cloud, interrupted)?;
         }
         sinks.write(&frame, interrupted)?;
         let seconds = started.elapsed().as_secs_f64();
         if args.run.json {
             let done = json!({
                 "outputs": sinks.as_json(&kinds),
-                "points": points.len(),
+                "points": count,
                 "found": is_found,
+                "distances": summary.map(|summary| summary.as_json()),
                 "objects": scene.objects().len(),
                 "triangles": scene.triangles(),
                 "seconds": seconds,
             });
             end_report(done).map_err(|error| Failure::stdout(&error))?;
         } else if !args.run.quiet {
-            let (names, asked) = (sinks.names(), counted(points.len() as u64, "point"));
+            let (names, asked) = (sinks.names(), counted(count as u64, "point"));
+            let summary =
+                summary.map_or(String::new(), |summary| format!(", {}", summary.in_words()));
             say(format_args!(
-                "{names}: {asked}, {is_found} found, {seconds:.2} s"
+                "{names}: {asked}, {is_found} found{summary}, {seconds:.2} s"
             ));
         }
         Ok(())

@@ -146,6 +146,9 @@ impl Source {
 
 /// The rays. A stream that may be answered line by line is not waited for here.
 fn source(args: &ShootArgs, sinks: &Sinks, limits: Limits) -> Result<Source, Failure> {
+    if let Some(from) = args.from {
+        return rays::read_from(&args.rays, from, limits).map(Source::Arrays);
+    }
     let is_pipe = args.rays.as_path() == Path::new("-") && args.directions.is_none();
     // A ray without hits has no line among all hits, for which a program would wait.
     if is_pipe

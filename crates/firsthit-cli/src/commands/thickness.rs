@@ -9,8 +9,9 @@ use serde_json::json;
 use super::list::{self, Answers};
 use crate::args::ListArgs;
 use crate::failure::Failure;
-use crate::hints::triple;
+use crate::hints::{extent, place};
 use crate::progress::Progress;
+use crate::rays;
 
 pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
@@ -31,5 +32,11 @@ pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failu
             warnings: Vec::new(),
         })
     };
-    list::run(args, (THICKNESS, "point"), ask, interrupted)
+    list::run(
+        args,
+        (THICKNESS, "point"),
+        rays::read_positions,
+        ask,
+        interrupted,
+    )
 }

@@ -1,3 +1,4 @@
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::VISIBLE;
@@ -7,11 +8,16 @@ use firsthit::{DVec3, Scene};
 use serde_json::json;
 
 use super::list::{self, Answers};
-use crate::args::ListArgs;
+use crate::args::VisibleArgs;
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::rays;
 
-pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &VisibleArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let read = |path: &Path| match args.from {
+        Some(from) => rays::read_pairs_from(path, from),
+        None => rays::read_pairs(path),
+    };
     let ask = |scene: &Scene, pairs: &[[f64; 6]], progress: &Progress<'_>| {
         let ends = pairs.iter().map(|&[a, b, c, x, y, z]| {
             [DVec3::new(a, b, c), DVec3::new(x, y, z)].map(Viewpoint::new)
@@ -26,5 +32,6 @@ pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failu
             warnings: Vec::new(),
         })
     };
-    list::run(args, (VISIBLE, "pair"), ask, interrupted)
+    let noun = if args.from.is_some() { "point" } else { "pair" };
+    list::run(&args.list, (VISIBLE, noun), read, ask, interrupted)
 }

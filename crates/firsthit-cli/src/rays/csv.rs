@@ -5,12 +5,6 @@ use super::Table;
 /// The names that columns may have in a header: sets of them, each in the order that is wanted.
 pub(crate) type Names = &'static [&'static [&'static str]];
 
-/// Those of points.
-pub(super) const OF_POINTS: Names = &[
-    &["x", "y", "z"],
-    &["position_x", "position_y", "position_z"],
-];
-
 /// Those of pairs of points.
 pub(super) const OF_PAIRS: Names = &[
     &["ax", "ay", "az", "bx", "by", "bz"],
@@ -38,6 +32,9 @@ pub(super) fn csv(bytes: &[u8], names: Names) -> Result<Table, String> {
     let mut lines = Lines::new(names);
     let mut values = Vec::new();
     lines.read(bytes, &mut values)?;
+    if let (Some(doubt), true) = (lines.doubt.take(), values.is_empty()) {
+        return Err(doubt);
+    }
     let columns = lines.numbers();
     Ok(Table { columns, values })
 }
@@ -52,6 +49,8 @@ pub(super) struct Lines {
     wanted: Option<Vec<usize>>,
     /// How many lines came before the part that is being read.
     before: u64,
+    /// What is wrong with names that nobody knows, where no numbers follow.
+    doubt: Option<String>,
 }
 
 impl Lines {
@@ -61,6 +60,7 @@ impl Lines {
             columns: None,
             wanted: None,
             before: 0,
+            doubt: None,
         }
     }
 
@@ -83,13 +83,19 @@ impl Lines {
             .read_byte_record(&mut record)
             .map_err(|error| error.to_string())?
         {
-            self.record(&record, values).map_err(|what| {
+            let before = self.before;
+            let at_line = |what| {
                 // A record's own position is before the blank lines and the comments that were skipped.
                 let end = usize::try_from(reader.position().byte()).unwrap_or(usize::MAX);
                 let read = bytes.get(..end).unwrap_or(bytes);
                 let read = read.strip_suffix(b"\n").unwrap_or(read);
-                format!("line {}: {what}", self.before + breaks(read) + 1)
-            })?;
+                format!("line {}: {what}", before + breaks(read) + 1)
+            };
+            let is_first = self.columns.is_none();
+            self.record(&record, values).map_err(at_line)?;
+            if is_first {
+                self.doubt = self.doubt.take().map(at_line);
+            }
         }
         self.before += breaks(bytes);
         Ok(())
@@ -144,19 +150,29 @@ impl Lines {
             let is_in_place = |name: &&str| of(name).is_some_and(|at| set.get(at) == Some(name));
             set.len() == record.len() && known.iter().all(is_in_place)
         };
-        if known.is_empty() || self.names.iter().any(is_in_order) {
+        // Names that nobody knows stand for as many numbers as are wanted.
+        let is_as_wide = self.names.iter().any(|set| set.len() == record.len());
+        let names = self.names;
+        let unknown = || {
+            let sets: Vec<String> = names.iter().map(|set| set.join(",")).collect();
+            let fields: Vec<String> = record.iter().map(shortened).collect();
+            format!(
+                "the columns must be named {}, got {}",
+                sets.join(" or "),
+                fields.join(",")
+            )
+        };
+        if known.is_empty() && is_as_wide {
+            self.doubt = Some(unknown());
+            return Ok(());
+        }
+        if self.names.iter().any(is_in_order) {
             return Ok(());
         }
         let order = |set: &&[&str]| set.iter().map(of).collect::<Option<Vec<usize>>>();
         self.wanted = self.names.iter().find_map(order);
         if self.wanted.is_none() {
-            let sets: Vec<String> = self.names.iter().map(|set| set.join(",")).collect();
-            let fields: Vec<String> = record.iter().map(shortened).collect();
-            return Err(format!(
-                "the columns must be named {}, got {}",
-                sets.join(" or "),
-                fields.join(",")
-            ));
+            return Err(unknown());
         }
         Ok(())
     }

@@ -9,12 +9,15 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use firsthit::error::escaped;
+use firsthit::image::{Points, points_of};
 use firsthit::{DVec3, Ray, RayFilter, Rays, Side};
 
+use crate::console::warn;
 use crate::failure::Failure;
 pub(crate) use stdin::Feed;
 
-type Triples = Vec<[f64; 3]>;
+pub(crate) type Triples = Vec<[f64; 3]>;
 
 /// Rays as numbers: for each an origin and a direction.
 pub(crate) struct RayArrays {
@@ -136,25 +139,58 @@ pub(crate) fn read(
     arrays(tables, (rays, directions), limits)
 }
 
-/// Reads points from a file, `-` being standard input; with six columns pairs of points.
-pub(crate) fn read_points<const COLUMNS: usize>(
-    path: &Path,
-) -> Result<Vec<[f64; COLUMNS]>, Failure> {
-    let names = if COLUMNS == 6 {
-        csv::OF_PAIRS
+/// The rays from one place to each point of a file.
+pub(crate) fn read_from(path: &Path, from: DVec3, limits: Limits) -> Result<RayArrays, Failure> {
+    let positions = read_positions(path)?;
+    let direction = |point: &[f64; 3]| (DVec3::from(*point) - from).to_array();
+    Ok(RayArrays {
+        origins: vec![from.to_array(); positions.len()],
+        directions: positions.iter().map(direction).collect(),
+        limits,
+    })
+}
+
+/// Reads points of whatever format from a file, `-` being standard input.
+pub(crate) fn read_cloud(path: &Path) -> Result<Points, Failure> {
+    let bytes = bytes(path).map_err(|error| bad(path, &error))?;
+    let is_stdin = path == Path::new("-");
+    let name = if is_stdin {
+        Path::new("standard input")
     } else {
-        csv::OF_POINTS
+        path
     };
-    let tables = load(path, "points", names)?;
+    let points = points_of(name, &bytes)?;
+    let notes = points
+        .notes
+        .iter()
+        .map(|note| format!("{}: {note}", escaped(name)));
+    warn(&notes.collect::<Vec<_>>());
+    Ok(points)
+}
+
+/// Where the points of a file are.
+pub(crate) fn read_positions(path: &Path) -> Result<Triples, Failure> {
+    read_cloud(path).map(|points| points.positions)
+}
+
+/// Pairs of one place and each point of a file.
+pub(crate) fn read_pairs_from(path: &Path, from: DVec3) -> Result<Vec<[f64; 6]>, Failure> {
+    let [a, b, c] = from.to_array();
+    let pair = |[x, y, z]: [f64; 3]| [a, b, c, x, y, z];
+    Ok(read_positions(path)?.into_iter().map(pair).collect())
+}
+
+/// Reads pairs of points from a file, `-` being standard input.
+pub(crate) fn read_pairs(path: &Path) -> Result<Vec<[f64; 6]>, Failure> {
+    let tables = load(path, "points", csv::OF_PAIRS)?;
     match &tables[..] {
-        [table] if table.columns == COLUMNS || table.values.is_empty() => {
-            Ok(table.values.as_chunks().0.to_vec())
-        }
+        [table] if table.columns == 6 => Ok(table.values.as_chunks().0.to_vec()),
         tables => {
             let columns = tables.iter().map(|table| table.columns.to_string());
             let columns = columns.collect::<Vec<_>>().join(" and ");
-            let what =
-                format!("points must be one array of {COLUMNS} columns, got columns: {columns}");
+            let what = format!(
+                "pairs of points must be one array of 6 columns, got columns: {columns}; --from X,Y,Z is for points that are seen from one place"
+            );
             Err(bad(path, &what))
         }
     }
@@ -215,7 +251,7 @@ fn bad(path: &Path, what: &dyn Display) -> Failure {
     if path == Path::new("-") {
         Failure::bad_input(format!("standard input: {what}"))
     } else {
-        Failure::bad_input(format!("{}: {what}", firsthit::error::escaped(path)))
+        Failure::bad_input(format!("{}: {what}", escaped(path)))
     }
 }
 

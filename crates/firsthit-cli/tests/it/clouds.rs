@@ -138,7 +138,7 @@ fn a_mesh_stays_a_mesh() {
     lab.fails(
         "diff cloud.ply square.ply",
         3,
-        "square.ply: not binary and little-endian",
+        "square.ply: more than points: a mesh, not a point cloud",
     );
 }
 

@@ -55,13 +55,13 @@ fn an_open_mesh_is_a_warning() {
 fn what_are_no_points_is_refused() {
     let lab = Lab::new();
     cubes(&lab);
-    lab.write("rays.csv", "0,0,0,0,0,1\n");
+    lab.write("pairs.csv", "0,0\n");
     lab.write("points.csv", POINTS);
     for (arguments, code, words) in [
         (
-            "inside cube.obj rays.csv",
+            "inside cube.obj pairs.csv",
             3,
-            "rays.csv: points must be one array of 3 columns, got columns: 6",
+            "pairs.csv: line 1: expected x, y and z of a point",
         ),
         ("inside cube.obj none.csv", 3, "none.csv: "),
         (

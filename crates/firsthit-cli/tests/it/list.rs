@@ -18,7 +18,7 @@ fn pairs_go_in_and_what_sees_what_comes_out() {
     assert_eq!((&said["pairs"], &said["visible"]), (&5.into(), &5.into()));
     assert_eq!(array(&lab.read("a.npy")).values, [1.0; 5]);
     lab.write("points.csv", "0,0,1\n");
-    let words = "points must be one array of 6 columns, got columns: 3";
+    let words = "pairs of points must be one array of 6 columns, got columns: 3";
     lab.fails("visible square.ply points.csv", 3, words);
 }
 

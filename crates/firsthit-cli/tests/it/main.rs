@@ -31,6 +31,7 @@ mod nearest;
 mod numbers;
 mod outputs;
 mod picking;
+mod points;
 mod probe;
 mod progressive;
 mod rays;

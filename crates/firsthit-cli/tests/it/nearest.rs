@@ -1,6 +1,6 @@
 //! The nearest points of files.
 
-use crate::support::{Lab, npy};
+use crate::support::{Lab, npy, rays_npy};
 
 /// The square from -1 to 1 at height 0, of two triangles.
 const NEAREST: &str = "\
@@ -95,10 +95,13 @@ fn columns_of_points_are_taken_by_name() {
         );
     }
     for (text, words) in [
-        ("y,x,height\n0,0,1\n", "must be named x,y,z or position_x"),
+        (
+            "y,x,height\n0,0,1\n",
+            "a line that names the columns x, y and z",
+        ),
         ("x,y,z,x\n0,0,1,2\n", "two columns are named x"),
-        ("id,a,b,c\n1,0,0,1\n", "got columns: 4"),
-        ("0;0;0.5\n", "got \"0;0;0.5\""),
+        ("id,a,b,c\n1,0,0,1\n", "got 'id' 'a' 'b' 'c'"),
+        ("0;0\n", "got '0' '0'"),
     ] {
         lab.write("points.csv", text);
         lab.fails("nearest square.ply points.csv", 3, words);
@@ -158,9 +161,9 @@ fn distances_have_signs_where_there_is_an_inside() {
 #[test]
 fn what_is_no_point_is_refused() {
     let lab = Lab::with_square();
-    lab.write("rays.csv", "0,0,1,0,0,-1\n");
-    let expected = "points must be one array of 3 columns, got columns: 6";
-    lab.fails("nearest square.ply rays.csv", 3, expected);
+    lab.write("rays.npy", rays_npy(&[[0.0, 0.0, 1.0, 0.0, 0.0, -1.0]]));
+    let expected = "points must be an array of the shape (n, 3), got [1, 6]";
+    lab.fails("nearest square.ply rays.npy", 3, expected);
     lab.write("points.csv", "0,0,1\n");
     let near = |options: &str| format!("nearest square.ply points.csv {options}");
     lab.fails(&near("--count 0"), 2, "--count");

@@ -35,6 +35,8 @@ mod png;
 #[cfg(feature = "cloud")]
 mod points;
 mod read;
+#[cfg(feature = "cloud")]
+mod read_points;
 #[cfg(any(feature = "png", feature = "cloud"))]
 mod srgb;
 #[cfg(feature = "png")]
@@ -67,3 +69,5 @@ pub use origin::{
 #[cfg(feature = "cloud")]
 pub use points::is_point_cloud;
 pub use read::{read, read_bytes, read_regular};
+#[cfg(feature = "cloud")]
+pub use read_points::{Points, points_of, read_points};

@@ -51,6 +51,7 @@ mod point_clouds;
 mod precision;
 mod progressive;
 mod rays;
+mod read_points;
 mod render;
 mod samples;
 mod scene_changes;

@@ -358,10 +358,7 @@ fn other_files_are_refused_in_words() {
         text.replacen(old, new, 1).into_bytes()
     };
     for (bytes, expected) in [
-        (
-            with("binary_little_endian", "ascii"),
-            "not binary and little-endian",
-        ),
+        (with("binary_little_endian", "ascii"), "expected 3 numbers"),
         (
             with("end_header", "element face 1\nend_header"),
             "a mesh, not a point cloud",
@@ -390,8 +387,8 @@ fn other_files_are_refused_in_words() {
     let cloud = encode("pcd", &positions(&[1.0, 2.0, 3.0])).unwrap();
     let text = String::from_utf8_lossy(&cloud).into_owned();
     for (old, new, expected) in [
-        ("DATA binary", "DATA ascii", "not binary"),
-        ("COUNT 1 1 1", "COUNT 1 2 1", "several numbers"),
+        ("DATA binary", "DATA ascii", "expected 3 numbers"),
+        ("COUNT 1 1 1", "COUNT 1 2 1", "holds 0 points of 1"),
         ("SIZE 4 4 4", "SIZE 4 4", "do not go together"),
         ("TYPE F F F", "TYPE F F Q", "is not read"),
         ("POINTS 1\n", "", "how many points"),

@@ -1,72 +1,24 @@
-//! Point clouds as firsthit writes them, and others of the same kind: binary, little-endian, one number a column.
+//! Points, a file per format. What a binary file has are rows of numbers without padding: all formats become little-endian ones, and the
+//! columns of those are put together here.
+
+mod las;
+mod laz;
+mod lzf;
+mod pcd;
+mod ply;
+mod rows;
+mod text;
+
+pub(in crate::image) use las::las;
+pub(in crate::image) use pcd::pcd;
+pub(in crate::image) use ply::{ply, vertices};
+pub(in crate::image) use text::text;
 
 use std::collections::HashSet;
 
 use super::super::metadata::{ChannelRecord, Encoding, KEY, Metadata};
 use super::output::{Array, Numbers, Output, collected, elements, metadata_of};
-
-/// The points of a PLY.
-pub(in crate::image) fn ply(bytes: &[u8], most: u64) -> Result<Output, String> {
-    let mut header = Header::default();
-    let mut rest = bytes;
-    let mut is_first = true;
-    loop {
-        let line = next_line(&mut rest)?;
-        let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        match words[..] {
-            ["ply"] if is_first => {}
-            _ if is_first => return Err("not a PLY".to_owned()),
-            ["format", "binary_little_endian", "1.0"] => {}
-            ["format", ..] => return Err("not binary and little-endian".to_owned()),
-            ["comment", KEY, ..] => header.comment(line, "comment"),
-            ["comment" | "obj_info", ..] | [] => {}
-            ["element", "vertex", count] if header.count.is_none() => header.set_count(count)?,
-            ["element", ..] => return Err("more than points: a mesh, not a point cloud".to_owned()),
-            ["property", kind, name] if header.count.is_some() => {
-                let kind = Type::of_ply(kind).ok_or_else(|| unknown(kind))?;
-                header.columns.push((name.to_owned(), kind));
-            }
-            ["end_header"] => return header.read(rest, most),
-            _ => return Err(unknown(line)),
-        }
-        is_first = false;
-    }
-}
-
-/// The points of a PCD.
-pub(in crate::image) fn pcd(bytes: &[u8], most: u64) -> Result<Output, String> {
-    let mut header = Header::default();
-    let mut rest = bytes;
-    let (mut names, mut sizes, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
-    loop {
-        let line = next_line(&mut rest)?;
-        let mut words = line.split_ascii_whitespace();
-        let first = words.next();
-        let words: Vec<&str> = words.collect();
-        match (first, &words[..]) {
-            (Some("#"), [KEY, ..]) => header.comment(line, "#"),
-            (None | Some("VERSION" | "WIDTH" | "HEIGHT" | "VIEWPOINT"), _) => {}
-            (Some(word), _) if word.starts_with('#') => {}
-            (Some("FIELDS"), _) => names = words,
-            (Some("SIZE"), _) => sizes = words,
-            (Some("TYPE"), _) => kinds = words,
-            (Some("COUNT"), counts) if counts.iter().all(|&count| count == "1") => {}
-            (Some("COUNT"), _) => return Err("columns of several numbers are not read".to_owned()),
-            (Some("POINTS"), [count]) => header.set_count(count)?,
-            (Some("DATA"), ["binary"]) => break,
-            (Some("DATA"), _) => return Err("not binary, or compressed".to_owned()),
-            _ => return Err(unknown(line)),
-        }
-    }
-    if names.len() != sizes.len() || names.len() != kinds.len() {
-        return Err("FIELDS, SIZE and TYPE do not go together".to_owned());
-    }
-    for ((name, size), kind) in names.into_iter().zip(sizes).zip(kinds) {
-        let kind = Type::of_pcd(kind, size).ok_or_else(|| unknown(&format!("{kind} {size}")))?;
-        header.columns.push((name.to_owned(), kind));
-    }
-    header.read(rest, most)
-}
+use rows::Order;
 
 /// The next line of a header, without its end; it is then gone from `rest`.
 fn next_line<'a>(rest: &mut &'a [u8]) -> Result<&'a str, String> {
@@ -116,9 +68,11 @@ impl Type {
             ("I", "1") => Self::Signed(1),
             ("I", "2") => Self::Signed(2),
             ("I", "4") => Self::Signed(4),
+            ("I", "8") => Self::Signed(8),
             ("U", "1") => Self::Unsigned(1),
             ("U", "2") => Self::Unsigned(2),
             ("U", "4") => Self::Unsigned(4),
+            ("U", "8") => Self::Unsigned(8),
             _ => return None,
         })
     }
@@ -161,7 +115,9 @@ impl Type {
                 Numbers::Integer(collected(count, cells.map(whole))?)
             }
             Self::Unsigned(_) => {
-                let whole = |cell| i64::from_le_bytes(padded(cell));
+                // The largest of 64 bits stand for all beyond.
+                let whole =
+                    |cell| i64::try_from(u64::from_le_bytes(padded(cell))).unwrap_or(i64::MAX);
                 Numbers::Integer(collected(count, cells.map(whole))?)
             }
         })
@@ -179,6 +135,9 @@ fn padded<const N: usize>(cell: &[u8]) -> [u8; N] {
 
 /// Nobody needs more, and taking columns out goes through all of them.
 const MOST_COLUMNS: usize = 256;
+
+/// A column that the file keeps room for, and that says nothing.
+const PADDING: &str = "_";
 
 /// What a header says.
 #[derive(Default)]
@@ -210,34 +169,29 @@ impl Header {
 
     /// The columns as arrays: those that the metadata know as one channel are put together, then those that go together by
     /// convention, then the others.
-    fn read(self, data: &[u8], most: u64) -> Result<Output, String> {
+    fn read(self, data: &[u8], order: Order, most: u64) -> Result<Output, String> {
         let Self {
             count,
             columns,
             text,
         } = self;
         let count = count.ok_or("does not say how many points it has")?;
-        let names: HashSet<&String> = columns.iter().map(|(name, _)| name).collect();
-        if columns.is_empty() || names.len() < columns.len() {
+        let named = columns.iter().filter(|(name, _)| name != PADDING);
+        let names: HashSet<&String> = named.clone().map(|(name, _)| name).collect();
+        if names.is_empty() || names.len() < named.count() {
             return Err("has no columns, or two of one name".to_owned());
         }
         if columns.len() > MOST_COLUMNS {
             return Err(format!("has more than {MOST_COLUMNS} columns"));
         }
-        let row: usize = columns.iter().map(|(_, kind)| kind.size()).sum();
+        let kinds: Vec<Type> = columns.iter().map(|&(_, kind)| kind).collect();
         // In memory every number takes 8 bytes.
         elements(&[count, columns.len() as u64], 8, most)?;
         let count = usize::try_from(count).map_err(|_| "has too many points")?;
-        let holds = data.len() / row;
-        if holds < count {
-            return Err(format!("holds {holds} points of {count}"));
-        }
-        let mut output = Output {
-            ..Output::default()
-        };
+        let (rows, more) = order.rows(data, &kinds, count)?;
+        let mut output = Output::default();
         output.metadata = metadata_of(text.as_deref(), &mut output.notes);
-        if data.len() > count * row {
-            let more = data.len() - count * row;
+        if more > 0 {
             output
                 .notes
                 .push(format!("{more} bytes after the last point are not read"));
@@ -251,8 +205,13 @@ impl Header {
                 start: start - kind.size(),
             }
         });
-        let columns = columns.collect();
-        let table = Table { data, row, count };
+        let columns = columns.filter(|column| column.name != PADDING).collect();
+        let row = kinds.iter().map(|kind| kind.size()).sum();
+        let table = Table {
+            data: &rows,
+            row,
+            count,
+        };
         output.arrays = arrays(columns, &table, output.metadata.as_ref())?;
         Ok(output)
     }
