@@ -365,6 +365,12 @@ pub(crate) fn write_bytes(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyRe
     })
 }
 
+/// Begins a run, which has read nothing and written nothing yet.
+#[pyfunction]
+pub(crate) fn begin_run() {
+    firsthit::inputs::begin_run();
+}
+
 /// Notes that a file is read: from now on nothing is written over it.
 #[pyfunction]
 pub(crate) fn note_input(path: PathBuf) {

@@ -55,7 +55,7 @@ mod _firsthit {
     use crate::filters::visible;
     #[pymodule_export]
     use crate::frame::{
-        Accumulated, check_samples, defaults, is_input, matte_id, metadata, note_input, origin,
+        Accumulated, begin_run, check_samples, defaults, is_input, matte_id, metadata, note_input, origin,
         png, read, read_points, render, render_more, render_work, sampling, write, write_bytes,
     };
     #[pymodule_export]

@@ -41,6 +41,7 @@ where
 {
     let args: Vec<OsString> = args.into_iter().map(Into::into).collect();
     console::begin_report(usage::wants_json(&args));
+    firsthit::inputs::begin_run();
     let cli = match parse(args) {
         Ok(cli) => cli,
         Err(error) => return usage::report(&error),

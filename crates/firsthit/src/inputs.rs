@@ -27,6 +27,11 @@ fn files() -> MutexGuard<'static, Files> {
     FILES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Begins a run: what was read and written before is of another one. A program calls it for each of its commands.
+pub fn begin_run() {
+    *files() = Files::default();
+}
+
 /// Notes that the file at `path` is read: from now on nothing is written over it. What is no regular file, or not there, is not noted,
 /// nor is a file that this process wrote.
 ///

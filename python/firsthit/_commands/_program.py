@@ -70,6 +70,7 @@ def run(
 
     ``work`` gets the arguments, and returns what to say to people, if anything, and to programs.
     """
+    _firsthit.begin_run()
     said = _Said(as_json="--json" in _before_dashes(argv))
     try:
         with said.hearing():
