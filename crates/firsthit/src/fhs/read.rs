@@ -58,7 +58,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
     });
     let scene = of_record(scene)?;
     let world = of_record(described(&record, objects))?;
-    of_record(check_cameras(&world, scene.bounds()))?;
+    of_record(check_cameras(&world))?;
     report.scene = Some(scene);
     Ok(World {
         environment,
@@ -67,20 +67,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
 }
 
 /// Refuses cameras that nothing can be seen through, here where the file is known.
-fn check_cameras(world: &World, bounds: Bounds) -> Result<()> {
-    // Those of the box: what frames a scene depends on all of its vertices, which are not asked one by one.
-    let support = |direction: DVec3| {
-        let corners = bounds
-            .corners()
-            .into_iter()
-            .map(|corner| corner.dot(direction));
-        corners.fold(f64::NEG_INFINITY, f64::max)
-    };
-    let up = if world.up == DVec3::ZERO {
-        DVec3::Z
-    } else {
-        world.up
-    };
+fn check_cameras(world: &World) -> Result<()> {
     for camera in &world.cameras {
         Camera::new(camera.view)?;
         let described = camera.described(None);
@@ -95,7 +82,6 @@ fn check_cameras(world: &World, bounds: Bounds) -> Result<()> {
                 pixels,
             )?;
         }
-        described.camera(bounds, support, up)?;
     }
     Ok(())
 }

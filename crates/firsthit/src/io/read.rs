@@ -131,7 +131,12 @@ pub(crate) fn sibling(
     if let Some(refused) = refused
         && (allowed.is_empty() || !refused.is_mended_by_folder)
     {
-        return Err(refused.why.to_owned());
+        let hint = if refused.is_mended_by_folder {
+            ", or in a folder that is allowed (resources= in Python, --resources, --allow-parent)"
+        } else {
+            ""
+        };
+        return Err(format!("{}{hint}", refused.why));
     }
     let folder = folder_of(scene)?;
     let mut tops = vec![folder.clone()];
@@ -235,8 +240,7 @@ fn check_name(name: &str) -> std::result::Result<(), Refused> {
         } else if name.starts_with('/') {
             "refused: the path is absolute; only relative paths are read"
         } else if name.split('/').any(|component| component == "..") {
-            "refused: the path has ..; only files under the scene's folder are read and written, or in a folder that is \
-             allowed (resources= in Python, --resources, --allow-parent)"
+            "refused: the path has ..; only files under the scene's folder are read and written"
         } else {
             return Ok(());
         }

@@ -248,6 +248,7 @@ mod tests {
         assert_eq!(
             report.take_lines(),
             [
+                "x.mtl:1: Kd is from 0 to 1, got [9, 9, 9]: the surface gives more light than it gets",
                 "x.mtl:5: Kd must be finite and not negative, got [1, 0, NaN]",
                 "x.mtl:6: of textures only map_Kd and map_d are read, not bump 'x.png'",
                 "x.mtl:9: a surface that lets light through is seen as opaque: d 0.5",

@@ -183,9 +183,13 @@ fn a_camera_of_impossible_numbers_is_a_fault_of_the_file() {
     let bytes = small();
     let start = u64::from_le_bytes(bytes[72..80].try_into().unwrap()) as usize;
     let sections = u64::from_le_bytes(bytes[24..32].try_into().unwrap()) as usize;
-    let key = b"\"columns\":";
-    let at = bytes.windows(key.len()).position(|piece| piece == key);
-    let at = at.unwrap() + key.len();
+    let after = |from: usize, key: &[u8]| {
+        let at = bytes[from..]
+            .windows(key.len())
+            .position(|piece| piece == key);
+        from + at.unwrap() + key.len()
+    };
+    let at = after(after(0, b"\"cameras\":"), b"\"columns\":");
     let digits = bytes[at..].iter().take_while(|byte| byte.is_ascii_digit());
     let digits = digits.count();
     let mut changed = bytes.clone();
