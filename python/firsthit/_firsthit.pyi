@@ -40,9 +40,9 @@ __all__ = [
     "all_threads",
     "attribute",
     "attribute_names",
-    "begin_run",
     "axes_from",
     "before_viewplane",
+    "begin_run",
     "channel",
     "channel_names",
     "check_edges",
@@ -110,7 +110,13 @@ _Filters = tuple[
     npt.NDArray[np.uint32] | None,
     Side | None,
     _Surfaces | None,
-    tuple[npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]] | None,
+    tuple[
+        npt.NDArray[np.int32],
+        npt.NDArray[np.int32],
+        npt.NDArray[np.float64],
+        npt.NDArray[np.int8],
+    ]
+    | None,
     npt.NDArray[np.int32] | None,
 ]
 _Rays = tuple[

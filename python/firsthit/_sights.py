@@ -169,9 +169,10 @@ class Sights(Traceable):
         leaving = rays_of(hits.leave(ways), None)
         assert leaving.filters is not None
         assert leaving.filters.left is not None
-        *places, sides = leaving.filters.left
+        where, primitive, weights, sides = leaving.filters.left
         # From no side: at edges too they go through.
-        filters = Filters(left=(*places, np.zeros_like(sides)), only=hits.object)
+        left = where, primitive, weights, np.zeros_like(sides)
+        filters = Filters(left=left, only=hits.object)
         rays = Rays(leaving.arrays, leaving.shape, filters=filters)
         with following(progress, rays.length) as report:
             found = shoot_rays(built, rays, use, report)
