@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
+from ._errors import warn
 from ._log import timed
 from ._properties import given, shaped
 
@@ -51,7 +52,8 @@ def save(
         if values is None:
             continue
         if values.ndim == 3:
-            raise ValueError(f"a .ply has {name} for each vertex, and these are of corners")
+            warn(f"{path}: {name} of corners are left out: a .ply has them for each vertex")
+            continue
         if name == "colors":
             values = _srgb(values)
         if dtype == "u1":

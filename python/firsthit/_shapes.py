@@ -501,9 +501,9 @@ class Mesh(Shape):
         Raises
         ------
         ValueError
-            For another extension, for what the mesh has of corners, arrays of a wrong length, and
-            two properties that would have one name in the file, where ``_`` stands for every
-            character but letters, digits, ``.``, ``-`` and ``_`` of ASCII.
+            For another extension, arrays of a wrong length, and two properties that would have one
+            name in the file, where ``_`` stands for every character but letters, digits, ``.``,
+            ``-`` and ``_`` of ASCII.
         FileWriteError
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
 

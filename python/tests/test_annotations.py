@@ -114,6 +114,7 @@ def test_what_has_no_end_is_all_beyond_the_border_and_what_is_behind_is_nowhere(
     assert math.isnan(ball.truncated)
 
 
+@pytest.mark.filterwarnings("ignore:.*between the eye and the viewplane")
 def test_the_viewplane_ends_what_reaches_the_eye_and_hides_what_is_before_it():
     scene, lens = fh.Scene(), (0.5, 1, 1)
     scene.add(fh.Box((-1, -2, -3), (1, -1.5, 9)), name="past the eye")

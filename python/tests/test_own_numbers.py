@@ -136,6 +136,11 @@ def test_meshes_that_a_ply_cannot_hold_are_refused(name, how, message, tmp_path)
     mesh = fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     with pytest.raises(ValueError, match=message):
         mesh.save(tmp_path / name, **how)
-    with pytest.raises(ValueError, match="these are of corners"):
-        fh.Mesh(mesh.vertices, [[0, 1, 2]], colors=np.ones((1, 3, 3))).save(tmp_path / "a.ply")
     assert not list(tmp_path.iterdir())
+
+
+def test_colours_of_corners_are_left_out_of_a_ply_with_a_warning(tmp_path):
+    mesh = fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], colors=np.ones((1, 3, 3)))
+    with pytest.warns(fh.FirsthitWarning, match="colors of corners are left out"):
+        mesh.save(tmp_path / "a.ply")
+    assert b"red" not in (tmp_path / "a.ply").read_bytes()
