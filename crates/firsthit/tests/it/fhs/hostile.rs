@@ -183,13 +183,9 @@ fn a_camera_of_impossible_numbers_is_a_fault_of_the_file() {
     let bytes = small();
     let start = u64::from_le_bytes(bytes[72..80].try_into().unwrap()) as usize;
     let sections = u64::from_le_bytes(bytes[24..32].try_into().unwrap()) as usize;
-    let after = |from: usize, key: &[u8]| {
-        let at = bytes[from..]
-            .windows(key.len())
-            .position(|piece| piece == key);
-        from + at.unwrap() + key.len()
-    };
-    let at = after(after(0, b"\"cameras\":"), b"\"columns\":");
+    let key = b"],\"rows\":";
+    let at = bytes.windows(key.len()).position(|piece| piece == key);
+    let at = at.unwrap() + key.len();
     let digits = bytes[at..].iter().take_while(|byte| byte.is_ascii_digit());
     let digits = digits.count();
     let mut changed = bytes.clone();
@@ -200,7 +196,7 @@ fn a_camera_of_impossible_numbers_is_a_fault_of_the_file() {
     assert!(matches!(error, firsthit::Error::Parse { .. }), "{error}");
     let said = error.to_string();
     assert!(
-        said.starts_with("a.fhs: the record: columns must be"),
+        said.starts_with("a.fhs: the record: rows must be"),
         "{said}"
     );
 }
