@@ -74,7 +74,7 @@ pub(super) fn text(args: &InfoArgs) -> Result<String, Failure> {
     match &las.metadata {
         Some(metadata) => describe(metadata, most, &mut lines),
         None => {
-            lines.push("metadata       none: not written by firsthit, or lost since".to_owned())
+            lines.push("metadata       none: not written by firsthit, or lost since".to_owned());
         }
     }
     Ok(lines.join("\n") + "\n")

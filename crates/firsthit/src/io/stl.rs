@@ -66,7 +66,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
 }
 
 /// The linear colours of facets, where any are stated: five bits for each of red, green and blue, after one bit. Magics says so in the
-/// header, with the colour of all other facets; there a bit of 0 marks a colour, and red is lowest. VisCAM and SolidView mark a colour
+/// header, with the colour of all other facets; there a bit of 0 marks a colour, and red is lowest. `VisCAM` and `SolidView` mark a colour
 /// by a bit of 1, and blue is lowest.
 fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
     let (facets, _) = facets.as_chunks::<FACET>();
@@ -86,18 +86,24 @@ fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
             }
             _ => grey,
         };
-        let color = |word| match is_marked(word) {
-            true => of_all,
-            false => [0, 5, 10].map(|shift| level(word, shift)),
+        let color = |word| {
+            if is_marked(word) {
+                of_all
+            } else {
+                [0, 5, 10].map(|shift| level(word, shift))
+            }
         };
         return words().map(color).collect();
     }
     if !words().any(is_marked) {
         return Vec::new();
     }
-    let color = |word| match is_marked(word) {
-        true => [10, 5, 0].map(|shift| level(word, shift)),
-        false => grey,
+    let color = |word| {
+        if is_marked(word) {
+            [10, 5, 0].map(|shift| level(word, shift))
+        } else {
+            grey
+        }
     };
     words().map(color).collect()
 }

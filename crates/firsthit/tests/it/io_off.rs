@@ -169,15 +169,13 @@ fn hostile_off_files_are_refused_with_their_line_and_reserve_nothing() {
 
 #[test]
 fn every_prefix_and_every_changed_byte_of_an_off_file_is_read_or_refused() {
-    let text = format!(
-        "COFF # x\n4 2 0\n0 0 0 1 0 0 1\n1 0 0 0 1 0 1\n1 1 0 9 9 9 9\n0 1 0 1 1 1 1\n3 0 1 2\n4 0 1 2 3 0.5 1 0\n"
-    );
+    let text = "COFF # x\n4 2 0\n0 0 0 1 0 0 1\n1 0 0 0 1 0 1\n1 1 0 9 9 9 9\n0 1 0 1 1 1 1\n3 0 1 2\n4 0 1 2 3 0.5 1 0\n";
     for end in 0..text.len() {
         drop(read(&text.as_bytes()[..end]));
     }
     for k in 0..text.len() {
         for byte in [0, b' ', b'\n', b'-', b'9', b'#', 0xff] {
-            let mut changed = text.clone().into_bytes();
+            let mut changed = text.as_bytes().to_vec();
             changed[k] = byte;
             drop(read(&changed));
         }

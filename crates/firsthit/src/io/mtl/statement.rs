@@ -116,6 +116,7 @@ const KEYWORDS: &[&[u8]] = &[
 ];
 
 /// Reads a line about a material.
+#[expect(clippy::too_many_lines, reason = "an arm for each statement")]
 pub(super) fn state(
     material: &mut Stated,
     keyword: &[u8],

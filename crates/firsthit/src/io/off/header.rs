@@ -4,6 +4,10 @@ use crate::io::fault::{Checked, Fault};
 use crate::io::text::{Lines, Words, shown};
 
 /// What a keyword says of the values of vertices, in this order after their coordinates.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "the letters of a keyword, each there or not"
+)]
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Kind {
     /// A fourth coordinate, that the others are divided by.
