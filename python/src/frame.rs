@@ -409,12 +409,12 @@ fn arrays_out(py: Python<'_>, arrays: Vec<image::Array>) -> Vec<ArrayOut<'_>> {
     arrays.into_iter().map(array).collect()
 }
 
-/// Reads points: three numbers of each in a row, the other columns, and what is doubtful.
+/// Three numbers of each point in a row, the other columns, and what is doubtful.
+type PointsOut<'py> = (Bound<'py, PyArray1<f64>>, Vec<ArrayOut<'py>>, Vec<String>);
+
+/// Reads points.
 #[pyfunction]
-pub(crate) fn read_points(
-    py: Python<'_>,
-    path: PathBuf,
-) -> PyResult<(Bound<'_, PyArray1<f64>>, Vec<ArrayOut<'_>>, Vec<String>)> {
+pub(crate) fn read_points(py: Python<'_>, path: PathBuf) -> PyResult<PointsOut<'_>> {
     let points = run(py, 0, |_| image::read_points(&path))?;
     let positions = PyArray1::from_vec(py, points.positions.into_flattened());
     Ok((positions, arrays_out(py, points.columns), points.notes))

@@ -68,6 +68,7 @@ pub(crate) struct ModelOut {
 
 /// Reads a file.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the settings, one by one")]
 pub(crate) fn load(
     py: Python<'_>,
     path: PathBuf,

@@ -151,6 +151,9 @@ impl Mesh {
     }
 }
 
+/// Triangles, and how many each polygon has.
+type PolygonsOut<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>);
+
 /// The triangles (m, 3) of polygons over float64 points (n, 3), and of each the polygon that it is part of. Of all polygons the corners
 /// come one after the other, and how many each has.
 #[pyfunction]
@@ -159,7 +162,7 @@ pub(crate) fn polygons<'py>(
     points: PyReadonlyArray2<'_, f64>,
     corners: PyReadonlyArray1<'_, u32>,
     sizes: PyReadonlyArray1<'_, u32>,
-) -> PyResult<(Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>)> {
+) -> PyResult<PolygonsOut<'py>> {
     let points = points.as_slice().map_err(not_contiguous)?;
     let points = Positions::Double(copied(points.as_chunks::<3>().0)?.into());
     let corners = corners.as_slice().map_err(not_contiguous)?;

@@ -1,9 +1,9 @@
 //! Which files this process has read: the one place that readers tell, and that writers ask before they replace a file.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What tells a file from all others, however its name is spelled and whatever links lead to it.
 #[cfg(unix)]
@@ -11,17 +11,24 @@ type Identity = (u64, u64);
 #[cfg(not(unix))]
 type Identity = PathBuf;
 
-#[derive(Default)]
 struct Files {
     /// The files that were read, and where each was.
-    read: HashMap<Identity, PathBuf>,
+    read: BTreeMap<Identity, PathBuf>,
     /// Where they were: another program may have replaced one since.
-    places: HashSet<PathBuf>,
+    places: BTreeSet<PathBuf>,
     /// What this process wrote itself. That is not lost when it is made anew.
-    own: HashMap<PathBuf, Identity>,
+    own: BTreeMap<PathBuf, Identity>,
 }
 
-static FILES: LazyLock<Mutex<Files>> = LazyLock::new(Mutex::default);
+impl Files {
+    const NONE: Self = Self {
+        read: BTreeMap::new(),
+        places: BTreeSet::new(),
+        own: BTreeMap::new(),
+    };
+}
+
+static FILES: Mutex<Files> = Mutex::new(Files::NONE);
 
 fn files() -> MutexGuard<'static, Files> {
     FILES.lock().unwrap_or_else(PoisonError::into_inner)
@@ -29,7 +36,7 @@ fn files() -> MutexGuard<'static, Files> {
 
 /// Begins a run: what was read and written before is of another one. A program calls it for each of its commands.
 pub fn begin_run() {
-    *files() = Files::default();
+    *files() = Files::NONE;
 }
 
 /// Notes that the file at `path` is read: from now on nothing is written over it. What is no regular file, or not there, is not noted,

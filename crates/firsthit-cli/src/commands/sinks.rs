@@ -45,7 +45,9 @@ impl Sinks {
         let files: Vec<PathBuf> = (outputs.iter().filter(|path| !stdout(path)))
             .cloned()
             .collect();
-        inputs.iter().for_each(|path| firsthit::inputs::note(path));
+        for path in inputs {
+            firsthit::inputs::note(path);
+        }
         let files = output::targets(&files, kinds, output::Source::Rays)?;
         if !streams {
             if format.is_some() {

@@ -88,7 +88,7 @@ fn decoded(bytes: &[u8]) -> std::result::Result<Points, String> {
     of_output(output)
 }
 
-/// The arrays of NumPy and OpenEXR.
+/// The arrays of NumPy and `OpenEXR`.
 fn array(bytes: &[u8], most: u64) -> Option<std::result::Result<Output, String>> {
     match bytes {
         #[cfg(feature = "npy")]

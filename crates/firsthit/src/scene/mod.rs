@@ -367,12 +367,12 @@ impl Scene {
                 return object.clone();
             }
             let masked = made.entry(materials.as_ptr()).or_insert_with(|| {
-                let masked = |material: &Material| match material.is_translucent() {
-                    true => Material {
-                        alpha_mode,
-                        ..material.clone()
-                    },
-                    false => material.clone(),
+                let masked = |material: &Material| {
+                    let mut masked = material.clone();
+                    if masked.is_translucent() {
+                        masked.alpha_mode = alpha_mode;
+                    }
+                    masked
                 };
                 materials.iter().map(masked).collect()
             });

@@ -396,12 +396,12 @@ mod tests {
     #[test]
     fn after_all_objects_moved_a_ray_meets_as_many_boxes_as_in_a_new_scene() {
         let before = balls(1, 0.0);
-        for step in [200, 50, 7] {
+        for step in [200_u32, 50, 7] {
             let mut fitted = tree(&before);
             let mut objects = before.clone();
             let after = balls(2, 0.0);
-            for first in (0..200).step_by(step) {
-                let moved: Vec<u32> = (first..200.min(first + step)).map(|k| k as u32).collect();
+            for first in (0..200_u32).step_by(step as usize) {
+                let moved: Vec<u32> = (first..200.min(first + step)).collect();
                 for &k in &moved {
                     objects[k as usize] = after[k as usize].clone();
                 }

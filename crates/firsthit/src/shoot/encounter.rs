@@ -84,6 +84,7 @@ impl<'a> Encounters<'a> {
     }
 
     /// What the ray does to the object `index` of the scene.
+    #[expect(clippy::too_many_lines, reason = "one case after the other")]
     pub(crate) fn with(&mut self, index: u32) -> Encounter {
         let scene = self.scene;
         let object = &scene.objects()[index as usize];

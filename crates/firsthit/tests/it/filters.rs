@@ -321,7 +321,7 @@ fn leaving(triangle: usize, barycentric: DVec2) -> RayFilter {
 /// Weights inside, at edges, at corners, and beside those by little more than the rounding.
 fn weights(numbers: &mut Numbers) -> DVec2 {
     let v = numbers.unit();
-    let tiny = 2_f64.powi(-44) * numbers.unit();
+    let tiny = 256.0 * f64::EPSILON * numbers.unit();
     match numbers.below(8) {
         0 => DVec2::new(v, 1.0 - v),
         1 => DVec2::new(v, 0.0),

@@ -8,6 +8,7 @@ const ROWS: usize = 192;
 const COLUMNS: usize = 256;
 
 /// So far from zero are a lens' own numbers, at most; where they are not from there to the negative, from where.
+#[expect(clippy::too_many_lines, reason = "a list of all lenses")]
 fn own_numbers(projection: Projection) -> &'static [(&'static str, [f64; 2])] {
     match projection {
         Projection::Perspective => &[

@@ -319,7 +319,7 @@ fn a_packed_npz_has_the_same_numbers_in_fewer_bytes_and_float32_halves_them() {
     let folder = tempfile::tempdir().unwrap();
     let [plain, packed, small] =
         ["a", "b", "c"].map(|name| folder.path().join(name).with_extension("npz"));
-    let frame = row(&[1.25; 5000], &[7; 5000]);
+    let frame = row(&vec![1.25; 5000], &vec![7; 5000]);
     let npz = format_named("npz").unwrap();
     let settings = WriteSettings {
         compress: true,

@@ -48,7 +48,7 @@ pub(crate) fn point_left(corners: [DVec3; 3], barycentric: DVec2) -> Exact {
         number(largest.into_iter().fold(0.0, f64::max))
     };
     let [a, b, c] = corners;
-    let rounding = number(2_f64.powi(-49)) * largest_of(corners);
+    let rounding = number(8.0 * f64::EPSILON) * largest_of(corners);
     let longest = largest_of([b - a, c - a, c - b]);
     let (zero, one) = (BigRational::zero(), BigRational::one());
     let [v, w] = barycentric

@@ -103,8 +103,10 @@ pub(in crate::image) fn las(content: &[u8], most: u64) -> Result<Output, String>
         return Err(format!("holds {} points of {count}", data.len() / row));
     }
     let table = Table { data, row, count };
-    let mut output = Output::default();
-    output.arrays = arrays(&table, format, columns, (scale, offset))?;
+    let mut output = Output {
+        arrays: arrays(&table, format, columns, (scale, offset))?,
+        ..Output::default()
+    };
     let said =
         find(&records, KEY.as_bytes(), 1).and_then(|own| std::str::from_utf8(own.content).ok());
     output.metadata = metadata_of(said, &mut output.notes);

@@ -1,4 +1,4 @@
-//! Points that are packed by LASzip.
+//! Points that are packed by `LASzip`.
 
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -69,7 +69,7 @@ struct Columns {
     /// Which columns are the coordinates.
     axes: [usize; 3],
     /// Each with its name, as long as it is all numbers.
-    columns: Vec<(String, Option<Vec<f64>>)>,
+    named: Vec<(String, Option<Vec<f64>>)>,
     /// What is wrong with a line of names that nobody knows, where no point follows.
     doubt: Option<String>,
 }
@@ -139,7 +139,7 @@ impl Columns {
         if fields.len() > MOST_COLUMNS {
             return Err(format!("more than {MOST_COLUMNS} columns"));
         }
-        let is_header = fields.iter().all(|field| is_name(field));
+        let is_header = fields.iter().all(is_name);
         let said = comment.map(|comment| Separator::of(comment).fields(comment));
         let said = said.filter(|said| said.len() == fields.len() && !is_header);
         let names: Vec<String> = (said.as_deref().unwrap_or(fields).iter())
@@ -181,7 +181,7 @@ impl Columns {
         let mut made = Self {
             separator,
             axes,
-            columns: columns.collect(),
+            named: columns.collect(),
             doubt: by_name.is_none().then(expected),
         };
         if !is_header {
@@ -191,12 +191,12 @@ impl Columns {
     }
 
     fn fields(&mut self, fields: &[&[u8]]) -> Result<(), String> {
-        if fields.len() != self.columns.len() {
-            let (expected, got) = (self.columns.len(), fields.len());
+        if fields.len() != self.named.len() {
+            let (expected, got) = (self.named.len(), fields.len());
             return Err(format!("expected {expected} columns, got {got}"));
         }
         self.doubt = None;
-        for (k, (field, (name, values))) in fields.iter().zip(&mut self.columns).enumerate() {
+        for (k, (field, (name, values))) in fields.iter().zip(&mut self.named).enumerate() {
             let value = match number(field) {
                 None if self.axes.contains(&k) => {
                     let (name, got) = (shown(name.as_bytes()), shown(field));
@@ -217,7 +217,7 @@ impl Columns {
     fn output(self) -> Output {
         let axis = |axis: usize| {
             let column = self
-                .columns
+                .named
                 .get(axis)
                 .and_then(|(_, values)| values.as_deref());
             column.unwrap_or_default()
@@ -226,7 +226,7 @@ impl Columns {
         let points = x.iter().zip(y).zip(z).map(|((&x, &y), &z)| [x, y, z]);
         let mut arrays = vec![positions(points.collect())];
         let count = x.len();
-        let others = self.columns.iter().enumerate();
+        let others = self.named.iter().enumerate();
         let others = others.filter(|(k, _)| !self.axes.contains(k));
         arrays.extend(others.filter_map(|(_, (name, values))| {
             let values = values.clone()?;

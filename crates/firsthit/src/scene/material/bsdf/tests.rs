@@ -314,6 +314,7 @@ fn a_coat_is_not_turned_by_the_normal_of_its_base() {
 
 /// Every kind, smooth and rough, seen from ahead and up to a tenth of a degree from the side.
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of surfaces")]
 fn no_surface_gives_more_than_it_gets_seen_from_any_side() {
     let cloth = |roughness| Layers {
         sheen: (Color::ONE, roughness),
