@@ -388,7 +388,7 @@ fn other_files_are_refused_in_words() {
     let text = String::from_utf8_lossy(&cloud).into_owned();
     for (old, new, expected) in [
         ("DATA binary", "DATA ascii", "expected 3 numbers"),
-        ("COUNT 1 1 1", "COUNT 1 2 1", "holds 0 points of 1"),
+        ("COUNT 1 1 1", "COUNT 1 9 1", "holds 0 points of 1"),
         ("SIZE 4 4 4", "SIZE 4 4", "do not go together"),
         ("TYPE F F F", "TYPE F F Q", "is not read"),
         ("POINTS 1\n", "", "how many points"),

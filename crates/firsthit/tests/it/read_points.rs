@@ -289,7 +289,7 @@ fn rubbish_is_no_list_of_points() {
         ),
         (
             "1,2,3\n1,2,three\n",
-            "line 2: expected a number for column_2, got 'three'",
+            "line 2: expected a number for 'column_2', got 'three'",
         ),
         ("1,2,3\n1,2\n", "line 2: expected 3 columns, got 2"),
         (

@@ -132,7 +132,8 @@ fn roots(document: &Document<'_>) -> Vec<Root> {
 fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
     let Some(matrix) = node.matrix else {
         let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-        let rotation = of_length_one(rotation, || entry.at("rotation"), report);
+        // Three digits are what many files have, and other programs take those as they are.
+        let rotation = of_length_one((rotation, 1e-3), || entry.at("rotation"), report);
         let translation = node.translation.unwrap_or_default();
         return affine(translation, rotation, node.scale.unwrap_or([1.0; 3]));
     };
@@ -152,20 +153,18 @@ fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
     DAffine3::from_cols_array(&[a, b, c, d, e, f, g, h, i, x, y, z])
 }
 
-/// A quaternion made one of length one. Those of bytes and of few digits are off by rounding; more is a warning. Float32's
-/// own rounding is left as it is.
+/// A quaternion made one of length one, if it is off by more than some `rounding`. Those of bytes and of few digits are; more is a warning.
 pub(super) fn of_length_one(
-    quaternion: [f64; 4],
+    (quaternion, rounding): ([f64; 4], f64),
     place: impl FnOnce() -> Place,
     report: &mut Report,
 ) -> [f64; 4] {
-    const ROUNDING: f64 = 1e-6;
     let largest = quaternion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     // Scaled first: squares of very large and very small numbers leave float64.
     let scaled = quaternion.map(|x| x / largest);
     let length = largest * scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
     let off = (length - 1.0).abs();
-    if off <= ROUNDING {
+    if off <= rounding {
         return quaternion;
     }
     let is_usable = largest > 0.0 && largest.is_finite();

@@ -301,7 +301,8 @@ impl<'a, 'b> Objects<'a, 'b> {
         let translations = self.values::<3>(instancing, "TRANSLATION", &Shape::VEC3)?;
         let mut rotations = self.values::<4>(instancing, "ROTATION", &Shape::VEC4)?;
         for rotation in rotations.iter_mut().flatten() {
-            *rotation = of_length_one(*rotation, || place_of("ROTATION"), self.report);
+            // Float32's own rounding is left as it is.
+            *rotation = of_length_one((*rotation, 1e-6), || place_of("ROTATION"), self.report);
         }
         let scales = self.values::<3>(instancing, "SCALE", &Shape::VEC3)?;
         let instances = (0..count).map(|k| {
