@@ -293,7 +293,7 @@ fn a_misspelt_channel_is_told_which_is_meant() {
 }
 
 #[test]
-fn numbers_in_sentences_have_at_most_six_digits() {
+fn numbers_in_sentences_have_few_digits() {
     let lab = Lab::new();
     let third = SQUARE.replace("-1 -1 0", "-1.23456789 -1.000000123 0.333333333333");
     lab.write("square.ply", third);
@@ -316,7 +316,8 @@ fn numbers_in_sentences_have_at_most_six_digits() {
     ] {
         let outcome = lab.ok(arguments);
         let said = format!("{}{}", outcome.stderr, outcome.text());
-        assert!(longest(&said) <= 6, "{arguments}: {said}");
+        // A place may take one more, to a millionth of the scene's size.
+        assert!(longest(&said) <= 7, "{arguments}: {said}");
     }
     // The fingerprint is no number.
     let info = lab.ok("info a.exr");

@@ -210,7 +210,9 @@ fn no_command_writes_over_what_it_reads() {
             "-o e.exr",
         ),
         (
-            format!("render square.ply {size} -o a.png --channels object --pose pose.csv --fov 40"),
+            format!(
+                "render square.ply {size} -o a.png --channels object --pose pose.csv --convention opencv --fov 40"
+            ),
             "--legend pose.csv",
         ),
         ("shoot s.toml rays.csv".to_owned(), "-o square.ply"),

@@ -160,6 +160,7 @@ fn ctrl_c_ends_the_wait_for_the_reader_of_a_pipe() {
     reader.read_exact(&mut start).unwrap();
     assert_eq!(start, *b"PK");
     assert_eq!(interrupt(child).code, 130);
+    drop(reader);
     // A reader that comes late gets everything.
     let child = lab.start(render);
     sleep(A_WHILE);

@@ -60,26 +60,25 @@ fn a_model_or_a_sentence_is_no_list_of_points() {
 #[test]
 fn outputs_of_ours_are_points() {
     let lab = Lab::with_square();
-    let render = "--channels position,object,valid";
+    let render = "--channels position,object";
     lab.ok(&format!(
         "render square.ply {ABOVE} {render} -o a.ply -o a.pcd -o a.npz -o a.exr"
     ));
     lab.ok(&format!(
         "render square.ply {ABOVE} --channels position -o a.npy"
     ));
-    let hits = lab.npz("a.npz")["valid"]
+    let hits = lab.npz("a.npz")["object"]
         .values
         .iter()
-        .filter(|&&x| x == 1.0)
+        .filter(|&&x| x == 0.0)
         .count();
     assert!(hits > 10);
     for name in ["a.ply", "a.pcd", "a.npz", "a.exr", "a.npy"] {
         let csv = lab.ok(&format!("nearest square.ply {name}"));
-        let found = csv
-            .text()
-            .lines()
-            .skip(1)
-            .filter(|line| line.starts_with("0,0,"));
+        let found = csv.text().lines().skip(1).filter(|line| {
+            let distance = line.split(',').next().and_then(|x| x.parse::<f64>().ok());
+            distance.is_some_and(|distance| distance < 1e-6)
+        });
         assert_eq!(found.count(), hits, "{name}");
     }
     lab.ok("shoot square.ply a.ply --from 0,0,5 --channels position,t,object -o shot.csv");

@@ -149,9 +149,12 @@ fn files_that_hold_no_rays_are_bad_input() {
         (b"1,2,3,4,5,6\n1,2\n", "line 2: expected 6 columns, got 2"),
         (b"1,2,3,4,5,6\n1,2,3,4,5,x\n", "line 2: expected numbers"),
         (b"a,b,c,d,e,f\nx,y,z,u,v,w\n", "line 2: expected numbers"),
-        (b"hello world\n", "got columns: 1"),
+        (
+            b"hello world\n",
+            "line 1: the columns must be named ox,oy,oz",
+        ),
         (b"1 2 3 4 5 6\n", "line 1: expected numbers"),
-        (b"\xff\xfe\x00\x01 garbage \x80\n1,2,3,4,5,6\n", "line 2"),
+        (b"\xff\xfe\x00\x01 garbage \x80\n1,2,3,4,5,6\n", "line 1"),
         (b"1,2,3,x,5,6\n", "line 1: expected numbers"),
         (b"# a\n\n1,2,3,4,5,x", "line 3: expected numbers"),
         (

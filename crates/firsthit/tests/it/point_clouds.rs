@@ -391,7 +391,7 @@ fn other_files_are_refused_in_words() {
         ("COUNT 1 1 1", "COUNT 1 9 1", "holds 0 points of 1"),
         ("SIZE 4 4 4", "SIZE 4 4", "do not go together"),
         ("TYPE F F F", "TYPE F F Q", "is not read"),
-        ("POINTS 1\n", "", "how many points"),
+        ("POINTS 1\n", "POINTS one\n", "'one' is not read"),
     ] {
         assert!(text.contains(old), "{old}");
         let message = read("a.pcd", text.replacen(old, new, 1).as_bytes());
