@@ -50,7 +50,6 @@ fn formats() -> impl Iterator<Item = &'static Format> + Clone {
 /// [`Error::Parse`]: crate::Error::Parse
 /// [`Error::TooLarge`]: crate::Error::TooLarge
 /// [`Error::Limit`]: crate::Error::Limit
-/// [`Error::Argument`]: crate::Error::Argument
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
     // A folder is refused as such, before its extension is.
     read::refuse_folder(path)?;
@@ -88,7 +87,7 @@ fn with_variant(loaded: Loaded, settings: &LoadSettings) -> Result<Loaded> {
 ///
 /// # Errors
 ///
-/// Those of [`load`], but for [`Error::Read`](crate::Error::Read).
+/// Those of [`load`], but for [`Error::Read`].
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Loaded> {
     let format = format_of(name, formats())?;
     check_scale(format, settings)?;
@@ -121,8 +120,8 @@ fn check_scale(format: &Format, settings: &LoadSettings) -> Result<()> {
 ///
 /// # Errors
 ///
-/// [`Error::Read`](crate::Error::Read) when the system refuses, or `path` is no regular file;
-/// [`Error::Parse`](crate::Error::Parse) when the content is wrong; [`Error::TooLarge`](crate::Error::TooLarge) for more than
+/// [`Error::Read`] when the system refuses, or `path` is no regular file;
+/// [`Error::Parse`] when the content is wrong; [`Error::TooLarge`] for more than
 /// `settings` allow: of `max_texture`, as many texels as another texture may have.
 pub fn load_environment(
     path: &Path,
