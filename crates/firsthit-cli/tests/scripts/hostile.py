@@ -77,15 +77,29 @@ def plys() -> list[bytes]:
 def offs() -> list[bytes]:
     """OFF files that lie about counts and indices."""
     counts = [-1, 1 << 31, (1 << 31) - 1, 1 << 32, 1 << 40, (1 << 63) - 1, 1 << 63, 1 << 64, 10**30]
-    files = [f"{kind}\n{count} {other} 0\n0 0 0\n".encode() for count in counts for kind in ("OFF", "STCN4nOFF") for other in (0, 1, count)]
+    files = [
+        f"{kind}\n{count} {other} 0\n0 0 0\n".encode()
+        for count in counts
+        for kind in ("OFF", "STCN4nOFF")
+        for other in (0, 1, count)
+    ]
     faces = [
-        "3 0 1 4", "3 0 1 -1", "-1", "3 0 1", "3 0 1 nan", "3 0 1 1.5", "255 0 1 2", "4294967295 0 1 2", "3 0 1 99999999999999999999",
+        "3 0 1 4", "3 0 1 -1", "-1", "3 0 1", "3 0 1 nan", "3 0 1 1.5", "255 0 1 2", "4294967295 0 1 2",
+        "3 0 1 99999999999999999999",
         "", "0", "1 0", "2 0 1", "1e9 0 1 2", "3 0 0 0", "3 0 1 2 7", "3 0 1 2 1e300 -1 nan", "3 0 1 2 # 3",
     ]  # fmt: skip
     files += [f"OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n{face}\n".encode() for face in faces]
     ring = "\n".join(f"{math.cos(k)} {math.sin(k)} 0" for k in range(65_536))
     files.append(f"OFF\n65536 1 0\n{ring}\n65536 {' '.join(map(str, range(65_536)))}\n".encode())
-    return [*files, b"OFF", b"OFF BINARY\n" + b"\xff" * 99, b"OFF\n" + b"#" * 99, b"OFF" * 999, b"OFF 0 0 0", b"OFF\n1 1\n"]
+    return [
+        *files,
+        b"OFF",
+        b"OFF BINARY\n" + b"\xff" * 99,
+        b"OFF\n" + b"#" * 99,
+        b"OFF" * 999,
+        b"OFF 0 0 0",
+        b"OFF\n1 1\n",
+    ]
 
 
 def stls() -> list[bytes]:
