@@ -35,7 +35,7 @@ pub fn extent(bounds: Bounds) -> f64 {
 
 /// A length along an axis of such a scene.
 pub fn coordinate(x: f64, extent: f64) -> String {
-    let step = extent * 1e-6;
+    let step = extent / 1e6;
     if !(x.is_normal() && step.is_normal()) {
         return number(x);
     }

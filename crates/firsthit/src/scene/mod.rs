@@ -337,10 +337,12 @@ impl Scene {
     /// `cutoff` there is nothing, and elsewhere they are opaque. Trees over meshes are shared.
     ///
     /// ```
+    /// use std::sync::Arc;
+    ///
     /// use firsthit::{AlphaMode, DVec3, Material, Mesh, Object, Positions, Scene, shoot};
     ///
-    /// let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].to_vec();
-    /// let mesh = Mesh::new(Positions::Float64(corners), vec![[0, 1, 2]])?;
+    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = Arc::new(Mesh::new(Positions::compact(corners), vec![[0, 1, 2]])?);
     /// let pane = Material { alpha: 0.3, alpha_mode: AlphaMode::Blend, ..Material::default() };
     /// let scene = Scene::new(vec![Object::new(mesh).with_materials([pane])])?;
     /// let from = DVec3::new(0.2, 0.2, 1.0);
