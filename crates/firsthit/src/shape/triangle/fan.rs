@@ -60,10 +60,9 @@ impl DeparturePoint {
         let own_height = height(own[0].as_ref()?);
         let heights: Vec<f64> = others.iter().map(height).collect();
         let own: Vec<&Arc> = own.iter().flatten().collect();
-        let face_one_way = || others.len() <= MANY && face_one_way(&own, &others);
         let is_any_above = heights.iter().any(|&height| height > 0.0);
         let is_above_all = own_height > 0.0 && heights.iter().all(|&height| height > 0.0);
-        if (own_height < 0.0 && !is_any_above) || (is_above_all && face_one_way()) {
+        if (own_height < 0.0 && !is_any_above) || (is_above_all && self.face_one_way(around)) {
             return None;
         }
         let mut all = own.iter().copied().chain(&others);
@@ -79,7 +78,7 @@ impl DeparturePoint {
         let crossed = others.iter().filter(|arc| way.crosses(arc)).count();
         let is_under_own = own_height < 0.0;
         let is_inside = is_under_own != (crossed % 2 == 1);
-        if !is_inside || (is_under_own && !face_one_way()) {
+        if !is_inside || (is_under_own && !self.face_one_way(around)) {
             return None;
         }
         let is_under = |&&(_, corners): &&Around| {
@@ -107,22 +106,23 @@ impl DeparturePoint {
         if !heights.all(|other| other == Some(is_above)) {
             return false;
         }
-        // Of two that face one way, no edge at the point begins or ends both.
+        !is_above || self.face_one_way(around)
+    }
+
+    /// Whether neighbours face the same side: no two triangles have an edge at the point in one direction. Of too many nobody asks.
+    fn face_one_way(&self, around: &[Around]) -> bool {
+        let is_here = |corner: DVec3| {
+            let mut own = self.corners.iter().zip(self.has_weight);
+            own.any(|(own, has_weight)| has_weight && *own == corner)
+        };
         let edges = |k: usize| {
             let (_, corners) = around[k];
-            let is_here = |corner: DVec3| {
-                self.corners
-                    .iter()
-                    .zip(self.has_weight)
-                    .any(|(own, has)| has && *own == corner)
-            };
-            (0..3)
-                .map(move |k| (corners[k], corners[(k + 1) % 3]))
-                .filter(move |&(p, q)| is_here(p) || is_here(q))
+            let edges = (0..3).map(move |k| (corners[k], corners[(k + 1) % 3]));
+            edges.filter(|&(p, q)| is_here(p) || is_here(q))
         };
         let is_again =
             |k: usize| edges(k).any(|edge| (0..k).any(|l| edges(l).any(|other| other == edge)));
-        !is_above || (around.len() <= MANY && !(1..around.len()).any(is_again))
+        around.len() <= MANY && !(1..around.len()).any(is_again)
     }
 
     /// A triangle that holds the point, as seen from there.
@@ -204,17 +204,6 @@ impl Way<'_> {
 /// The first that is not zero, if any is not.
 fn not_zero(signs: impl IntoIterator<Item = f64>) -> f64 {
     signs.into_iter().find(|&sign| sign != 0.0).unwrap_or(0.0)
-}
-
-/// Whether neighbours face the same side: no two arcs begin, or end, in one direction.
-fn face_one_way(own: &[&Arc], others: &[Arc]) -> bool {
-    let all: Vec<&Arc> = own.iter().copied().chain(others).collect();
-    let is_one = |p: &Scaled, q: &Scaled| p.unit == q.unit && high(p) == high(q);
-    let is_twice = |k: usize| {
-        let is_of = |end: usize| (0..k).any(|l| is_one(&all[k].ends[end], &all[l].ends[end]));
-        is_of(0) || is_of(1)
-    };
-    !(1..all.len()).any(is_twice)
 }
 
 /// The sign of a determinant: in float64 where that is sure of it.
