@@ -1,4 +1,5 @@
-//! What lobes reflect of white light from everywhere, to whoever looks: sums over directions, in tables by roughness and cosine.
+//! The directional albedo of lobes: the share of white light from everywhere that they reflect into one direction, in tables by roughness
+//! and cosine.
 
 use std::sync::OnceLock;
 
@@ -24,7 +25,7 @@ pub(super) struct Albedos<const N: usize> {
     sum: fn(f64, f64) -> [f64; N],
 }
 
-/// What a table says of one roughness.
+/// A table's row of one roughness.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AlbedosOfRoughness<const N: usize> {
     rows: [&'static Row<N>; 2],

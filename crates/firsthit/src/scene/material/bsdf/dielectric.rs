@@ -24,7 +24,7 @@ impl Dielectric {
         Self { f0, weight, tint }
     }
 
-    /// What the lightest colour of its reflection is head on, and how much of it there is.
+    /// The lightest colour of its reflection head on, and how much of it there is.
     pub(super) fn lightest(&self) -> (f64, f64) {
         (self.f0.max_element(), self.weight)
     }
