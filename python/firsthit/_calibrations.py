@@ -24,7 +24,7 @@ _MOST_BYTES = 1 << 28
 
 
 class Calibration(NamedTuple):
-    """What `Camera.from_intrinsics` is asked for."""
+    """The arguments of `Camera.from_intrinsics`."""
 
     rows: int
     columns: int
@@ -152,7 +152,7 @@ class Document:
         return _Table(json.loads(self._text()), "")
 
 
-#: What ROS calls the models, and how many coefficients they take.
+#: ROS's names of the models, and how many coefficients they take.
 _ROS: dict[str, tuple[Projection, tuple[str, ...], tuple[int, ...]]]
 _ROS = {
     "plumb_bob": ("opencv", OPENCV, (4, 5)),

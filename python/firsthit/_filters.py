@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     #: Objects and primitives, for each ray or for all.
     Surfaces = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]
-    #: The same with the two weights of places on them, and the side that a ray starts on: 1 the
+    #: Surfaces with the two weights of places on them, and the side that a ray starts on: 1 the
     #: front, -1 the back, 0 none, so that it goes through.
     Places = tuple[
         npt.NDArray[np.int32],

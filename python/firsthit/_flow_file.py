@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Floats = npt.NDArray[np.float64]
     Bools = npt.NDArray[np.bool_]
 
-#: What readers of ``.flo`` take for unknown: whatever is beyond 1e9.
+#: Numbers of a ``.flo`` beyond 1e9 are unknown to its readers.
 _UNKNOWN = np.float32(1e10)
 
 #: How many steps of KITTI's flow and disparity are a pixel, and the flow's zero.

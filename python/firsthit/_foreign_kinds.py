@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-#: What a mesh must have, one for each kind that is known.
+#: The attributes of a mesh, one for each kind that is known.
 WANTED = (
     "a mesh with vertices and faces (trimesh), points and faces (PyVista), vertices and triangles "
     "or vertex and triangle (Open3D), or points and cells (meshio), or a pair (vertices, faces)"

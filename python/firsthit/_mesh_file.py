@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ._shapes import Mesh
 
-#: What an array of vertices is called, column by column, and as which type it is written.
+#: The names of an array of vertices, column by column, and the type that is written.
 _KNOWN = {
     "normals": ("<f4", ("nx", "ny", "nz")),
     "uvs": ("<f4", ("s", "t")),

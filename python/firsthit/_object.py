@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 NOTHING = Mesh(np.empty((0, 3)), np.empty((0, 3), np.uint32))
 
 
-#: That of a transform.
+#: The last row of every transform.
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 
 

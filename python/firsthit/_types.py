@@ -102,7 +102,7 @@ ColorMapName = Literal[
 #: Lights that go with the camera.
 LightName = Literal["auto", "studio", "overcast", "sun", "headlight", "shoulder"]
 #: How PNGs show colours of any brightness, see `Display`.
-#: What a PNG of distances in steps has beyond its last step.
+#: The number of a PNG of distances in steps beyond its last step.
 Far = Literal["saturate", "zero"]
 
 ToneMapName = Literal["none", "neutral", "agx", "aces"]
@@ -221,11 +221,11 @@ class TensorMeshLike(Protocol):
 
     @property
     def vertex(self) -> Any:
-        """What the vertices have: ``positions``."""
+        """Arrays of the vertices: ``positions``."""
 
     @property
     def triangle(self) -> Any:
-        """What the triangles have: ``indices``."""
+        """Arrays of the triangles: ``indices``."""
 
 
 class CellMeshLike(Protocol):

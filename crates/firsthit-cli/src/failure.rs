@@ -63,7 +63,7 @@ impl Failure {
         }
     }
 
-    /// The same with more to say.
+    /// Adds words to the message.
     pub(crate) fn with(mut self, more: &str) -> Self {
         self.message = self.message.map(|message| message + more);
         self

@@ -82,7 +82,7 @@ A .fhs file is mapped into memory as it is, with its trees: opening it takes mil
 the same time share its memory. Rays meet the same things to the bit. It holds objects, materials, textures, cameras, lights and \
 names, but not the outputs that a scene file asks for. Do not change it in place while it is open; build replaces it.";
 
-/// What points are read from.
+/// The file of points.
 macro_rules! points {
     () => {
         "Points are in the world's coordinates. Their format is told by the first bytes: PLY, PCD, LAS, LAZ, .npy of shape (n, 3), \

@@ -40,7 +40,7 @@ pub(crate) fn read(
     read_with(path, &settings(path, args), |_| build, neutral)
 }
 
-/// What the arguments say of the file at `path`.
+/// The settings of the arguments for the file at `path`.
 pub(crate) fn settings(path: &Path, args: &LoadArgs) -> LoadSettings {
     let mut resources = args.resources.clone();
     if args.allow_parent {
@@ -125,7 +125,7 @@ impl Loaded {
         )))
     }
 
-    /// The same with the objects hidden that the arguments leave out, and what is translucent cut out as they say.
+    /// The scene without the objects that the arguments leave out, and with translucent surfaces cut out as they say.
     pub(crate) fn picked(mut self, args: &PickArgs) -> Result<Self, Failure> {
         let objects = self.scene.objects();
         let mut is_hidden = vec![!args.only.is_empty(); objects.len()];

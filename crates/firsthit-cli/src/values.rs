@@ -54,7 +54,7 @@ pub(crate) fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
     PossibleValuesParser::new(ToneMap::NAMES).try_map(|name| name.parse())
 }
 
-/// What becomes of far distances.
+/// The treatment of far distances.
 pub(crate) fn far() -> impl TypedValueParser<Value = Far> {
     PossibleValuesParser::new(Far::NAMES).try_map(|name| name.parse())
 }

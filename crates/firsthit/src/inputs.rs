@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What tells a file from all others, however its name is spelled and whatever links lead to it.
+/// The identity of a file, however its name is spelled and whatever links lead to it.
 #[cfg(unix)]
 type Identity = (u64, u64);
 #[cfg(not(unix))]
@@ -16,7 +16,7 @@ struct Files {
     read: BTreeMap<Identity, PathBuf>,
     /// Where they were: another program may have replaced one since.
     places: BTreeSet<PathBuf>,
-    /// What this process wrote itself. That is not lost when it is made anew.
+    /// The files that this process wrote. They are not lost when they are made anew.
     own: BTreeMap<PathBuf, Identity>,
 }
 

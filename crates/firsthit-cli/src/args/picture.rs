@@ -88,7 +88,7 @@ pub(crate) struct FileArgs {
     /// miss. Otherwise a PNG of distances is in false colours, to look at
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_hyphen_values = true)]
     pub(crate) png_scale: Option<f64>,
-    /// What --png-scale makes of distances beyond 65535 steps: saturate makes them 65535, zero makes them 0, as a miss [default:
+    /// The number for distances beyond 65535 steps of --png-scale: saturate makes them 65535, zero makes them 0, as a miss [default:
     /// they are an error]
     #[arg(long, value_name = "HOW", value_parser = values::far(), requires = "png_scale")]
     pub(crate) far: Option<Far>,

@@ -26,14 +26,14 @@ pub(crate) struct LoadArgs {
     /// The unit of a mesh file's or a model's lengths, um, mm, cm, m, km, in or ft: they become metres
     #[arg(long, value_name = "UNIT", value_parser = values::unit(), conflicts_with = "scale")]
     pub(crate) units: Option<f64>,
-    /// What all lengths of a mesh file or a model are multiplied by
+    /// The factor of all lengths of a mesh file or a model
     #[arg(long, value_name = "FACTOR", value_parser = values::factor, allow_hyphen_values = true)]
     pub(crate) scale: Option<f64>,
     /// A folder whose files the file may name, as textures, beside those of its own folder; may be given several times. What is
     /// not found by its whole name is looked for by the last part of it
     #[arg(long, value_name = "FOLDER")]
     pub(crate) resources: Vec<PathBuf>,
-    /// The same for the folder above the file's own: ../textures/wood.png is read
+    /// Allow the folder above the file's own too: ../textures/wood.png is read
     #[arg(long)]
     pub(crate) allow_parent: bool,
     /// The variant of a glTF file's materials, by its name; firsthit info lists them [default: the materials that the file shows

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::failure::Failure;
 use crate::hints::number;
 
-/// What distances come to: those of points that have one.
+/// A summary of distances: those of points that have one.
 pub(super) struct Summary {
     count: usize,
     mean: f64,

@@ -1,4 +1,4 @@
-//! What a LAS or LAZ file says of itself: its header, and the metadata of a cloud that firsthit wrote.
+//! A LAS or LAZ file's own account: its header, and the metadata of a cloud that firsthit wrote.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -88,7 +88,7 @@ struct Las {
     step: [f64; 3],
     low: [f64; 3],
     high: [f64; 3],
-    /// What points have beside what their format says.
+    /// Numbers of points beside those of their format.
     columns: Vec<String>,
     metadata: Option<Metadata>,
     notes: Vec<String>,

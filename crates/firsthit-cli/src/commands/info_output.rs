@@ -154,7 +154,7 @@ const TOLD: [&str; 8] = [
     "skew",
 ];
 
-/// What is taken for how far a scene reaches that is not here, and for how long a drive lasts.
+/// The extent of a scene that is not here, and the length of a drive, where neither is known.
 const EXTENT: f64 = 1000.0;
 
 fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {

@@ -21,7 +21,7 @@ pub(crate) fn check_other(path: &Path, orders: &[Order]) -> Result<(), Failure> 
     check_paths(targets.chain([&Target::other(path)]))
 }
 
-/// The same of outputs of other kinds.
+/// Targets of outputs of other kinds.
 pub(crate) fn check_files(paths: &[PathBuf]) -> Result<(), Failure> {
     let targets: Vec<Target> = paths.iter().map(|path| Target::other(path)).collect();
     check_paths(&targets)

@@ -49,7 +49,7 @@ pub(super) struct Lines {
     wanted: Option<Vec<usize>>,
     /// How many lines came before the part that is being read.
     before: u64,
-    /// What is wrong with names that nobody knows, where no numbers follow.
+    /// The fault of names that nobody knows, where no numbers follow.
     doubt: Option<String>,
 }
 

@@ -16,7 +16,7 @@ pub struct WriteSettings {
     /// The step of a 16 bit PNG in scene units: distances are stored as a number of steps, misses as 0. `None`:
     /// distances are stored as colours.
     pub png_scale: Option<f64>,
-    /// What a 16 bit PNG has in place of distances beyond its last step, 65535. `None`: they are an error.
+    /// The number of a 16 bit PNG in place of distances beyond its last step, 65535. `None`: they are an error.
     pub png_far: Option<Far>,
     /// Whether PNGs of identifiers hold their numbers, each plus one, in 16 bits, and misses as 0. Otherwise they are stored as colours.
     pub png_labels: bool,
@@ -27,7 +27,7 @@ pub struct WriteSettings {
 }
 
 named! {
-    /// What a 16 bit PNG has in place of distances beyond its last step.
+    /// The number of a 16 bit PNG in place of distances beyond its last step.
     pub enum Far, "far":
     /// The last step.
     #[default]

@@ -232,7 +232,7 @@ impl Frame {
         Ok(frame)
     }
 
-    /// The same with float32 numbers where there are float64 ones: the nearest, but finite for what is finite, and zero for zero alone. So
+    /// The frame with float32 numbers in place of float64 ones: the nearest, but finite for finite ones, and zero for zero alone. So
     /// a hit does not become a miss.
     ///
     /// # Errors

@@ -37,7 +37,7 @@ const MOST_UNPACKED: u64 = 64;
 pub struct Points {
     /// Where they are, in the order of the file. Those of rays that met nothing are not finite.
     pub positions: Vec<[f64; 3]>,
-    /// What else there is of each point: arrays of `[n]` or of `[n, components]`.
+    /// Further numbers of each point: arrays of `[n]` or of `[n, components]`.
     pub columns: Vec<Array>,
     /// The doubts about the file: a line each.
     pub notes: Vec<String>,
@@ -58,7 +58,7 @@ pub fn read_points(path: &Path) -> Result<Points> {
     points_of(path, &bytes)
 }
 
-/// The same from a file's content. `name` is what messages call it.
+/// Reads points from a file's content. `name` is its name in messages.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! What a file is that is not what its name says, or that is not read: and how to make one that is.
+//! The real format of a file with another's name, or of one that is not read, and how to make one that is.
 
 use std::path::Path;
 
@@ -63,7 +63,7 @@ const BEGINNINGS: &[(&[u8], &str)] = &[
     (b"#VRML", "wrl"),
 ];
 
-/// What makes a file that is read of one that is not, by its extension.
+/// The way from a file that is not read to one that is, by its extension.
 pub(super) fn way_of(path: &Path) -> Option<String> {
     WAYS.iter().find_map(|(extensions, way)| {
         let is_it = |extension: &&&str| has_extension(path, &[extension]);

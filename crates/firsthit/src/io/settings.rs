@@ -21,7 +21,7 @@ pub struct LoadSettings {
     /// Folders whose files a file may name, as textures, beside those of its own folder. Names that are not found beside it are looked
     /// for there, by the whole name and by its last part. Nothing else is opened: links that lead elsewhere are refused.
     pub resources: Vec<PathBuf>,
-    /// What all lengths of a mesh file or a model are multiplied by, positive and finite; see [`UNITS`]. Its lights are as bright on its
+    /// The factor of all lengths of a mesh file or a model, positive and finite; see [`UNITS`]. Its lights are as bright on its
     /// surfaces as before. Scene files and built scenes have lengths of their own: for them it is 1.
     pub scale: f64,
     /// The variant of a glTF file's materials, by its name (`KHR_materials_variants`); that which the file shows without one if left out. Of

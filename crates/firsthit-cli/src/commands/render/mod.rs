@@ -214,7 +214,7 @@ pub(crate) fn asked_for(
     Ok((scene, appearance))
 }
 
-/// What goes where, none of it over what was read so far.
+/// Outputs and their files, none of them a file that was read so far.
 fn all_orders(
     args: &RenderArgs,
     asked: Option<Vec<Order>>,

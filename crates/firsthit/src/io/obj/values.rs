@@ -39,7 +39,7 @@ impl Values {
         }
     }
 
-    /// What they take in memory.
+    /// Their bytes in memory.
     pub(super) fn bytes(&self) -> usize {
         let corners = size_of_val(self.uvs.as_slice()) + size_of_val(self.normals.as_slice());
         let colors = size_of_val(self.colors.as_slice()) + size_of_val(self.sevenths.as_slice());

@@ -3,7 +3,7 @@
 use crate::io::fault::{Checked, Fault};
 use crate::io::text::{Lines, Words, shown};
 
-/// What a keyword says of the values of vertices, in this order after their coordinates.
+/// The values of vertices that a keyword names, in this order after their coordinates.
 #[expect(
     clippy::struct_excessive_bools,
     reason = "the letters of a keyword, each there or not"

@@ -1,6 +1,6 @@
 //! Marc Lehmann's LZF, by which PCL packs points.
 
-/// What `packed` unpacks to, which must be `length` bytes.
+/// The content of `packed`, which must be `length` bytes.
 pub(super) fn unpacked(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static str> {
     /// Three bytes stand for at most so many.
     const MOST: usize = 264;

@@ -13,13 +13,13 @@ const AXES: &[[&str; 3]] = &[
     ["ox", "oy", "oz"],
 ];
 
-/// What lines begin with that are no points.
+/// The beginnings of lines that are no points.
 const COMMENTS: [&[u8]; 3] = [b"#", b"//", b"%"];
 
 /// Nobody needs more.
 const MOST_COLUMNS: usize = 256;
 
-/// What is between the fields of a line.
+/// The separator of a line's fields.
 #[derive(Debug, Clone, Copy)]
 enum Separator {
     Byte(u8),
@@ -70,7 +70,7 @@ struct Columns {
     axes: [usize; 3],
     /// Each with its name, as long as it is all numbers.
     named: Vec<(String, Option<Vec<f64>>)>,
-    /// What is wrong with a line of names that nobody knows, where no point follows.
+    /// The fault of a line of names that nobody knows, where no point follows.
     doubt: Option<String>,
 }
 
