@@ -1,4 +1,4 @@
-//! OFF, Geomview's text format: <http://www.geomview.org/docs/html/OFF.html>.
+//! OFF, the text format of the manual of Geomview, "Object File Format". Its vertices may have colours, normals and texture coordinates.
 
 mod header;
 mod rows;
