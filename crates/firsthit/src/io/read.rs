@@ -308,7 +308,7 @@ mod tests {
             "wood.png",
             "maps/wood.png",
             "C:\\Users\\me\\wood.png",
-            "/home/me/wood.png",
+            "/srv/models/wood.png",
         ] {
             let path = sibling(&scene, name, &allowed).unwrap();
             assert!(path.ends_with("textures/wood.png"), "{name}");
