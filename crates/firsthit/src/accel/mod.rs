@@ -19,6 +19,7 @@ mod bounds;
 mod build;
 mod bvh;
 mod edges;
+mod extent;
 mod filter;
 mod locate8;
 mod mesh_tree;

@@ -13,6 +13,7 @@ mod coloring;
 mod duplicates;
 mod emitters;
 mod environment;
+mod extent;
 #[cfg(feature = "frame")]
 mod fingerprint;
 mod interaction;
@@ -28,8 +29,6 @@ mod top_tree;
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
-
-use rayon::prelude::*;
 
 pub use background::Background;
 pub use build::{Build, BuildSettings};
@@ -51,6 +50,7 @@ use build::mesh_trees;
 pub(crate) use duplicates::Duplicates;
 pub(crate) use emitters::Emitters;
 pub(crate) use environment::Hemispheres;
+pub(crate) use extent::support;
 pub(crate) use interaction::compute_geometry;
 pub(crate) use light::{PreparedLight, Sun, form_factor};
 pub(crate) use material::Lambertian;
@@ -225,11 +225,10 @@ impl Scene {
         let (top, bounds) = if let Some(before) = unmoved {
             (before.top.clone(), before.bounds.clone())
         } else {
-            let boxes = in_parts(&objects, |_, object| object.bounds());
-            let visible = objects.iter().zip(&boxes);
-            let visible = visible.filter(|(object, _)| !object.is_hidden());
-            let bounds = around(visible.map(|(_, &bounds)| bounds));
-            (TopTree::new(&objects, boxes), OnceLock::from(bounds))
+            let around =
+                |k: usize, object: &Object| extent::box_around(object, trees[k].as_deref());
+            let boxes = extent::in_parts(&objects, around);
+            (TopTree::new(&objects, boxes), OnceLock::new())
         };
         Ok(Self {
             objects,
@@ -292,7 +291,8 @@ impl Scene {
         for &(object, transform) in places {
             self.objects[object].place(transform);
         }
-        self.top.moved(&self.objects, &moved);
+        let around = |k: usize| extent::box_around(&self.objects[k], self.trees[k].as_deref());
+        self.top.moved(&self.objects, &moved, around);
         self.bounds = OnceLock::new();
         self.seen = OnceLock::new();
         self.endless = OnceLock::new();
@@ -443,44 +443,6 @@ impl Scene {
         !has_light && !self.emitters().has_any()
     }
 
-    /// The smallest box around all objects in the world, infinite and hidden ones left out; empty without any.
-    pub fn bounds(&self) -> Bounds {
-        let visible = self.objects.iter().filter(|object| !object.is_hidden());
-        *parallel::once(&self.bounds, || around(visible.map(Object::bounds)))
-    }
-
-    /// A box that no ray meets anything outside of, a little larger than [`bounds`](Self::bounds); `None` where something has no end.
-    pub(crate) fn blocking_bounds(&self) -> Option<Bounds> {
-        let mut visible = self.objects.iter().filter(|object| !object.is_hidden());
-        let is_endless = || visible.any(|object| top_tree::is_unbounded(&object.bounds()));
-        if *parallel::once(&self.endless, is_endless) {
-            return None;
-        }
-        let Bounds { low, high } = self.bounds();
-        let margin = 1e-9 * low.abs().max(high.abs()).max_element();
-        Some(Bounds {
-            low: low - margin,
-            high: high + margin,
-        })
-    }
-
-    /// The support function: the largest dot product of `direction` with a point of the scene, for a direction of any length.
-    /// Infinite and hidden objects are left out; minus infinity for a scene without others.
-    ///
-    /// It is exact for every shape, where [`bounds`](Self::bounds) is a box around it.
-    ///
-    /// ```
-    /// use firsthit::{DVec3, Object, Scene, Sphere};
-    ///
-    /// let ball = Sphere::new(DVec3::new(1.0, 0.0, 0.0), 2.0)?;
-    /// let scene = Scene::new(vec![Object::new(ball)])?;
-    /// assert_eq!(scene.support(DVec3::X), 3.0);
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    pub fn support(&self, direction: DVec3) -> f64 {
-        support(&self.objects, direction)
-    }
-
     /// How many triangles there are in the world: those of a shared mesh once for each object.
     pub fn triangles(&self) -> u64 {
         self.objects
@@ -558,38 +520,4 @@ impl Scene {
             .collect();
         distinct.values().sum::<usize>() + self.top.bytes()
     }
-}
-
-/// Something of each object, by its number. Few objects may take long each, and of many each takes little.
-fn in_parts<T: Send>(objects: &[Object], of: impl Fn(usize, &Object) -> T + Sync) -> Vec<T> {
-    const MOST_PARTS: usize = 1024;
-    let size = objects.len().div_ceil(MOST_PARTS).max(1);
-    parallel::gather(objects.chunks(size).enumerate(), |(part, objects)| {
-        let numbered = (part * size..).zip(objects);
-        numbered.map(|(index, object)| of(index, object)).collect()
-    })
-}
-
-/// See [`Scene::support`]. Objects are visited in the order of the bounds that their boxes give, until no bound that is left
-/// exceeds the largest product found: of many instances of a mesh, the vertices of a few are visited.
-pub(crate) fn support(objects: &[Object], direction: DVec3) -> f64 {
-    let bound = |index, object: &Object| (object.support_bound(direction), index);
-    let mut bounds: Vec<(f64, usize)> = in_parts(objects, bound);
-    bounds.retain(|&(bound, index)| bound < f64::INFINITY && !objects[index].is_hidden());
-    bounds.par_sort_unstable_by(|(a, _), (b, _)| b.total_cmp(a));
-    let mut farthest = f64::NEG_INFINITY;
-    for (bound, index) in bounds {
-        if bound <= farthest {
-            break;
-        }
-        farthest = farthest.max(objects[index].support(direction));
-    }
-    // Of zeros with two signs `max` may return either, from machine to machine.
-    farthest + 0.0
-}
-
-/// The box around all finite boxes.
-fn around(boxes: impl Iterator<Item = Bounds>) -> Bounds {
-    let finite = boxes.filter(|bounds| !top_tree::is_unbounded(bounds));
-    finite.fold(Bounds::EMPTY, Bounds::union)
 }

@@ -140,10 +140,15 @@ impl TopTree {
     }
 
     /// Fits the tree to objects that were moved. Each takes time in proportion to the tree's depth; the first call
-    /// also finds all leaves. The tree is built anew once fitted boxes overlap too much.
-    pub(super) fn moved(&mut self, objects: &[Object], moved: &[u32]) {
+    /// also finds all leaves. The tree is built anew once fitted boxes overlap too much. `around` is a box around an object.
+    pub(super) fn moved(
+        &mut self,
+        objects: &[Object],
+        moved: &[u32],
+        around: impl Fn(usize) -> Bounds,
+    ) {
         for &index in moved {
-            self.boxes[index as usize] = objects[index as usize].box_around();
+            self.boxes[index as usize] = around(index as usize);
             if let Some(listed) = self.listed.iter_mut().find(|it| it.object == index) {
                 let bounds = self.boxes[index as usize];
                 *listed = Candidate::new(objects, &self.duplicates, index, bounds);
@@ -405,7 +410,7 @@ mod tests {
                 for &k in &moved {
                     objects[k as usize] = after[k as usize].clone();
                 }
-                fitted.moved(&objects, &moved);
+                fitted.moved(&objects, &moved, |k| objects[k].box_around());
                 let built = tree(&objects).tree.expected_visits();
                 let visits = fitted.tree.expected_visits();
                 assert!(
@@ -424,7 +429,8 @@ mod tests {
         let (visits, order) = (fitted.tree.expected_visits(), fitted.tree.order.clone());
         let all: Vec<u32> = (0..200).collect();
         for step in 0..300 {
-            fitted.moved(&balls(1, 1e-6 * f64::from(step)), &all);
+            let objects = balls(1, 1e-6 * f64::from(step));
+            fitted.moved(&objects, &all, |k| objects[k].box_around());
         }
         assert!((fitted.tree.expected_visits() / visits - 1.0).abs() < 1e-3);
         assert_eq!(fitted.tree.order, order);
