@@ -46,6 +46,7 @@ pub(crate) use nearby::Nearby;
 pub(crate) use node::Node;
 pub(crate) use rays::enter::product_along;
 pub(crate) use rays::packet::{Packet, RAYS};
+pub(crate) use rays::trees::{TreeEach, Trees};
 #[cfg(feature = "fhs")]
 pub(crate) use stored::{TreeFacts, TreeParts};
 pub(crate) use tile::frustum::{TileCamera, TileFrustum};
@@ -61,7 +62,7 @@ pub(crate) use traverse::dispatch::Dispatcher;
 pub(crate) use traverse::each::{END, EachCandidate};
 pub(crate) use traverse::filtered::FilteredQuery;
 pub(crate) use traverse::first::First;
-pub(crate) use traverse::mesh_packet::{MeshPacket, SettleExactly};
+pub(crate) use traverse::mesh_packet::{FEWEST, MeshPacket, SettleExactly};
 pub(crate) use traverse::nearest::each_near;
 pub(crate) use traverse::query::{MeshQuery, Sink};
 pub(crate) use traverse::single::{Scratch, query_mesh, query_mesh_filtered};

@@ -12,8 +12,8 @@ use super::scene_walk::{Instance, SceneWalk};
 use super::single::SingleRay;
 use super::start::met_at_start;
 use crate::accel::{
-    self, Dispatcher, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch,
-    WalkStack,
+    self, Dispatcher, FEWEST, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS,
+    Scratch, TreeEach, Trees, WalkStack,
 };
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Ray, Rays};
@@ -28,6 +28,8 @@ use crate::watch::Watch;
 pub(super) const BATCH: usize = 1024;
 
 /// Rays that need have nothing in common, by all threads of the current rayon pool.
+// Its name must stand in programs that have packets; see the test below.
+#[inline(never)]
 pub(super) fn trace_array<S: Sink>(
     set: InstructionSet,
     scene: &Scene,
@@ -304,7 +306,6 @@ impl<S: Sink> Batch<'_, S> {
             if instances.is_empty() {
                 break;
             }
-            sort_by_object(&mut instances);
             through_instances(l, memory, scene, &instances, &mut walks);
             left.extend(instances.iter().map(|(index, _)| index));
         }
@@ -314,10 +315,48 @@ impl<S: Sink> Batch<'_, S> {
     }
 }
 
-/// Brings those at the same object side by side. Of its own, so that the sort is compiled once and not for each kernel.
-#[inline(never)]
-fn sort_by_object(instances: &mut [(usize, Instance<'_>)]) {
-    instances.sort_by_key(|(_, instance)| instance.object);
+/// In which packets rays go that have each come to a mesh.
+#[derive(Default)]
+struct Packing {
+    /// The instances' indices, those of a packet side by side.
+    order: Vec<usize>,
+    /// The first of each packet, and how many they are.
+    packets: Vec<(usize, usize)>,
+    /// In so many packets, which come first, all rays are at one object.
+    together: usize,
+}
+
+impl Packing {
+    /// Where a few rays or more are at one object, they go together; of the others each goes to an object of its own. Compiled once and
+    /// not for each kernel.
+    #[inline(never)]
+    fn new(instances: &[(usize, Instance<'_>)]) -> Self {
+        let object = |k: usize| instances[k].1.object;
+        let mut sorted: Vec<(u32, usize)> = (0..instances.len()).map(|k| (object(k), k)).collect();
+        sorted.sort_unstable();
+        let (mut packing, mut apart) = (Self::default(), Vec::new());
+        for same in sorted.chunk_by(|(a, _), (b, _)| a == b) {
+            for chunk in same.chunks(RAYS) {
+                let indices = chunk.iter().map(|&(_, k)| k);
+                if chunk.len() >= FEWEST as usize {
+                    packing.add(indices);
+                } else {
+                    apart.extend(indices);
+                }
+            }
+        }
+        packing.together = packing.packets.len();
+        for chunk in apart.chunks(RAYS) {
+            packing.add(chunk.iter().copied());
+        }
+        packing
+    }
+
+    fn add(&mut self, indices: impl Iterator<Item = usize>) {
+        let first = self.order.len();
+        self.order.extend(indices);
+        self.packets.push((first, self.order.len() - first));
+    }
 }
 
 /// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays that go on as they are, a bit each, and
@@ -418,7 +457,7 @@ impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<S> {
 /// What a mesh answers.
 type Found<Q> = <<Q as RayQuery>::InMesh as MeshQuery>::Found;
 
-/// Takes rays through the mesh that each has come to. Rays at the same object stand side by side.
+/// Takes rays through the mesh that each has come to.
 #[inline(always)]
 fn through_instances<'a, L: Lanes, Q: RayQuery>(
     l: L,
@@ -427,58 +466,73 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
     instances: &[(usize, Instance<'a>)],
     walks: &mut [SceneWalk<'a, Q>],
 ) {
-    let mut count = 0;
-    let mut firsts = Vec::with_capacity(instances.len());
-    for same in instances.chunk_by(|(_, a), (_, b)| a.object == b.object) {
-        for chunk in same.chunks(RAYS) {
-            memory.hold_packets(firsts.len() + 1);
-            let packet = &mut memory.packets[firsts.len()];
-            for (lane, (index, instance)) in chunk.iter().enumerate() {
-                packet.put(lane, &instance.ray);
-                if Q::IS_FILTERED {
-                    packet.set_filter(lane, &memory.in_meshes[*index]);
-                }
-            }
-            firsts.push((count, chunk.len()));
-            count += chunk.len();
-        }
-    }
-    for (packet, &(first, length)) in memory.packets.iter_mut().zip(&firsts) {
-        let tree = instances[first].1.tree;
-        if Q::IS_FILTERED {
-            packet.prepare_filtered(l, tree, length);
-        } else {
-            packet.prepare(l, tree, length);
-        }
-    }
-    let at_mesh = |(packet, &(first, _)): (_, &(usize, usize))| {
-        let Instance { tree, mesh, .. } = instances[first].1;
-        MeshPacket::new(tree, mesh, packet)
+    let packing = Packing::new(instances);
+    memory.hold_packets(packing.packets.len());
+    let at_mesh = |lane: usize| {
+        let Instance { tree, mesh, .. } = instances[packing.order[lane]].1;
+        (tree, mesh)
     };
-    let mut packets: Vec<MeshPacket<'_>> =
-        memory.packets.iter().zip(&firsts).map(at_mesh).collect();
+    let mut trees = Vec::with_capacity(packing.packets.len() - packing.together);
+    for (number, &(first, length)) in packing.packets.iter().enumerate() {
+        let packet = &mut memory.packets[number];
+        for lane in 0..length {
+            let (index, instance) = &instances[packing.order[first + lane]];
+            packet.put(lane, &instance.ray);
+            if Q::IS_FILTERED {
+                packet.set_filter(lane, &memory.in_meshes[*index]);
+            }
+        }
+        if number < packing.together {
+            let (tree, _) = at_mesh(first);
+            prepare::<L, Q>(l, packet, tree, length);
+        } else {
+            let mut each = TreeEach::new(at_mesh(first));
+            (1..length).for_each(|lane| each.put(lane, at_mesh(first + lane)));
+            prepare::<L, Q>(l, packet, &each, length);
+            trees.push(each);
+        }
+    }
+    let mut packets = Vec::with_capacity(packing.packets.len());
+    for (number, (packet, &(first, _))) in memory.packets.iter().zip(&packing.packets).enumerate() {
+        packets.push(match number.checked_sub(packing.together) {
+            None => {
+                let (tree, mesh) = at_mesh(first);
+                MeshPacket::new(tree, mesh, packet)
+            }
+            Some(apart) => MeshPacket::apart(&trees[apart], packet),
+        });
+    }
     let sink = OfInstances {
         scene,
         instances,
-        firsts: &firsts,
+        packing: &packing,
         walks,
     };
     dispatch::<L, Q>(l, &mut memory.dispatcher, &mut packets, sink);
+}
+
+#[inline(always)]
+fn prepare<L: Lanes, Q: RayQuery>(l: L, packet: &mut Packet, trees: impl Trees, length: usize) {
+    if Q::IS_FILTERED {
+        packet.prepare_filtered(l, trees, length);
+    } else {
+        packet.prepare(l, trees, length);
+    }
 }
 
 /// Takes the answers of meshes: the rays go on to the next.
 struct OfInstances<'r, 'a, Q> {
     scene: &'a Scene,
     instances: &'r [(usize, Instance<'a>)],
-    /// The first instance of each packet.
-    firsts: &'r [(usize, usize)],
+    packing: &'r Packing,
     walks: &'r mut [SceneWalk<'a, Q>],
 }
 
 impl<Q: RayQuery> accel::Sink<Found<Q>> for OfInstances<'_, '_, Q> {
     #[inline(always)]
     fn put(&mut self, packet: usize, lane: usize, found: Found<Q>) {
-        let (index, _) = self.instances[self.firsts[packet].0 + lane];
+        let place = self.packing.packets[packet].0 + lane;
+        let (index, _) = self.instances[self.packing.order[place]];
         self.walks[index].take(self.scene, found);
     }
 }

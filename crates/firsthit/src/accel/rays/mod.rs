@@ -5,3 +5,4 @@ pub(super) mod limits;
 pub(super) mod packet;
 mod prepare;
 pub(super) mod tree_ray;
+pub(super) mod trees;

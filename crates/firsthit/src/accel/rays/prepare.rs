@@ -1,4 +1,4 @@
-//! Makes sixteen rays ready for the tree of a mesh, eight at a time: [`TreeRay`](super::tree_ray::TreeRay) says what
+//! Makes sixteen rays ready for the tree of a mesh, or for one each, eight at a time: [`TreeRay`](super::tree_ray::TreeRay) says what
 //! the numbers mean.
 //!
 //! 1. Find the axis along which the direction is longest. The others come first, so that slopes are at most 1.
@@ -27,8 +27,8 @@
 )]
 
 use super::packet::{Packet, RAYS, largest_of, of_mut, vector};
-use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR, U};
-use crate::accel::mesh_tree::MeshTree;
+use super::trees::Trees;
+use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR};
 use crate::simd::{Lanes, WIDE};
 
 /// Between the axes of space and those of each ray, `TreeRay::axes`.
@@ -89,25 +89,25 @@ impl<L: Lanes> Rounding<L> {
 }
 
 impl Packet {
-    /// Makes the first `count` rays ready for `tree`. They are [valid](Ray::is_valid).
+    /// Makes the first `count` rays ready for the tree or trees that they are at. They are [valid](Ray::is_valid).
     #[inline(always)]
-    pub(crate) fn prepare<L: Lanes>(&mut self, l: L, tree: &MeshTree, count: usize) {
-        self.prepare_blurred(l, tree, count, 0.0);
+    pub(crate) fn prepare<L: Lanes>(&mut self, l: L, trees: impl Trees, count: usize) {
+        self.prepare_blurred(l, trees, count, 0.0);
     }
 
     /// The same for rays with [filters](Packet::set_filter). They leave triangles only where `MeshTree::is_sharp_from` says so.
     #[inline(always)]
-    pub(crate) fn prepare_filtered<L: Lanes>(&mut self, l: L, tree: &MeshTree, count: usize) {
+    pub(crate) fn prepare_filtered<L: Lanes>(&mut self, l: L, trees: impl Trees, count: usize) {
         let mut off: f64 = 0.0;
         let mut departing = 0;
         for lane in 0..count.min(RAYS) {
             let filter = &self.filters[lane];
             departing |= u16::from(filter.is_departing()) << lane;
             if let Some(point) = filter.departure() {
-                off = off.max(point.off * tree.space.scale);
+                off = off.max(point.off * trees.scale_at(lane));
             }
         }
-        self.prepare_blurred(l, tree, count, off);
+        self.prepare_blurred(l, trees, count, off);
         self.departing = departing;
     }
 
@@ -116,15 +116,15 @@ impl Packet {
     pub(in crate::accel) fn prepare_blurred<L: Lanes>(
         &mut self,
         l: L,
-        tree: &MeshTree,
+        trees: impl Trees,
         count: usize,
         off: f64,
     ) {
         self.departing = 0;
-        let (first, first_distant) = self.prepare_half(l, tree, 0, off);
+        let (first, first_distant) = self.prepare_half(l, trees, 0, off);
         // One ray alone is common.
         let (second, second_distant) = if count > WIDE {
-            self.prepare_half(l, tree, 1, off)
+            self.prepare_half(l, trees, 1, off)
         } else {
             (0, 0)
         };
@@ -138,7 +138,13 @@ impl Packet {
         clippy::too_many_lines,
         reason = "one derivation, each line of which needs those before"
     )]
-    fn prepare_half<L: Lanes>(&mut self, l: L, tree: &MeshTree, half: usize, off: f64) -> (u8, u8) {
+    fn prepare_half<L: Lanes>(
+        &mut self,
+        l: L,
+        trees: impl Trees,
+        half: usize,
+        off: f64,
+    ) -> (u8, u8) {
         let number = |x: f64| l.splat64(x);
         let (zero, one) = (number(0.0), number(1.0));
         let (origin, d) = (
@@ -154,18 +160,16 @@ impl Packet {
         ];
         let direction = axes.restored(l, [slope[0], slope[1], sign]);
 
-        let scale = number(tree.space.scale);
+        let scale = trees.scale(l, half);
         let mut start = [zero; 3];
         for axis in 0..3 {
-            let moved = l.sub64(origin[axis], number(tree.space.origin[axis]));
+            let moved = l.sub64(origin[axis], trees.origin(l, half, axis));
             start[axis] = l.mul64(moved, scale);
         }
         let mut largest = largest_of(l, &start);
         let size = l.mul64(largest_of(l, &origin), scale);
         let mut blur = l.fused_mul_add64(number(BLUR), l.add64(size, number(100.0)), number(off));
-        if !tree.is_exact {
-            blur = l.add64(blur, number(U.into()));
-        }
+        blur = trees.with_rounding(l, half, blur);
         let mut moved = zero;
         let far = !l.le64(largest, number(FAR));
         let mut distant = 0;

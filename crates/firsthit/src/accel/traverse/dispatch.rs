@@ -9,7 +9,7 @@
 use super::coherent::coherent;
 use super::interleaved::{InFlight, interleaved};
 use super::masked::masked;
-use super::mesh_packet::{FEWEST, MeshPacket};
+use super::mesh_packet::MeshPacket;
 use super::query::{MeshQuery, Sink};
 use super::stack::Stack;
 use crate::simd::Lanes;
@@ -40,12 +40,12 @@ impl Dispatcher {
         let (mut of_coherent, mut of_masked) = (Trials::new(), Trials::new());
         let stack = &mut self.stack;
         for (number, packet) in packets.iter_mut().enumerate() {
-            // A packet of few rays, as the last one of an object is, says nothing about the next.
-            if Q::IN_PACKETS && packet.open.count_ones() >= FEWEST && of_coherent.tries() {
+            // A packet of few rays, as the last one of a batch is, says nothing about the next.
+            if Q::IN_PACKETS && packet.goes_together() && of_coherent.tries() {
                 of_coherent.learn(coherent::<L, Q>(l, stack, (number, packet), sink));
             }
             let has_masks = Q::IN_PACKETS && !Q::ORDERED;
-            if has_masks && packet.open.count_ones() >= FEWEST && of_masked.tries() {
+            if has_masks && packet.goes_together() && of_masked.tries() {
                 of_masked.learn(masked::<L, Q>(l, stack, (number, packet), sink));
             }
         }

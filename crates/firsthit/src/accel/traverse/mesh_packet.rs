@@ -4,20 +4,23 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::rays::limits::Limits;
 use crate::accel::rays::packet::{Packet, RAYS};
+use crate::accel::rays::trees::TreeEach;
 use crate::geometry::{DVec3, Ray};
 use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
 use crate::simd::{Kernel, Lanes};
 
 /// A packet with fewer rays than this is left to [`interleaved`](super::interleaved).
-pub(super) const FEWEST: u32 = 4;
+pub(crate) const FEWEST: u32 = 4;
 
-/// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh.
+/// A packet of rays that is [prepared](Packet::prepare) for the tree of a mesh, or for one each.
 #[derive(Clone, Copy)]
 pub(crate) struct MeshPacket<'a> {
     pub(super) tree: &'a MeshTree,
     pub(super) mesh: &'a Mesh,
     pub(super) packet: &'a Packet,
+    /// Where the rays are at different meshes, those.
+    each: Option<&'a TreeEach<'a>>,
     /// The rays without an answer yet, a bit each.
     pub(super) open: u16,
 }
@@ -28,16 +31,34 @@ impl<'a> MeshPacket<'a> {
             tree,
             mesh,
             packet,
+            each: None,
             open: packet.alive,
         }
+    }
+
+    /// Of rays that are at a mesh each.
+    pub(crate) fn apart(each: &'a TreeEach<'a>, packet: &'a Packet) -> Self {
+        let (tree, mesh) = each.at(0);
+        Self {
+            each: Some(each),
+            ..Self::new(tree, mesh, packet)
+        }
+    }
+
+    /// Whether so many of its rays are at one mesh that traversals of packets serve.
+    #[inline(always)]
+    pub(super) fn goes_together(&self) -> bool {
+        self.each.is_none() && self.open.count_ones() >= FEWEST
     }
 
     /// One of its rays.
     #[inline(always)]
     pub(super) fn ray(&self, lane: usize) -> MeshRay<'a> {
+        let at_mesh = (self.tree, self.mesh);
+        let (tree, mesh) = self.each.map_or(at_mesh, |each| each.at(lane));
         MeshRay {
-            tree: self.tree,
-            mesh: self.mesh,
+            tree,
+            mesh,
             packet: self.packet,
             lane,
             limits: self.packet.limits(lane),

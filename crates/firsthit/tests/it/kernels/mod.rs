@@ -15,7 +15,8 @@ use firsthit::shoot::{
     All, AllHits, Any, BruteForce, Count, Cpu, Engine, First, trace, trace_with,
 };
 use firsthit::{
-    DAffine3, DVec3, Hit, Hits, InstructionSet, Material, Object, Ray, Rays, Scene, Transform,
+    DAffine3, DQuat, DVec3, Hit, Hits, InstructionSet, Material, Object, Ray, Rays, Scene,
+    Transform,
 };
 use rayon::ThreadPoolBuilder;
 
@@ -153,6 +154,45 @@ fn short_rays_from_neighbours() {
             let rays = &rays[..cases(1000)];
             checked(&Scene::new(objects).unwrap(), rays);
         }
+    }
+}
+
+/// Many turned instances of some meshes at every scale, of which hardly any two rays come to the same one at a time: then sixteen rays go
+/// together that are at sixteen meshes. Some vertices are float32, and some are not.
+#[test]
+fn rays_among_many_instances() {
+    for round in rounds(8) {
+        let mut numbers = Numbers::new(40 + round);
+        let (scale, offset) = PLACES[round as usize % PLACES.len()];
+        let meshes: Vec<_> = (0..5_u32)
+            .map(|k| {
+                let (mut points, triangles) = if k == 0 {
+                    bumpy_sphere(12, 3)
+                } else {
+                    soup([3, 12, 40, 7][k as usize % 4], &mut numbers)
+                };
+                if k % 2 == 0 {
+                    points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
+                }
+                mesh(&points, triangles)
+            })
+            .collect();
+        let objects: Vec<Object> = (0..160)
+            .map(|k| {
+                let turn = DQuat::from_scaled_axis(3.0 * numbers.point());
+                let size =
+                    DVec3::splat(scale * [1.0, 0.02, 3.0][k % 3]) * (1.0 + 0.3 * numbers.point());
+                let place = placed(&[6.0 * numbers.point()], scale, offset)[0];
+                let affine = DAffine3::from_scale_rotation_translation(size, turn, place);
+                Object::new(meshes[k % 5].clone()).placed(Transform::new(affine).unwrap())
+            })
+            .collect();
+        let scene = Scene::new(objects).unwrap();
+        let points: Vec<DVec3> = (0..200).map(|_| 6.0 * numbers.point()).collect();
+        let points = placed(&points, scale, offset);
+        let rays = rays(&points, 6.0 * scale, cases(1500), &mut numbers);
+        let met = checked(&scene, &rays);
+        assert!(met > rays.len() / 20, "{round}: {met} of {}", rays.len());
     }
 }
 

@@ -1,0 +1,110 @@
+//! The trees that the rays of a packet are at: one for all, or one each.
+
+use super::packet::{RAYS, of};
+use crate::accel::bounds::U;
+use crate::accel::mesh_tree::MeshTree;
+use crate::shape::Mesh;
+use crate::simd::Lanes;
+
+/// The spaces of the trees of a packet's rays, of which a half are asked for at a time.
+pub(crate) trait Trees: Copy {
+    /// Units of the tree in a unit of the mesh, of one ray.
+    fn scale_at(self, lane: usize) -> f64;
+    /// The same of eight.
+    fn scale<L: Lanes>(self, l: L, half: usize) -> L::Doubles;
+    /// The trees' origins along an axis.
+    fn origin<L: Lanes>(self, l: L, half: usize, axis: usize) -> L::Doubles;
+    /// The blur, and where a tree's vertices are rounded that rounding.
+    fn with_rounding<L: Lanes>(self, l: L, half: usize, blur: L::Doubles) -> L::Doubles;
+}
+
+impl Trees for &MeshTree {
+    #[inline(always)]
+    fn scale_at(self, _: usize) -> f64 {
+        self.space.scale
+    }
+
+    #[inline(always)]
+    fn scale<L: Lanes>(self, l: L, _: usize) -> L::Doubles {
+        l.splat64(self.space.scale)
+    }
+
+    #[inline(always)]
+    fn origin<L: Lanes>(self, l: L, _: usize, axis: usize) -> L::Doubles {
+        l.splat64(self.space.origin[axis])
+    }
+
+    #[inline(always)]
+    fn with_rounding<L: Lanes>(self, l: L, _: usize, blur: L::Doubles) -> L::Doubles {
+        if self.is_exact {
+            blur
+        } else {
+            l.add64(blur, l.splat64(U.into()))
+        }
+    }
+}
+
+/// A tree for each ray of a packet.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct TreeEach<'a> {
+    scale: [f64; RAYS],
+    origin: [[f64; RAYS]; 3],
+    rounding: [f64; RAYS],
+    meshes: [(&'a MeshTree, &'a Mesh); RAYS],
+}
+
+impl<'a> TreeEach<'a> {
+    /// One for all lanes, until others are [put](Self::put).
+    pub(crate) fn new(at_mesh: (&'a MeshTree, &'a Mesh)) -> Self {
+        let mut each = Self {
+            scale: [0.0; RAYS],
+            origin: [[0.0; RAYS]; 3],
+            rounding: [0.0; RAYS],
+            meshes: [at_mesh; RAYS],
+        };
+        (0..RAYS).for_each(|lane| each.put(lane, at_mesh));
+        each
+    }
+
+    /// Puts the ray in a lane to a mesh.
+    #[inline]
+    pub(crate) fn put(&mut self, lane: usize, at_mesh: (&'a MeshTree, &'a Mesh)) {
+        let lane = lane % RAYS;
+        let (tree, _) = at_mesh;
+        self.scale[lane] = tree.space.scale;
+        for axis in 0..3 {
+            self.origin[axis][lane] = tree.space.origin[axis];
+        }
+        self.rounding[lane] = if tree.is_exact { 0.0 } else { U.into() };
+        self.meshes[lane] = at_mesh;
+    }
+
+    /// What the ray in a lane is at.
+    #[inline(always)]
+    pub(in crate::accel) fn at(&self, lane: usize) -> (&'a MeshTree, &'a Mesh) {
+        self.meshes[lane % RAYS]
+    }
+}
+
+impl Trees for &TreeEach<'_> {
+    #[inline(always)]
+    fn scale_at(self, lane: usize) -> f64 {
+        self.scale[lane % RAYS]
+    }
+
+    #[inline(always)]
+    fn scale<L: Lanes>(self, l: L, half: usize) -> L::Doubles {
+        l.load64(of(&self.scale, half))
+    }
+
+    #[inline(always)]
+    fn origin<L: Lanes>(self, l: L, half: usize, axis: usize) -> L::Doubles {
+        l.load64(of(&self.origin[axis], half))
+    }
+
+    #[inline(always)]
+    fn with_rounding<L: Lanes>(self, l: L, half: usize, blur: L::Doubles) -> L::Doubles {
+        l.add64(blur, l.load64(of(&self.rounding, half)))
+    }
+}
