@@ -1,6 +1,6 @@
 //! The builder of binary trees: top down, by the surface area heuristic over bins, in parallel.
 //!
-//! 1. Make a leaf of a range of boxes if it fits one.
+//! 1. Make a leaf of a range of boxes if it fits one; part it where it is [large and mostly empty](parts_of_leaf).
 //! 2. Split the range where a ray's expected cost is least (`binned_sah.rs`).
 //! 3. Where no plane separates the boxes' middles, leave out items that are in the place of others, or halve the range.
 //! 4. Build both parts, large ones by two threads.
@@ -41,6 +41,10 @@ pub(super) trait Primitives: Sync {
     fn block(&self) -> Block;
     /// Whether items can be a leaf; one always can.
     fn is_leaf(&self, items: &[Item]) -> bool;
+    /// Half the surface from which on a leaf is large.
+    fn large(&self) -> f64 {
+        f64::INFINITY
+    }
     /// Leaves out items that lose every tie to another in the same place: puts the others in front and returns their
     /// number. Called only for ranges that would be halved.
     fn distinct(&self, items: &mut [Item]) -> usize {
@@ -140,14 +144,20 @@ fn append(
     primitives: &impl Primitives,
     nodes: &mut Vec<BinaryNode>,
 ) -> BinaryNode {
-    if primitives.is_leaf(items) {
-        return BinaryNode {
-            count: index(items.len()),
-            ..inner(around, start)
-        };
-    }
-    let parts = match split(items, depth, primitives.block()) {
+    let is_leaf = primitives.is_leaf(items);
+    let parts = if is_leaf {
+        parts_of_leaf(items, around, depth, primitives)
+    } else {
+        split(items, depth, primitives.block())
+    };
+    let parts = match parts {
         Some(parts) => parts,
+        None if is_leaf => {
+            return BinaryNode {
+                count: index(items.len()),
+                ..inner(around, start)
+            };
+        }
         None => match primitives.distinct(items) {
             kept if kept < items.len() => {
                 return append(
@@ -195,6 +205,26 @@ fn split(items: &mut [Item], depth: u32, block: Block) -> Option<Split> {
     (depth < SAH_DEPTH)
         .then(|| binned_sah::split(items, block))
         .flatten()
+}
+
+/// The two parts of a range that fits a leaf, where two leaves are better: of floor and ceiling of a room, whose one leaf every ray
+/// within would visit. The heuristic thinks that rays come from outside, and would keep them together.
+fn parts_of_leaf(
+    items: &mut [Item],
+    around: Box32,
+    depth: u32,
+    primitives: &impl Primitives,
+) -> Option<Split> {
+    const MOST_OF_VOLUME: f64 = 0.5;
+    const MOST_OF_SURFACE: f64 = 1.3;
+    if items.len() < 2 || around.half_area() < primitives.large() {
+        return None;
+    }
+    let parts = split(items, depth, primitives.block())?;
+    let of_both = |size: fn(Box32) -> f64| size(parts.left) + size(parts.right);
+    let is_emptier = of_both(Box32::volume) < MOST_OF_VOLUME * around.volume();
+    let is_small = of_both(Box32::half_area) < MOST_OF_SURFACE * around.half_area();
+    (is_emptier && is_small).then_some(parts)
 }
 
 fn halves(items: &[Item]) -> Split {

@@ -91,9 +91,18 @@ impl Box32 {
     /// Half the surface; in float64, as the product of two coordinates of 1e30 is too large for float32.
     #[inline(always)]
     pub(super) fn half_area(self) -> f64 {
-        let [x, y, z]: [f64; 3] =
-            arrays::from_fn(|k| f64::from(self.high[k]) - f64::from(self.low[k]));
+        let [x, y, z] = self.size();
         x * y + y * z + z * x
+    }
+
+    pub(super) fn volume(self) -> f64 {
+        let [x, y, z] = self.size();
+        x * y * z
+    }
+
+    #[inline(always)]
+    fn size(self) -> [f64; 3] {
+        arrays::from_fn(|k| f64::from(self.high[k]) - f64::from(self.low[k]))
     }
 
     /// Twice the middle: the factor cancels.

@@ -165,6 +165,12 @@ impl Primitives for Triangles<'_> {
         items.len() <= WIDTH && self.sharing.fits(items.iter().map(Item::index))
     }
 
+    fn large(&self) -> f64 {
+        /// A share of the surface around all.
+        const LARGE: f64 = 0.01;
+        LARGE * self.around.half_area()
+    }
+
     fn distinct(&self, items: &mut [Item]) -> usize {
         let mesh = self.mesh;
         if !mesh.has_plain_triangles() {
@@ -259,6 +265,30 @@ pub(super) mod tests {
         });
         let own = (0..triangles).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
         Mesh::new(Positions::compact(corners.collect()), own.collect()).unwrap()
+    }
+
+    /// The corners of a unit box, and of its sides those that are named.
+    fn sides_of_box(sides: &[[u32; 4]]) -> Mesh {
+        let corner = |k: u32| [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+        let halves = |&[a, b, c, d]: &[u32; 4]| [[a, b, c], [a, c, d]];
+        let triangles = sides.iter().flat_map(halves).collect();
+        Mesh::new(Positions::compact((0..8).map(corner).collect()), triangles).unwrap()
+    }
+
+    #[test]
+    fn a_floor_and_a_ceiling_are_two_leaves_and_a_box_is_one() {
+        let (floor, ceiling) = ([0, 1, 3, 2], [4, 5, 7, 6]);
+        let walls = [[0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+        let room = MeshTree::build(&sides_of_box(&[floor, ceiling]));
+        assert_eq!(room.leaves.len(), 2);
+        for leaf in room.leaves.iter() {
+            let [low, high] = [leaf.bounds().low(), leaf.bounds().high()];
+            assert!(low[2] == high[2], "{low:?} to {high:?}");
+        }
+        let whole = MeshTree::build(&sides_of_box(
+            &[[floor, ceiling].as_slice(), &walls].concat(),
+        ));
+        assert_eq!(whole.leaves.len(), 1);
     }
 
     #[test]
