@@ -1,9 +1,7 @@
 //! Faces that should not be there.
 
-use rayon::prelude::*;
-
 use super::report::Found;
-use super::subject::{Subject, sorted};
+use super::subject::Subject;
 use crate::error::Result;
 use crate::watch::Watch;
 
@@ -29,17 +27,15 @@ pub(super) fn duplicate(
     found: &mut Found<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
-    let with_area = (0..)
-        .zip(&subject.welded)
-        .filter(|&(k, _): &(u32, _)| subject.has_area[k as usize]);
-    let mut order: Vec<([u32; 3], u32)> = with_area
-        .map(|(k, &places)| (sorted(places).0, k))
-        .collect();
-    order.par_sort_unstable();
-    let same = order.chunk_by(|(a, _), (b, _)| a == b);
-    let mut later: Vec<u32> = same
-        .flat_map(|same| same[1..].iter().map(|&(_, k)| k))
-        .collect();
+    let with_area = |&&k: &&u32| subject.has_area[k as usize];
+    let later = |same: &'_ Vec<u32>| {
+        same.iter()
+            .filter(with_area)
+            .skip(1)
+            .copied()
+            .collect::<Vec<_>>()
+    };
+    let mut later: Vec<u32> = subject.copies.iter().flat_map(later).collect();
     later.sort_unstable();
     for triangle in later {
         found.add(subject, &[triangle], subject.middle(triangle));

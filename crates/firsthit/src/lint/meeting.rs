@@ -41,6 +41,22 @@ fn sides(of: &Face, corners: &[DVec3; 3]) -> [Ordering; 3] {
     corners.map(|corner| orient_3d([a, b, c, corner]))
 }
 
+/// As [`sides`], where the corner `shared` is in the plane by its place: to compute that it is takes exact arithmetic.
+fn sides_but(of: &Face, corners: &[DVec3; 3], shared: usize) -> [Ordering; 3] {
+    let [a, b, c] = of.corners;
+    let side = |k: usize| match k == shared {
+        true => Equal,
+        false => orient_3d([a, b, c, corners[k]]),
+    };
+    [0, 1, 2].map(side)
+}
+
+/// Whether the shared corner is all of its triangle that is in the other's plane.
+fn is_apart_but(sides: &[Ordering; 3], shared: usize) -> bool {
+    let [k, l] = [(shared + 1) % 3, (shared + 2) % 3];
+    sides[k] != Equal && sides[k] == sides[l]
+}
+
 fn is_apart(sides: &[Ordering; 3]) -> bool {
     sides[0] != Equal && sides.iter().all(|&side| side == sides[0])
 }
@@ -59,11 +75,14 @@ fn meet_anywhere(p: &Face, q: &Face) -> bool {
 
 /// Triangles with one vertex in common, the corner `k` of `p` and `l` of `q`.
 fn meet_beyond(p: &Face, q: &Face, [k, l]: [usize; 2]) -> bool {
-    let mut of_q = sides(p, &q.corners);
-    // It is in the plane, by its place.
-    of_q[l] = Equal;
-    let mut of_p = sides(q, &p.corners);
-    of_p[k] = Equal;
+    let of_q = sides_but(p, &q.corners, l);
+    if is_apart_but(&of_q, l) {
+        return false;
+    }
+    let of_p = sides_but(q, &p.corners, k);
+    if is_apart_but(&of_p, k) {
+        return false;
+    }
     edge_meets((k + 1) % 3, p, &of_p, q) || edge_meets((l + 1) % 3, q, &of_q, p)
 }
 

@@ -1,8 +1,10 @@
 //! Faces that meet other faces of their mesh.
 //!
-//! A tree over the boxes of all faces gives the candidates. The face and a candidate are then judged exactly ([`meet`]).
+//! A tree over the boxes of all faces gives the candidates. The face and a candidate are then judged exactly ([`meet`]). What one face
+//! has found about itself and another, the other need not find out again.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 use super::meeting::{Face, meet};
 use super::report::Found;
@@ -14,8 +16,14 @@ use crate::memory;
 use crate::parallel;
 use crate::watch::Watch;
 
-/// What the tree over a face's box takes while it is built, in bytes.
-const TREE_BYTES: usize = 192;
+/// What the tree over a face's box takes while it is built, in bytes, with what is known about it.
+const TREE_BYTES: usize = 193;
+
+/// What is known about a face: nothing, that it meets no other, or that it meets one. Threads may find it out twice, but never
+/// another.
+const UNKNOWN: u8 = 0;
+const CLEAN: u8 = 1;
+const MEETING: u8 = 2;
 
 pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Watch) -> Result<()> {
     let count = subject.len();
@@ -30,22 +38,28 @@ pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Wa
     };
     let tree = Bvh::build(count, bounds, 0.0);
     stop_if_asked(watch)?;
+    let known: Vec<AtomicU8> = (0..count).map(|_| AtomicU8::new(UNKNOWN)).collect();
     let chunks = 0..count.div_ceil(CHUNK_U32);
     let of_chunk = |chunk: u32| {
         let mut stack = Vec::new();
-        let mut meeting = Vec::new();
         for triangle in chunk * CHUNK_U32..count.min((chunk + 1).saturating_mul(CHUNK_U32)) {
-            let has_area = subject.has_area[triangle as usize];
-            match has_area.then(|| meets_another(subject, &tree, triangle, &mut stack, watch)) {
-                Some(ControlFlow::Continue(true)) => meeting.push(triangle),
-                Some(ControlFlow::Break(())) => break,
-                _ => {}
+            let of_face = &known[triangle as usize];
+            if !subject.has_area[triangle as usize] || of_face.load(Relaxed) == MEETING {
+                continue;
             }
+            let found = meets_another(subject, (&tree, &known), triangle, &mut stack, watch);
+            let ControlFlow::Continue(meets) = found else {
+                break;
+            };
+            of_face.store(if meets { MEETING } else { CLEAN }, Relaxed);
         }
-        stop_if_asked(watch).map(|()| meeting)
+        stop_if_asked(watch)
     };
-    for triangle in parallel::try_map(chunks, of_chunk)?.into_iter().flatten() {
-        found.add(subject, &[triangle], subject.middle(triangle));
+    parallel::try_map(chunks, of_chunk)?;
+    for (triangle, known) in (0..).zip(&known) {
+        if known.load(Relaxed) == MEETING {
+            found.add(subject, &[triangle], subject.middle(triangle));
+        }
     }
     Ok(())
 }
@@ -56,7 +70,7 @@ const CHUNK_U32: u32 = CHUNK as u32;
 /// Whether a face meets another in more than what they share; it breaks off when the caller wants to stop.
 fn meets_another(
     subject: &Subject<'_>,
-    tree: &Bvh,
+    (tree, known): (&Bvh, &[AtomicU8]),
     triangle: u32,
     stack: &mut Vec<u32>,
     watch: &dyn Watch,
@@ -68,7 +82,14 @@ fn meets_another(
         candidates += 1;
         // One face may have millions of candidates.
         let is_stopped = candidates % CHUNK == 0 && watch.is_stopped();
-        is_stopped || other != triangle && meets(subject, &face, bounds, other)
+        let of_other = &known[other as usize];
+        let meets = other != triangle
+            && of_other.load(Relaxed) != CLEAN
+            && meets(subject, &face, bounds, other);
+        if meets {
+            of_other.store(MEETING, Relaxed);
+        }
+        is_stopped || meets
     });
     if watch.is_stopped() {
         return ControlFlow::Break(());

@@ -30,18 +30,37 @@ pub(super) struct Subject<'a> {
     pub(super) vertices: Vec<u32>,
     /// Whether each triangle has an area, exactly.
     pub(super) has_area: Vec<bool>,
+    /// The triangles whose corners are in the same places, in any order: each group in order.
+    pub(super) copies: Vec<Vec<u32>>,
     /// The uses of edges, those of one edge side by side, by triangles with three places that are not repeated.
     pub(super) edges: Vec<EdgeUse>,
 }
 
 /// An edge of a triangle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeUse {
     /// The places of its ends, the lower number first.
     pub(super) ends: [u32; 2],
     pub(super) triangle: u32,
     /// Whether the triangle goes from the lower number to the higher one.
     pub(super) is_forward: bool,
+}
+
+impl EdgeUse {
+    /// One number in the order of edges and triangles: it is compared in two instructions.
+    fn key(&self) -> u128 {
+        packed([
+            self.ends[0],
+            self.ends[1],
+            self.triangle,
+            u32::from(self.is_forward),
+        ])
+    }
+}
+
+/// Four numbers as one, in whose order the first counts most.
+fn packed([a, b, c, d]: [u32; 4]) -> u128 {
+    u128::from(a) << 96 | u128::from(b) << 64 | u128::from(c) << 32 | u128::from(d)
 }
 
 impl<'a> Subject<'a> {
@@ -65,9 +84,9 @@ impl<'a> Subject<'a> {
                 .map(|corners| projection_axis(&corners).is_some())
                 .collect()
         });
-        let is_repeated = repeated(&welded);
+        let copies = copies(&welded);
         stop_if_asked(watch)?;
-        let edges = edges(&welded, &is_repeated);
+        let edges = edges(&welded, &repeated(&welded, &copies));
         Ok(Self {
             index,
             object: i32::try_from(object).unwrap_or(i32::MAX),
@@ -76,6 +95,7 @@ impl<'a> Subject<'a> {
             welded,
             vertices,
             has_area,
+            copies,
             edges,
         })
     }
@@ -130,17 +150,34 @@ pub(super) fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], bool) {
     (all, is_even)
 }
 
-/// Whether each triangle has the corners of an earlier one in the same sense.
-fn repeated(welded: &[[u32; 3]]) -> Vec<bool> {
-    let mut order: Vec<_> = (0..)
-        .zip(welded)
-        .map(|(k, &places)| (sorted(places), k))
-        .collect();
+fn copies(welded: &[[u32; 3]]) -> Vec<Vec<u32>> {
+    let with_number = |(k, &places): (u32, &[u32; 3])| {
+        let [a, b, c] = sorted(places).0;
+        packed([a, b, c, k])
+    };
+    let mut order: Vec<u128> = (0..).zip(welded).map(with_number).collect();
     order.par_sort_unstable();
+    let same = order.chunk_by(|a, b| a >> 32 == b >> 32);
+    let copies = same.filter(|same| same.len() > 1);
+    copies
+        .map(|same| same.iter().map(|&key| lowest(key)).collect())
+        .collect()
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the low bits are meant")]
+fn lowest(key: u128) -> u32 {
+    key as u32
+}
+
+/// Whether each triangle has the corners of an earlier one in the same sense.
+fn repeated(welded: &[[u32; 3]], copies: &[Vec<u32>]) -> Vec<bool> {
     let mut is_repeated = vec![false; welded.len()];
-    for same in order.chunk_by(|(a, _), (b, _)| a == b) {
-        let later = same.iter().skip(1);
-        later.for_each(|&(_, k): &(_, usize)| is_repeated[k] = true);
+    for same in copies {
+        let mut is_known = [false; 2];
+        for &k in same {
+            let is_even = sorted(welded[k as usize]).1;
+            is_repeated[k as usize] = std::mem::replace(&mut is_known[usize::from(is_even)], true);
+        }
     }
     is_repeated
 }
@@ -157,6 +194,6 @@ fn edges(welded: &[[u32; 3]], is_repeated: &[bool]) -> Vec<EdgeUse> {
         })
     };
     let mut edges: Vec<EdgeUse> = wanted.flat_map(of_triangle).collect();
-    edges.par_sort_unstable();
+    edges.par_sort_unstable_by_key(EdgeUse::key);
     edges
 }

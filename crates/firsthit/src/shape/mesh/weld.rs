@@ -26,11 +26,29 @@ impl Mesh {
     /// The vertices that triangles have, in order.
     pub(crate) fn used_vertices(&self) -> Result<Vec<u32>> {
         let corners = self.triangles.as_flattened();
+        if self.uses_most_vertices() {
+            let mut is_used = memory::filled(self.positions.len(), false)?;
+            for &vertex in corners {
+                is_used[vertex as usize] = true;
+            }
+            let count = is_used.iter().filter(|&&is_used| is_used).count();
+            let mut used = memory::filled(count, 0)?;
+            let numbers = (0..).zip(&is_used).filter(|(_, is_used)| **is_used);
+            for (used, (vertex, _)) in used.iter_mut().zip(numbers) {
+                *used = vertex;
+            }
+            return Ok(used);
+        }
         let mut used = memory::filled(corners.len(), 0)?;
         used.copy_from_slice(corners);
         sort(&mut used, Ord::cmp);
         used.dedup();
         Ok(used)
+    }
+
+    /// Whether a table over all vertices is worth it: meshes of many objects may share one buffer.
+    fn uses_most_vertices(&self) -> bool {
+        self.positions.len() <= 8 * self.triangles.len()
     }
 
     /// The places of all corners. They are numbered in the order of their points.
@@ -39,28 +57,39 @@ impl Mesh {
     /// do, has no other threads.
     pub(crate) fn welded(&self) -> Result<Welded> {
         let used = self.used_vertices()?;
-        let mut order = memory::filled(used.len(), 0)?;
-        for (index, k) in order.iter_mut().zip(0..) {
-            *index = k;
+        let mut order = memory::filled(used.len(), (DVec3::ZERO, 0))?;
+        for (entry, &vertex) in order.iter_mut().zip(&used) {
+            *entry = (self.positions.get(vertex), vertex);
         }
-        let point = |k: u32| -> DVec3 { self.positions.get(used[k as usize]) };
-        let by_place = |&k: &u32, &l: &u32| compare_points(point(k), point(l));
-        sort(&mut order, |k, l| by_place(k, l).then(k.cmp(l)));
-        let mut places = memory::filled(used.len(), 0)?;
+        sort(&mut order, |a, b| {
+            compare_points(a.0, b.0).then(a.1.cmp(&b.1))
+        });
+        let is_table = self.uses_most_vertices();
+        let slot = |vertex: u32| {
+            if is_table {
+                return vertex as usize;
+            }
+            let found = used.binary_search(&vertex);
+            found.expect("every corner's vertex is there")
+        };
+        let slots = if is_table {
+            self.positions.len()
+        } else {
+            used.len()
+        };
+        let mut places = memory::filled(slots, 0)?;
         let mut vertices = memory::filled(used.len(), 0)?;
         let mut count = 0;
-        for same in order.chunk_by(|k, l| by_place(k, l) == Ordering::Equal) {
-            for &k in same {
-                places[k as usize] = count;
+        for same in order.chunk_by(|a, b| compare_points(a.0, b.0) == Ordering::Equal) {
+            for &(_, vertex) in same {
+                places[slot(vertex)] = count;
             }
-            vertices[count as usize] = used[same[0] as usize];
+            vertices[count as usize] = same[0].1;
             count += 1;
         }
+        drop(order);
         vertices.truncate(count as usize);
-        let place = |vertex: u32| {
-            let found = used.binary_search(&vertex);
-            places[found.expect("every corner's vertex is there")]
-        };
+        let place = |vertex: u32| places[slot(vertex)];
         let mut triangles = memory::filled(self.triangles.len(), [0; 3])?;
         let weld = |(welded, corners): (&mut [[u32; 3]], &[[u32; 3]])| {
             for (welded, corners) in welded.iter_mut().zip(corners) {
