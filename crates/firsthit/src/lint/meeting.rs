@@ -44,9 +44,12 @@ fn sides(of: &Face, corners: &[DVec3; 3]) -> [Ordering; 3] {
 /// As [`sides`], where the corner `shared` is in the plane by its place: to compute that it is takes exact arithmetic.
 fn sides_but(of: &Face, corners: &[DVec3; 3], shared: usize) -> [Ordering; 3] {
     let [a, b, c] = of.corners;
-    let side = |k: usize| match k == shared {
-        true => Equal,
-        false => orient_3d([a, b, c, corners[k]]),
+    let side = |k: usize| {
+        if k == shared {
+            Equal
+        } else {
+            orient_3d([a, b, c, corners[k]])
+        }
     };
     [0, 1, 2].map(side)
 }

@@ -155,7 +155,13 @@ mod tests {
     /// Turned, sheared and mirrored copies of a cloud of triangles, whose corners are float32 or not, at a place.
     fn turned(single: bool, place: DVec3) -> Scene {
         let mut number = numbers(7);
-        let round = |x: f64| if single { f64::from(x as f32) } else { x };
+        let round = |x: f64| {
+            if single {
+                DVec3::splat(x).as_vec3().as_dvec3().x
+            } else {
+                x
+            }
+        };
         let points: Vec<[f64; 3]> = (0..900)
             .map(|_| [number(), number(), number()].map(round))
             .collect();

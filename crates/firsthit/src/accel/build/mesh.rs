@@ -281,7 +281,7 @@ pub(super) mod tests {
         let walls = [[0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
         let room = MeshTree::build(&sides_of_box(&[floor, ceiling]));
         assert_eq!(room.leaves.len(), 2);
-        for leaf in room.leaves.iter() {
+        for leaf in &*room.leaves {
             let [low, high] = [leaf.bounds().low(), leaf.bounds().high()];
             assert!(low[2] == high[2], "{low:?} to {high:?}");
         }

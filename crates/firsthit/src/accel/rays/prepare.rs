@@ -134,10 +134,6 @@ impl Packet {
 
     /// Makes eight ready. Returns which of them may meet something, and which are distant.
     #[inline(always)]
-    #[expect(
-        clippy::too_many_lines,
-        reason = "one derivation, each line of which needs those before"
-    )]
     fn prepare_half<L: Lanes>(
         &mut self,
         l: L,
