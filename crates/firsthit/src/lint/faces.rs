@@ -27,15 +27,8 @@ pub(super) fn duplicate(
     found: &mut Found<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
-    let with_area = |&&k: &&u32| subject.has_area[k as usize];
-    let later = |same: &'_ Vec<u32>| {
-        same.iter()
-            .filter(with_area)
-            .skip(1)
-            .copied()
-            .collect::<Vec<_>>()
-    };
-    let mut later: Vec<u32> = subject.copies.iter().flat_map(later).collect();
+    let with_area = (subject.copies.iter()).filter(|same| subject.has_area[same[0] as usize]);
+    let mut later: Vec<u32> = with_area.flat_map(|same| &same[1..]).copied().collect();
     later.sort_unstable();
     for triangle in later {
         found.add(subject, &[triangle], subject.middle(triangle));

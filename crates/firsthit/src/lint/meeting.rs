@@ -35,58 +35,49 @@ pub(super) fn meet(p: &Face, q: &Face) -> bool {
     }
 }
 
-/// The sides of a triangle's plane on which the corners of another are.
-fn sides(of: &Face, corners: &[DVec3; 3]) -> [Ordering; 3] {
+/// The sides of a triangle's plane on which the corners of another are. A corner that they share is in the plane, which would take exact
+/// arithmetic to find.
+fn sides(of: &Face, corners: &[DVec3; 3], shared: Option<usize>) -> [Ordering; 3] {
     let [a, b, c] = of.corners;
-    corners.map(|corner| orient_3d([a, b, c, corner]))
-}
-
-/// As [`sides`], where the corner `shared` is in the plane by its place: to compute that it is takes exact arithmetic.
-fn sides_but(of: &Face, corners: &[DVec3; 3], shared: usize) -> [Ordering; 3] {
-    let [a, b, c] = of.corners;
-    let side = |k: usize| {
-        if k == shared {
+    [0, 1, 2].map(|k| {
+        if Some(k) == shared {
             Equal
         } else {
             orient_3d([a, b, c, corners[k]])
         }
-    };
-    [0, 1, 2].map(side)
+    })
 }
 
-/// Whether the shared corner is all of its triangle that is in the other's plane.
-fn is_apart_but(sides: &[Ordering; 3], shared: usize) -> bool {
-    let [k, l] = [(shared + 1) % 3, (shared + 2) % 3];
-    sides[k] != Equal && sides[k] == sides[l]
+/// Whether all corners but a shared one are on one side.
+fn is_apart(sides: [Ordering; 3], shared: Option<usize>) -> bool {
+    let mut others = (0..3).filter(|&k| Some(k) != shared).map(|k| sides[k]);
+    let first = others.next();
+    first.is_some_and(|first| first != Equal && others.all(|side| side == first))
 }
 
-fn is_apart(sides: &[Ordering; 3]) -> bool {
-    sides[0] != Equal && sides.iter().all(|&side| side == sides[0])
+/// The sides of each other's planes on which the corners of `p` and of `q` are, if neither is apart from the other's plane. They may share
+/// a corner, one of each.
+fn crossing_sides(p: &Face, q: &Face, shared: Option<[usize; 2]>) -> Option<[[Ordering; 3]; 2]> {
+    let [k, l] = [0, 1].map(|of| shared.map(|shared| shared[of]));
+    let of_q = sides(p, &q.corners, l);
+    if is_apart(of_q, l) {
+        return None;
+    }
+    let of_p = sides(q, &p.corners, k);
+    (!is_apart(of_p, k)).then_some([of_p, of_q])
 }
 
 fn meet_anywhere(p: &Face, q: &Face) -> bool {
-    let of_q = sides(p, &q.corners);
-    if is_apart(&of_q) {
-        return false;
-    }
-    let of_p = sides(q, &p.corners);
-    if is_apart(&of_p) {
-        return false;
-    }
-    (0..3).any(|k| edge_meets(k, p, &of_p, q) || edge_meets(k, q, &of_q, p))
+    crossing_sides(p, q, None).is_some_and(|[of_p, of_q]| {
+        (0..3).any(|k| edge_meets(k, p, &of_p, q) || edge_meets(k, q, &of_q, p))
+    })
 }
 
 /// Triangles with one vertex in common, the corner `k` of `p` and `l` of `q`.
 fn meet_beyond(p: &Face, q: &Face, [k, l]: [usize; 2]) -> bool {
-    let of_q = sides_but(p, &q.corners, l);
-    if is_apart_but(&of_q, l) {
-        return false;
-    }
-    let of_p = sides_but(q, &p.corners, k);
-    if is_apart_but(&of_p, k) {
-        return false;
-    }
-    edge_meets((k + 1) % 3, p, &of_p, q) || edge_meets((l + 1) % 3, q, &of_q, p)
+    crossing_sides(p, q, Some([k, l])).is_some_and(|[of_p, of_q]| {
+        edge_meets((k + 1) % 3, p, &of_p, q) || edge_meets((l + 1) % 3, q, &of_q, p)
+    })
 }
 
 /// Triangles with an edge in common, opposite to the corner `k` of `p` and `l` of `q`.

@@ -16,11 +16,10 @@ use crate::memory;
 use crate::parallel;
 use crate::watch::Watch;
 
-/// What the tree over a face's box takes while it is built, in bytes, with what is known about it.
+/// The memory of a face in bytes: its box's part of the tree while that is built, and one byte of [`UNKNOWN`], [`CLEAN`] or [`MEETING`].
 const TREE_BYTES: usize = 193;
 
-/// What is known about a face: nothing, that it meets no other, or that it meets one. Threads may find it out twice, but never
-/// another.
+/// A face is not judged yet, meets no other, or meets one. Two threads may judge one face, and come to the same.
 const UNKNOWN: u8 = 0;
 const CLEAN: u8 = 1;
 const MEETING: u8 = 2;

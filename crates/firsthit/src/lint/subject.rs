@@ -150,6 +150,7 @@ pub(super) fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], bool) {
     (all, is_even)
 }
 
+/// See [`Subject::copies`].
 fn copies(welded: &[[u32; 3]]) -> Vec<Vec<u32>> {
     let with_number = |(k, &places): (u32, &[u32; 3])| {
         let [a, b, c] = sorted(places).0;
