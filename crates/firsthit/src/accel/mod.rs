@@ -46,7 +46,7 @@ pub(crate) use nearby::Nearby;
 pub(crate) use node::Node;
 pub(crate) use rays::enter::product_along;
 pub(crate) use rays::packet::{Packet, RAYS};
-pub(crate) use rays::trees::{TreeEach, Trees};
+pub(crate) use rays::trees::{TreePerRay, Trees};
 #[cfg(feature = "fhs")]
 pub(crate) use stored::{TreeFacts, TreeParts};
 pub(crate) use tile::frustum::{TileCamera, TileFrustum};

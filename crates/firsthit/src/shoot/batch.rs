@@ -5,15 +5,16 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::filter;
+use super::instances::through_instances;
 use super::neighbours::Neighbours;
 use super::ray_query::{RayQuery, Sink};
 use super::ray_state::RayState;
-use super::scene_walk::{Instance, SceneWalk};
+use super::scene_walk::SceneWalk;
 use super::single::SingleRay;
 use super::start::met_at_start;
 use crate::accel::{
-    self, Dispatcher, FEWEST, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS,
-    Scratch, TreeEach, Trees, WalkStack,
+    self, Dispatcher, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch,
+    WalkStack,
 };
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Ray, Rays};
@@ -90,9 +91,9 @@ pub(super) struct Memory {
     /// One for each ray of a batch.
     pub(super) walk_stacks: Vec<WalkStack>,
     /// For each filtered ray of a batch what it does not meet of the mesh that it is at.
-    in_meshes: Vec<MeshFilter>,
-    packets: Vec<Packet>,
-    dispatcher: Dispatcher,
+    pub(super) in_meshes: Vec<MeshFilter>,
+    pub(super) packets: Vec<Packet>,
+    pub(super) dispatcher: Dispatcher,
 }
 
 impl Memory {
@@ -114,7 +115,7 @@ impl Memory {
 
     /// Makes room for so many packets.
     #[inline(never)]
-    fn hold_packets(&mut self, count: usize) {
+    pub(super) fn hold_packets(&mut self, count: usize) {
         if self.packets.len() < count {
             self.packets.resize(count, Packet::default());
         }
@@ -315,50 +316,6 @@ impl<S: Sink> Batch<'_, S> {
     }
 }
 
-/// In which packets rays go that have each come to a mesh.
-#[derive(Default)]
-struct Packing {
-    /// The instances' indices, those of a packet side by side.
-    order: Vec<usize>,
-    /// The first of each packet, and how many they are.
-    packets: Vec<(usize, usize)>,
-    /// In so many packets, which come first, all rays are at one object.
-    together: usize,
-}
-
-impl Packing {
-    /// Where a few rays or more are at one object, they go together; of the others each goes to an object of its own. Compiled once and
-    /// not for each kernel.
-    #[inline(never)]
-    fn new(instances: &[(usize, Instance<'_>)]) -> Self {
-        let object = |k: usize| instances[k].1.object;
-        let mut sorted: Vec<(u32, usize)> = (0..instances.len()).map(|k| (object(k), k)).collect();
-        sorted.sort_unstable();
-        let (mut packing, mut apart) = (Self::default(), Vec::new());
-        for same in sorted.chunk_by(|(a, _), (b, _)| a == b) {
-            for chunk in same.chunks(RAYS) {
-                let indices = chunk.iter().map(|&(_, k)| k);
-                if chunk.len() >= FEWEST as usize {
-                    packing.add(indices);
-                } else {
-                    apart.extend(indices);
-                }
-            }
-        }
-        packing.together = packing.packets.len();
-        for chunk in apart.chunks(RAYS) {
-            packing.add(chunk.iter().copied());
-        }
-        packing
-    }
-
-    fn add(&mut self, indices: impl Iterator<Item = usize>) {
-        let first = self.order.len();
-        self.order.extend(indices);
-        self.packets.push((first, self.order.len() - first));
-    }
-}
-
 /// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays that go on as they are, a bit each, and
 /// those that do not see the object.
 fn set_filters(
@@ -401,7 +358,7 @@ fn set_filters(
 /// The traversals are compiled for each kind of sink: a common one made occlusion and shadow rays 3 to 5 % slower. Those of rare queries
 /// have it behind a pointer.
 #[inline(always)]
-fn dispatch<L: Lanes, Q: RayQuery>(
+pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
     l: L,
     dispatcher: &mut Dispatcher,
     packets: &mut [MeshPacket<'_>],
@@ -455,87 +412,7 @@ impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<S> {
 }
 
 /// What a mesh answers.
-type Found<Q> = <<Q as RayQuery>::InMesh as MeshQuery>::Found;
-
-/// Takes rays through the mesh that each has come to.
-#[inline(always)]
-fn through_instances<'a, L: Lanes, Q: RayQuery>(
-    l: L,
-    memory: &mut Memory,
-    scene: &'a Scene,
-    instances: &[(usize, Instance<'a>)],
-    walks: &mut [SceneWalk<'a, Q>],
-) {
-    let packing = Packing::new(instances);
-    memory.hold_packets(packing.packets.len());
-    let at_mesh = |lane: usize| {
-        let Instance { tree, mesh, .. } = instances[packing.order[lane]].1;
-        (tree, mesh)
-    };
-    let mut trees = Vec::with_capacity(packing.packets.len() - packing.together);
-    for (number, &(first, length)) in packing.packets.iter().enumerate() {
-        let packet = &mut memory.packets[number];
-        for lane in 0..length {
-            let (index, instance) = &instances[packing.order[first + lane]];
-            packet.put(lane, &instance.ray);
-            if Q::IS_FILTERED {
-                packet.set_filter(lane, &memory.in_meshes[*index]);
-            }
-        }
-        if number < packing.together {
-            let (tree, _) = at_mesh(first);
-            prepare::<L, Q>(l, packet, tree, length);
-        } else {
-            let mut each = TreeEach::new(at_mesh(first));
-            (1..length).for_each(|lane| each.put(lane, at_mesh(first + lane)));
-            prepare::<L, Q>(l, packet, &each, length);
-            trees.push(each);
-        }
-    }
-    let mut packets = Vec::with_capacity(packing.packets.len());
-    for (number, (packet, &(first, _))) in memory.packets.iter().zip(&packing.packets).enumerate() {
-        packets.push(match number.checked_sub(packing.together) {
-            None => {
-                let (tree, mesh) = at_mesh(first);
-                MeshPacket::new(tree, mesh, packet)
-            }
-            Some(apart) => MeshPacket::apart(&trees[apart], packet),
-        });
-    }
-    let sink = OfInstances {
-        scene,
-        instances,
-        packing: &packing,
-        walks,
-    };
-    dispatch::<L, Q>(l, &mut memory.dispatcher, &mut packets, sink);
-}
-
-#[inline(always)]
-fn prepare<L: Lanes, Q: RayQuery>(l: L, packet: &mut Packet, trees: impl Trees, length: usize) {
-    if Q::IS_FILTERED {
-        packet.prepare_filtered(l, trees, length);
-    } else {
-        packet.prepare(l, trees, length);
-    }
-}
-
-/// Takes the answers of meshes: the rays go on to the next.
-struct OfInstances<'r, 'a, Q> {
-    scene: &'a Scene,
-    instances: &'r [(usize, Instance<'a>)],
-    packing: &'r Packing,
-    walks: &'r mut [SceneWalk<'a, Q>],
-}
-
-impl<Q: RayQuery> accel::Sink<Found<Q>> for OfInstances<'_, '_, Q> {
-    #[inline(always)]
-    fn put(&mut self, packet: usize, lane: usize, found: Found<Q>) {
-        let place = self.packing.packets[packet].0 + lane;
-        let (index, _) = self.instances[self.packing.order[place]];
-        self.walks[index].take(self.scene, found);
-    }
-}
+pub(super) type Found<Q> = <<Q as RayQuery>::InMesh as MeshQuery>::Found;
 
 #[cfg(test)]
 mod tests {

@@ -16,6 +16,7 @@ mod filter;
 mod from_points;
 mod hit_order;
 mod hits;
+mod instances;
 mod neighbours;
 mod prefetch;
 mod query;

@@ -6,15 +6,16 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::shape::Mesh;
 use crate::simd::Lanes;
 
-/// The spaces of the trees of a packet's rays, of which a half are asked for at a time.
+/// The spaces of the trees that a packet's rays are at. Those of eight rays are asked for at a time: the packet's first `half`, or its
+/// second.
 pub(crate) trait Trees: Copy {
-    /// Units of the tree in a unit of the mesh, of one ray.
+    /// Units of a ray's tree in a unit of its mesh.
     fn scale_at(self, lane: usize) -> f64;
-    /// The same of eight.
+    /// Units of the trees of eight rays in units of their meshes.
     fn scale<L: Lanes>(self, l: L, half: usize) -> L::Doubles;
-    /// The trees' origins along an axis.
+    /// The trees' origins along an axis, in units of the meshes.
     fn origin<L: Lanes>(self, l: L, half: usize, axis: usize) -> L::Doubles;
-    /// The blur, and where a tree's vertices are rounded that rounding.
+    /// The blur with the rounding of vertices added, where a tree has them rounded.
     fn with_rounding<L: Lanes>(self, l: L, half: usize, blur: L::Doubles) -> L::Doubles;
 }
 
@@ -47,14 +48,14 @@ impl Trees for &MeshTree {
 /// A tree for each ray of a packet.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct TreeEach<'a> {
+pub(crate) struct TreePerRay<'a> {
     scale: [f64; RAYS],
     origin: [[f64; RAYS]; 3],
     rounding: [f64; RAYS],
     meshes: [(&'a MeshTree, &'a Mesh); RAYS],
 }
 
-impl<'a> TreeEach<'a> {
+impl<'a> TreePerRay<'a> {
     /// One for all lanes, until others are [put](Self::put).
     pub(crate) fn new(at_mesh: (&'a MeshTree, &'a Mesh)) -> Self {
         let mut each = Self {
@@ -80,14 +81,14 @@ impl<'a> TreeEach<'a> {
         self.meshes[lane] = at_mesh;
     }
 
-    /// What the ray in a lane is at.
+    /// The tree and the mesh that the ray in a lane is at.
     #[inline(always)]
     pub(in crate::accel) fn at(&self, lane: usize) -> (&'a MeshTree, &'a Mesh) {
         self.meshes[lane % RAYS]
     }
 }
 
-impl Trees for &TreeEach<'_> {
+impl Trees for &TreePerRay<'_> {
     #[inline(always)]
     fn scale_at(self, lane: usize) -> f64 {
         self.scale[lane % RAYS]

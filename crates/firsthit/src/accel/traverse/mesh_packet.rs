@@ -4,7 +4,7 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::rays::limits::Limits;
 use crate::accel::rays::packet::{Packet, RAYS};
-use crate::accel::rays::trees::TreeEach;
+use crate::accel::rays::trees::TreePerRay;
 use crate::geometry::{DVec3, Ray};
 use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, Shear, TriangleHit};
 use crate::shape::{Crossing, Mesh};
@@ -19,8 +19,8 @@ pub(crate) struct MeshPacket<'a> {
     pub(super) tree: &'a MeshTree,
     pub(super) mesh: &'a Mesh,
     pub(super) packet: &'a Packet,
-    /// Where the rays are at different meshes, those.
-    each: Option<&'a TreeEach<'a>>,
+    /// The trees and meshes of rays that are at different ones.
+    each: Option<&'a TreePerRay<'a>>,
     /// The rays without an answer yet, a bit each.
     pub(super) open: u16,
 }
@@ -36,8 +36,8 @@ impl<'a> MeshPacket<'a> {
         }
     }
 
-    /// Of rays that are at a mesh each.
-    pub(crate) fn apart(each: &'a TreeEach<'a>, packet: &'a Packet) -> Self {
+    /// A packet of rays that are at different meshes.
+    pub(crate) fn apart(each: &'a TreePerRay<'a>, packet: &'a Packet) -> Self {
         let (tree, mesh) = each.at(0);
         Self {
             each: Some(each),

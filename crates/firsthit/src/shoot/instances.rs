@@ -1,0 +1,137 @@
+//! Rays through the meshes that they have come to, among many objects.
+//!
+//! 1. Rays at one object go into a packet, which may be traversed together. Most rays are alone at their objects where there are
+//!    thousands: sixteen of them share a packet, with a tree for each lane, and are interleaved.
+//! 2. Make all packets ready, and traverse them.
+//! 3. Hand the answers to the rays' walks, which go on to the next objects.
+
+use super::batch::{Found, Memory, dispatch};
+use super::ray_query::RayQuery;
+use super::scene_walk::{Instance, SceneWalk};
+use crate::accel::{self, FEWEST, MeshPacket, Packet, RAYS, TreePerRay, Trees};
+use crate::scene::Scene;
+use crate::simd::Lanes;
+
+/// Takes rays through the mesh that each has come to.
+#[inline(always)]
+pub(super) fn through_instances<'a, L: Lanes, Q: RayQuery>(
+    l: L,
+    memory: &mut Memory,
+    scene: &'a Scene,
+    instances: &[(usize, Instance<'a>)],
+    walks: &mut [SceneWalk<'a, Q>],
+) {
+    let packing = Packing::new(instances);
+    memory.hold_packets(packing.packets.len());
+    let at_mesh = |lane: usize| {
+        let Instance { tree, mesh, .. } = instances[packing.order[lane]].1;
+        (tree, mesh)
+    };
+    let mut trees = Vec::with_capacity(packing.packets.len() - packing.together);
+    for (number, &(first, length)) in packing.packets.iter().enumerate() {
+        let packet = &mut memory.packets[number];
+        for lane in 0..length {
+            let (index, instance) = &instances[packing.order[first + lane]];
+            packet.put(lane, &instance.ray);
+            if Q::IS_FILTERED {
+                packet.set_filter(lane, &memory.in_meshes[*index]);
+            }
+        }
+        if number < packing.together {
+            let (tree, _) = at_mesh(first);
+            prepare::<L, Q>(l, packet, tree, length);
+        } else {
+            let mut each = TreePerRay::new(at_mesh(first));
+            (1..length).for_each(|lane| each.put(lane, at_mesh(first + lane)));
+            prepare::<L, Q>(l, packet, &each, length);
+            trees.push(each);
+        }
+    }
+    let mut packets = Vec::with_capacity(packing.packets.len());
+    for (number, (packet, &(first, _))) in memory.packets.iter().zip(&packing.packets).enumerate() {
+        packets.push(match number.checked_sub(packing.together) {
+            None => {
+                let (tree, mesh) = at_mesh(first);
+                MeshPacket::new(tree, mesh, packet)
+            }
+            Some(apart) => MeshPacket::apart(&trees[apart], packet),
+        });
+    }
+    let sink = OfInstances {
+        scene,
+        instances,
+        packing: &packing,
+        walks,
+    };
+    dispatch::<L, Q>(l, &mut memory.dispatcher, &mut packets, sink);
+}
+
+#[inline(always)]
+fn prepare<L: Lanes, Q: RayQuery>(l: L, packet: &mut Packet, trees: impl Trees, length: usize) {
+    if Q::IS_FILTERED {
+        packet.prepare_filtered(l, trees, length);
+    } else {
+        packet.prepare(l, trees, length);
+    }
+}
+
+/// Takes the answers of meshes: the rays go on to the next.
+struct OfInstances<'r, 'a, Q> {
+    scene: &'a Scene,
+    instances: &'r [(usize, Instance<'a>)],
+    packing: &'r Packing,
+    walks: &'r mut [SceneWalk<'a, Q>],
+}
+
+impl<Q: RayQuery> accel::Sink<Found<Q>> for OfInstances<'_, '_, Q> {
+    #[inline(always)]
+    fn put(&mut self, packet: usize, lane: usize, found: Found<Q>) {
+        let place = self.packing.packets[packet].0 + lane;
+        let (index, _) = self.instances[self.packing.order[place]];
+        self.walks[index].take(self.scene, found);
+    }
+}
+
+/// The packets of rays that have each come to a mesh.
+#[derive(Default)]
+struct Packing {
+    /// The instances' indices, those of a packet side by side.
+    order: Vec<usize>,
+    /// For each packet where its rays begin in `order`, and how many they are.
+    packets: Vec<(usize, usize)>,
+    /// How many packets, which come first, have all their rays at one object.
+    together: usize,
+}
+
+impl Packing {
+    /// Puts rays at one object into packets of their own, if there are [`FEWEST`] or more; all others share packets. It is compiled once
+    /// and not for each kernel.
+    #[inline(never)]
+    fn new(instances: &[(usize, Instance<'_>)]) -> Self {
+        let object = |k: usize| instances[k].1.object;
+        let mut sorted: Vec<(u32, usize)> = (0..instances.len()).map(|k| (object(k), k)).collect();
+        sorted.sort_unstable();
+        let (mut packing, mut apart) = (Self::default(), Vec::new());
+        for same in sorted.chunk_by(|(a, _), (b, _)| a == b) {
+            for chunk in same.chunks(RAYS) {
+                let indices = chunk.iter().map(|&(_, k)| k);
+                if chunk.len() >= FEWEST as usize {
+                    packing.add(indices);
+                } else {
+                    apart.extend(indices);
+                }
+            }
+        }
+        packing.together = packing.packets.len();
+        for chunk in apart.chunks(RAYS) {
+            packing.add(chunk.iter().copied());
+        }
+        packing
+    }
+
+    fn add(&mut self, indices: impl Iterator<Item = usize>) {
+        let first = self.order.len();
+        self.order.extend(indices);
+        self.packets.push((first, self.order.len() - first));
+    }
+}
