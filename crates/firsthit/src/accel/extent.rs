@@ -1,4 +1,4 @@
-//! Boxes around a mesh wherever a transform takes it, by its tree and not by all its triangles.
+//! Boxes around a transformed mesh, found by its tree in place of all its triangles.
 
 use super::mesh_tree::MeshTree;
 use super::node::{LEAF, WIDTH};
@@ -6,7 +6,7 @@ use crate::geometry::{Bounds, DAffine3, DVec3, arrays};
 use crate::shape::Mesh;
 use crate::simd::set_bits;
 
-/// How much wider a node's box is than the rounded vertices in it, in units of the tree: at least the rounding of one to float32.
+/// At least the rounding of a vertex to float32, in units of the tree.
 const ROUNDED: f64 = 1.0 / (1_u64 << 22) as f64;
 
 impl MeshTree {
@@ -22,9 +22,9 @@ impl MeshTree {
     /// The smallest box around the mesh after a transform, to the last bit of transforming all corners of its triangles. `None` for a
     /// tree without nodes.
     ///
-    /// For each of its six ends visit the tree from the root, of a node's children the farthest first. A child whose box ends before
-    /// what was found is left out. The corners of a box bound its vertices to the last bit: they go through the same operations, and
-    /// rounding is monotone.
+    /// For each of the six ends, descend from the root to the farthest child first, and leave out a child whose box ends before the
+    /// farthest corner found so far. A corner of a box bounds the vertices in the box to the last bit, because it goes through the same
+    /// operations and rounding is monotone.
     pub(crate) fn smallest_bounds(&self, mesh: &Mesh, transform: &DAffine3) -> Option<Bounds> {
         self.nodes.first()?;
         let end = |axis: usize, sign: f64| {
@@ -67,15 +67,22 @@ impl MeshTree {
     /// The boxes of a node's children in the mesh's space, and the children.
     fn children(&self, node: u32) -> impl Iterator<Item = (Bounds, u32)> {
         let node = &self.nodes[node as usize];
-        let (space, margin) = (self.space, if self.is_exact { 0.0 } else { ROUNDED });
+        let space = self.space;
+        // Where an end is so far from the origin that float64 rounds by more, float32 holds the vertices without rounding.
+        let margin = if self.is_exact {
+            0.0
+        } else {
+            ROUNDED * space.unscale
+        };
         (0..WIDTH).filter_map(move |child| {
-            let end = |side: usize, margin: f64| {
-                let planes: [f64; 3] =
-                    arrays::from_fn(|axis| node.planes[2 * axis + side][child].into());
-                (DVec3::from(planes) + margin) * space.unscale + space.origin
+            let end = |side: usize| {
+                space.restored(arrays::from_fn(|axis| node.planes[2 * axis + side][child]))
             };
-            let (low, high) = (end(0, -margin), end(1, margin));
-            (low.x <= high.x).then_some((Bounds { low, high }, node.children[child]))
+            let bounds = Bounds {
+                low: end(0) - margin,
+                high: end(1) + margin,
+            };
+            (!bounds.is_empty()).then_some((bounds, node.children[child]))
         })
     }
 }

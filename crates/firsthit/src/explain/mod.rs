@@ -18,7 +18,7 @@ pub use pixel::{Pixel, explain_pixel};
 pub use reason::Reason;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, DVec3, Filtered, Hit, Ray, RayFilter};
+use crate::geometry::{DVec3, Filtered, Hit, Ray, RayFilter};
 use crate::memory;
 use crate::scene::Scene;
 use crate::shoot::{All, AllHits, Encounter, Encounters, First, trace};
@@ -290,8 +290,7 @@ fn candidates<'a>(
         } else if out.get(index as usize) == Some(&true) {
             (Reason::NotAmong, None)
         } else if let Some(encounters) = &mut encounters {
-            let bounds = &scene.boxes()[index as usize];
-            reason(encounters, (index, bounds), ray, hit)
+            reason(encounters, (scene, index), ray, hit)
         } else {
             (Reason::NoRay, None)
         };
@@ -309,7 +308,7 @@ fn candidates<'a>(
 /// Why an object is or is not the hit.
 fn reason(
     encounters: &mut Encounters<'_>,
-    (index, bounds): (u32, &Bounds),
+    (scene, index): (&Scene, u32),
     ray: &Ray,
     hit: &Hit,
 ) -> (Reason, Option<Hit>) {
@@ -322,9 +321,17 @@ fn reason(
         Encounter::Met(place) if encounters.are_tied(&place, hit) => (Reason::Tied, Some(place)),
         Encounter::Met(place) => (Reason::BehindHit, Some(place)),
         Encounter::Rejected(place, why) => (why.into(), Some(place)),
-        Encounter::Untouched if bounds.is_empty() => (Reason::Empty, None),
         Encounter::Untouched => {
-            let reason = match passage(ray, bounds, hit.t) {
+            let wide = &scene.boxes()[index as usize];
+            if wide.is_empty() {
+                return (Reason::Empty, None);
+            }
+            // The box of the tree may be wider than the object's own, which takes longer to find.
+            let passage = match passage(ray, wide, hit.t) {
+                Passage::Missed => Passage::Missed,
+                _ => passage(ray, &scene.smallest_box(index as usize), hit.t),
+            };
+            let reason = match passage {
                 Passage::Missed => Reason::BoxMissed,
                 Passage::BehindStart => Reason::BoxBehindStart,
                 Passage::BeyondEnd => Reason::BoxBeyondEnd,

@@ -9,6 +9,7 @@ mod background;
 mod blend_below;
 mod build;
 mod catalog;
+mod changes;
 mod coloring;
 mod duplicates;
 mod emitters;
@@ -63,7 +64,7 @@ pub(crate) use top_tree::{Around, Listed, OnTheWay};
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
 use crate::geometry::summary::{Few, summary};
-use crate::geometry::{Beam, Bounds, DVec3, Hit, Transform};
+use crate::geometry::{Beam, Bounds, DVec3, Hit};
 use crate::memory;
 use crate::parallel;
 use crate::shape::{Mesh, Shape};
@@ -258,80 +259,6 @@ impl Scene {
     fn is_in_place(&self, objects: &[Object]) -> bool {
         let mut pairs = self.objects.iter().zip(objects);
         self.objects.len() == objects.len() && pairs.all(|(one, other)| one.is_in_place_of(other))
-    }
-
-    /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by
-    /// one that is built anew. This takes microseconds: nothing is built but, now and then, the tree over the objects.
-    ///
-    /// ```
-    /// use firsthit::{DVec3, Object, Scene, Sphere, Transform, shoot};
-    ///
-    /// let mut scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
-    /// scene.move_object(0, Transform::translation(DVec3::new(0.0, 0.0, 2.0))?)?;
-    /// assert_eq!(shoot(&scene, DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z).t, 6.0);
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] for an object that is not there.
-    pub fn move_object(&mut self, object: usize, transform: Transform) -> Result<()> {
-        self.move_objects(&[(object, transform)])
-    }
-
-    /// Moves several objects, each to the transform beside it, as [`move_object`](Self::move_object) one after the other. The
-    /// tree over the objects is built anew at most once.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] for an object that is not there; then nothing has moved.
-    pub fn move_objects(&mut self, places: &[(usize, Transform)]) -> Result<()> {
-        let moved = places.iter().map(|&(object, _)| self.check_object(object));
-        let moved = moved.collect::<Result<Vec<u32>>>()?;
-        for &(object, transform) in places {
-            self.objects[object].place(transform);
-        }
-        let around = |k: usize| extent::box_around(&self.objects[k], self.trees[k].as_deref());
-        self.top.moved(&self.objects, &moved, around);
-        self.bounds = OnceLock::new();
-        self.seen = OnceLock::new();
-        self.endless = OnceLock::new();
-        self.emitters = OnceLock::new();
-        self.fingerprint = OnceLock::new();
-        Ok(())
-    }
-
-    /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides it. They keep their identifiers. Only
-    /// the tree over the objects is built anew. `Scene::lint` looks at hidden objects too.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] for an object that is not there; then nothing has changed.
-    pub fn hide_objects(&mut self, objects: &[(usize, bool)]) -> Result<()> {
-        for &(object, _) in objects {
-            self.check_object(object)?;
-        }
-        for &(object, is_hidden) in objects {
-            self.objects[object].hide(is_hidden);
-        }
-        self.top.rebuild(&self.objects);
-        self.first_open = OnceLock::new();
-        self.bounds = OnceLock::new();
-        self.seen = OnceLock::new();
-        self.endless = OnceLock::new();
-        self.emitters = OnceLock::new();
-        self.fingerprint = OnceLock::new();
-        Ok(())
-    }
-
-    /// The number of an object as trees have it.
-    fn check_object(&self, object: usize) -> Result<u32> {
-        let count = self.objects.len();
-        let identifier = u32::try_from(object).ok().filter(|_| object < count);
-        identifier.ok_or_else(|| {
-            let got = format!("{object}; there are {count}");
-            Error::argument("object", "one of the scene's", got)
-        })
     }
 
     /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.

@@ -595,3 +595,27 @@ fn a_ray_that_meets_one_object_only_says_so_of_the_others() {
     };
     assert_eq!(reasons(&scene, &ray, masked)[1], (Reason::Masked, None));
 }
+
+/// A ray that goes by a turned rod, within the wider box that the tree has for it.
+#[test]
+fn the_box_of_a_turned_mesh_is_the_smallest_one() {
+    let corner =
+        |k: u32| DVec3::splat(f64::from(k) / 150.0 - 1.0) + 0.01 * DVec3::AXES[k as usize % 3];
+    let points: Vec<DVec3> = (0..300).map(corner).collect();
+    let triangles = (0..100).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+    let turn = DQuat::from_rotation_arc(DVec3::ONE.normalize(), DVec3::X);
+    let along_x = Transform::new(DAffine3::from_quat(turn)).unwrap();
+    let rod = Object::new(mesh(&points, triangles));
+    let built = Scene::new(vec![rod.clone().placed(along_x)]).unwrap();
+    let mut moved = Scene::new(vec![rod]).unwrap();
+    moved.move_object(0, along_x).unwrap();
+    for scene in [built, moved] {
+        for (y, is_outside) in [(0.03, true), (0.0, false)] {
+            let beside = Ray::new(DVec3::new(0.1, y, 9.0), DVec3::NEG_Z);
+            let [(reason, _)] = reasons(&scene, &beside, RayFilter::NONE)[..] else {
+                panic!("there is one object");
+            };
+            assert_eq!(reason == Reason::BoxMissed, is_outside, "{y}: {reason:?}");
+        }
+    }
+}
