@@ -158,19 +158,22 @@ fn short_rays_from_neighbours() {
 }
 
 /// Many turned instances of some meshes at every scale, of which hardly any two rays come to the same one at a time: then sixteen rays go
-/// together that are at sixteen meshes. Some vertices are float32, and some are not.
+/// together that are at sixteen meshes. Each mesh has units and a middle of its own; some vertices are float32, and some are not.
 #[test]
 fn rays_among_many_instances() {
+    const UNITS: [f64; 5] = [1.0, 0.01, 40.0, 3.0, 1e-3];
+    const MIDDLES: [f64; 5] = [0.0, 5.0, 0.0, -70.0, 0.2];
     for round in rounds(8) {
         let mut numbers = Numbers::new(40 + round);
         let (scale, offset) = PLACES[round as usize % PLACES.len()];
-        let meshes: Vec<_> = (0..5_u32)
+        let meshes: Vec<_> = (0..5)
             .map(|k| {
-                let (mut points, triangles) = if k == 0 {
+                let (points, triangles) = if k == 0 {
                     bumpy_sphere(12, 3)
                 } else {
-                    soup([3, 12, 40, 7][k as usize % 4], &mut numbers)
+                    soup([3, 12, 40, 7][k % 4], &mut numbers)
                 };
+                let mut points = placed(&points, UNITS[k], MIDDLES[k]);
                 if k % 2 == 0 {
                     points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
                 }
@@ -179,12 +182,15 @@ fn rays_among_many_instances() {
             .collect();
         let objects: Vec<Object> = (0..160)
             .map(|k| {
+                let mesh = k % 5;
+                let size = scale * [1.0, 0.02, 3.0][k % 3] / UNITS[mesh];
+                let size = size * (1.0 + 0.3 * numbers.point());
                 let turn = DQuat::from_scaled_axis(3.0 * numbers.point());
-                let size =
-                    DVec3::splat(scale * [1.0, 0.02, 3.0][k % 3]) * (1.0 + 0.3 * numbers.point());
                 let place = placed(&[6.0 * numbers.point()], scale, offset)[0];
-                let affine = DAffine3::from_scale_rotation_translation(size, turn, place);
-                Object::new(meshes[k % 5].clone()).placed(Transform::new(affine).unwrap())
+                let middle = placed(&[DVec3::ZERO], 1.0, MIDDLES[mesh])[0];
+                let to_place = DAffine3::from_scale_rotation_translation(size, turn, place);
+                let affine = to_place * DAffine3::from_translation(-middle);
+                Object::new(meshes[mesh].clone()).placed(Transform::new(affine).unwrap())
             })
             .collect();
         let scene = Scene::new(objects).unwrap();
