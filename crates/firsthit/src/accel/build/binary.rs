@@ -41,7 +41,7 @@ pub(super) trait Primitives: Sync {
     fn block(&self) -> Block;
     /// Whether items can be a leaf; one always can.
     fn is_leaf(&self, items: &[Item]) -> bool;
-    /// Half the surface from which on a leaf is large.
+    /// The half surface from which on a leaf is large.
     fn large(&self) -> f64 {
         f64::INFINITY
     }
@@ -207,8 +207,9 @@ fn split(items: &mut [Item], depth: u32, block: Block) -> Option<Split> {
         .flatten()
 }
 
-/// The two parts of a range that fits a leaf, where two leaves are better: of floor and ceiling of a room, whose one leaf every ray
-/// within would visit. The heuristic thinks that rays come from outside, and would keep them together.
+/// The two parts of a range that fits a leaf, where two leaves are better: floor and ceiling of a room, whose one leaf every ray within
+/// the room would visit. The heuristic counts rays from outside, and would keep them together. Aila, Karras and Laine, "On Quality Metrics
+/// of Bounding Volume Hierarchies", High Performance Graphics 2013, tell how far it is off for rays that end within a box.
 fn parts_of_leaf(
     items: &mut [Item],
     around: Box32,

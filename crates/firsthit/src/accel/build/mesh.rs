@@ -166,7 +166,7 @@ impl Primitives for Triangles<'_> {
     }
 
     fn large(&self) -> f64 {
-        /// A share of the surface around all.
+        /// As a share of the root's surface.
         const LARGE: f64 = 0.01;
         LARGE * self.around.half_area()
     }

@@ -7,8 +7,8 @@ use crate::accel::space::CHUNK;
 use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
 
-/// Leaves have up to this many boxes. With more a ray would come to all of them, of which it may meet one: to enter a mesh takes longer
-/// than two boxes of the tree.
+/// Leaves have up to this many boxes. A ray comes to all boxes of a leaf, and to enter the mesh of one takes longer than to test two more
+/// boxes of the tree.
 const MOST_IN_LEAF: usize = 1;
 
 /// Boxes without anything in them that the builder must know.
