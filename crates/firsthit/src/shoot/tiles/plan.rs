@@ -14,6 +14,10 @@ const MOST_ROUNDING: f64 = 1e-10;
 /// From so many pixels on, results go past the caches.
 const LARGE: usize = 1 << 17;
 
+/// Where more meshes than this may be seen in a tile, in the mean, it costs more to bring each mesh into the tile than to send the tile's
+/// rays through the tree over the objects. Curved rays know their tiles only later.
+const MOST_IN_TILE: usize = 50;
+
 /// Tiles down a band, where there are many bands.
 pub(super) const TALL: usize = SIDE / TILE;
 
@@ -109,6 +113,12 @@ impl<'a> Plan<'a> {
             1..=MOST_SHAPES if are_shapes => Rest::Shapes(shapes),
             _ => Rest::Any,
         };
+        let tiles = grid.rows.div_ceil(TILE) * grid.columns.div_ceil(TILE);
+        let in_tiles = |placed: &Placed| placed.rows.len() * placed.columns.len();
+        let is_crowded = meshes.iter().map(in_tiles).sum::<usize>() > MOST_IN_TILE * tiles;
+        if is_crowded && source != Source::Curved {
+            return None;
+        }
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
         // Enough bands for all threads; fewer, and one of them would be waited for.
         let many = 8 * rayon::current_num_threads();

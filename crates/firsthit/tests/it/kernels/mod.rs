@@ -199,6 +199,12 @@ fn rays_among_many_instances() {
         let rays = rays(&points, 6.0 * scale, cases(1500), &mut numbers);
         let met = checked(&scene, &rays);
         assert!(met > rays.len() / 20, "{round}: {met} of {}", rays.len());
+        // Few pixels, in each tile of which most objects may be seen.
+        let middle = placed(&[DVec3::ZERO], scale, offset)[0];
+        checked(
+            &scene,
+            &pixels::cameras(middle, 3.0 * scale, &mut numbers)[0],
+        );
     }
 }
 
