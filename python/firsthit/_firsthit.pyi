@@ -608,7 +608,11 @@ def occluded(
     scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.bool_], report: _Report | None
 ) -> None: ...
 def visible(
-    scene: Scene, ends: tuple[_Ends, _Ends], count: int, threads: int, report: _Report | None
+    scene: Scene,
+    ends: tuple[_Ends, _Ends],
+    how: tuple[int, float],
+    threads: int,
+    report: _Report | None,
 ) -> npt.NDArray[np.bool_]: ...
 
 #: A pixel's camera, column and row, its ray's ends, and what that does not meet.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _firsthit
-from ._arrays import chunks, elements, flat, plain, threads_or_all, vectors
+from ._arrays import chunks, elements, flat, number, plain, threads_or_all, vectors
 from ._filters import Filters, surfaces
 from ._hits import Hits
 from ._leaving import rays_of
@@ -38,7 +38,9 @@ class Sights(Traceable):
         *,
         skip_a: Pair | None = None,
         skip_b: Pair | None = None,
+        tolerance: float = 0.0,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.bool_]:
@@ -60,8 +62,13 @@ class Sights(Traceable):
         skip_a, skip_b : pair of (...) array_like of int, optional
             The object and primitive on which each point of an array lies, -1 where there is none.
             It hides nothing, also where the line is nearly along it.
+        tolerance : float
+            What is within this distance of either end hides nothing, in scene units: the error of
+            points that are rounded, as to float32.
         objects : int, str, or sequence of them, optional
             What may be in the way, by identifiers or names: no other object hides anything.
+        blend_below : float, optional
+            As for `shoot`.
         threads, progress
             As for `shoot`; pairs are counted.
 
@@ -73,7 +80,8 @@ class Sights(Traceable):
         Raises
         ------
         ValueError
-            For arrays whose shapes or types do not fit, with their names.
+            For arrays whose shapes or types do not fit, with their names, and for a tolerance that
+            is negative or not finite.
         ValueError, IndexError, TypeError
             For ``objects``, as `shoot`.
         MemoryError
@@ -99,14 +107,18 @@ class Sights(Traceable):
                 f"a {ends[0][0].shape} and b {ends[1][0].shape} must broadcast against each other, "
                 "and so must skip_a and skip_b"
             ) from None
-        use, native = threads_or_all(threads), self._seen(self._ready(), None, objects).native
+        use, native = (
+            threads_or_all(threads),
+            self._seen(self._ready(), None, objects, blend_below).native,
+        )
+        near = number("tolerance", tolerance)
         length = math.prod(shape)
         seen = np.empty(length, np.bool_)
         with following(progress, length) as report:
             for part in chunks(length):
                 told, count = later(report, part.start), part.stop - part.start
                 both = _part(*ends[0], shape, part), _part(*ends[1], shape, part)
-                seen[part] = _firsthit.visible(native, both, count, use, told)
+                seen[part] = _firsthit.visible(native, both, (count, near), use, told)
         return seen.reshape(shape)[()]
 
     def thickness(

@@ -153,26 +153,29 @@ impl EndsIn<'_> {
     }
 }
 
-/// Whether the ends of `count` lines of sight see each other.
+/// Whether the ends of some lines of sight see each other, with a tolerance.
 #[pyfunction]
 pub(crate) fn visible<'py>(
     py: Python<'py>,
     scene: &Scene,
     ends: (EndsIn<'py>, EndsIn<'py>),
-    count: usize,
+    how: (usize, f64),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    let (count, tolerance) = how;
     let (a, b) = (ends.0.viewpoints(count)?, ends.1.viewpoints(count)?);
     let pairs = collected(count, (0..count).map(|index| [a(index), b(index)]))?;
     let report = report.as_ref();
     let seen = if count < FEW {
-        let seen = guarded(|| see(&scene.0, &pairs, &()))?;
+        let seen = guarded(|| see(&scene.0, &pairs, tolerance, &()))?;
         let seen = seen.map_err(|error| raise(py, &error))?;
         report_done(report, count)?;
         seen
     } else {
-        run_reported(py, threads, report, |stop| see(&scene.0, &pairs, stop))?
+        run_reported(py, threads, report, |stop| {
+            see(&scene.0, &pairs, tolerance, stop)
+        })?
     };
     Ok(PyArray1::from_vec(py, seen))
 }

@@ -137,3 +137,18 @@ def test_hits_on_objects_that_are_not_asked_for_have_no_thickness():
     hits = scene.shoot([[0, 0, 9], [5, 0, 9], [9, 9, 9]], [0, 0, -1])
     np.testing.assert_array_equal(scene.thickness(hits, objects="box"), [np.inf, 2, np.nan])
     assert scene.thickness([5, 0, 9], objects="box") == 2
+
+
+def test_points_a_float32_step_inside_a_wall_see_each_other_with_a_tolerance():
+    rng = np.random.default_rng(5)
+    on = rng.normal(size=(500, 3))
+    on = (on / np.linalg.norm(on, axis=-1, keepdims=True)).astype(np.float32)
+    outside = 3.0 * on.astype(float)
+    exactly = ball().visible(on, outside)
+    assert 0 < exactly.sum() < 500
+    assert ball().visible(on, outside, tolerance=1e-6).all()
+    assert ball().visible(outside, on, tolerance=1e-6).all()
+    assert not ball().visible(-outside, outside, tolerance=1.9).any()
+    for wrong in (-1, np.nan, np.inf):
+        with pytest.raises(ValueError, match="tolerance must be 0 or more, and finite, got"):
+            ball().visible(on, outside, tolerance=wrong)

@@ -23,7 +23,7 @@ pub(crate) fn run(args: &VisibleArgs, interrupted: &AtomicBool) -> Result<(), Fa
             [DVec3::new(a, b, c), DVec3::new(x, y, z)].map(Viewpoint::new)
         });
         let ends: Vec<_> = ends.collect();
-        let seen = visible(scene, &ends, progress)?;
+        let seen = visible(scene, &ends, args.tolerance, progress)?;
         let count = seen.iter().filter(|&&is_seen| is_seen).count();
         Ok(Answers {
             data: Data::Bool(seen),

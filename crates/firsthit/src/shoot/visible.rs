@@ -2,7 +2,7 @@
 
 use super::{Any, trace};
 use crate::error::Result;
-use crate::geometry::{DVec3, Ray, RayFilter, Rays, SurfaceId, share_at_end};
+use crate::geometry::{DVec3, Ray, RayFilter, Rays, SurfaceId, require, share_at_end};
 use crate::scene::Scene;
 use crate::watch::Watch;
 
@@ -29,6 +29,7 @@ impl Viewpoint {
 ///
 /// What is at an end does not count: the points of a surface are rounded, to one side of it or the other. So nothing counts within
 /// 2^-40 of the ends' largest coordinate from an end, measured along the longest axis of the line; at a coordinate of 1 that is 10^-12.
+/// Nor does anything within `tolerance` of an end, in scene units, as for points that are rounded to float32.
 /// Nor does an end's [`surface`](Viewpoint::surface), also where the line is nearly along it.
 ///
 /// The answer does not depend on which comes first: the ray goes from the point with the lower coordinates, by `x`, then `y`,
@@ -40,15 +41,22 @@ impl Viewpoint {
 ///
 /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
 /// let [a, b, c] = [-2.0, 2.0, 3.0].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
-/// assert_eq!(visible(&scene, &[[a, b], [b, c]], &())?, [false, true]);
+/// assert_eq!(visible(&scene, &[[a, b], [b, c]], 0.0, &())?, [false, true]);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 ///
 /// # Errors
 ///
-/// Those of [`trace`].
-pub fn visible(scene: &Scene, pairs: &[[Viewpoint; 2]], watch: &dyn Watch) -> Result<Vec<bool>> {
-    let sights = Sights(pairs);
+/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite, and those of [`trace`].
+pub fn visible(
+    scene: &Scene,
+    pairs: &[[Viewpoint; 2]],
+    tolerance: f64,
+    watch: &dyn Watch,
+) -> Result<Vec<bool>> {
+    let is_length = tolerance >= 0.0 && tolerance.is_finite();
+    require("tolerance", "0 or more, and finite", is_length, tolerance)?;
+    let sights = Sights { pairs, tolerance };
     let mut answers = trace(scene, &sights, Any, watch)?;
     for (index, answer) in answers.iter_mut().enumerate() {
         let [a, b] = pairs[index].map(|end| end.position);
@@ -68,12 +76,15 @@ pub fn visible(scene: &Scene, pairs: &[[Viewpoint; 2]], watch: &dyn Watch) -> Re
 }
 
 /// The rays of lines of sight.
-struct Sights<'a>(&'a [[Viewpoint; 2]]);
+struct Sights<'a> {
+    pairs: &'a [[Viewpoint; 2]],
+    tolerance: f64,
+}
 
 impl Sights<'_> {
     /// The ends of a line in their own order.
     fn ordered(&self, index: usize) -> [Viewpoint; 2] {
-        let [a, b] = self.0[index];
+        let [a, b] = self.pairs[index];
         let key = |end: &Viewpoint| {
             // Zero has one sign.
             let place = (end.position + 0.0).to_array().map(f64::to_bits);
@@ -89,19 +100,20 @@ impl Sights<'_> {
 
 impl Rays for Sights<'_> {
     fn len(&self) -> usize {
-        self.0.len()
+        self.pairs.len()
     }
 
     /// Its direction may be zero or infinite, and its end before its start: then it meets nothing.
     fn ray(&self, index: usize) -> Ray {
         let [from, to] = self.ordered(index).map(|end| end.position);
         let ray = Ray::new(from, to - from);
-        let at_end = share_at_end(from, to);
+        let near = self.tolerance / (to - from).length();
+        let at_end = share_at_end(from, to).max(near);
         ray.beyond(at_end).up_to(1.0 - at_end)
     }
 
     fn is_filtered(&self) -> bool {
-        self.0.iter().flatten().any(|end| end.surface.is_some())
+        self.pairs.iter().flatten().any(|end| end.surface.is_some())
     }
 
     fn filter(&self, index: usize) -> RayFilter {

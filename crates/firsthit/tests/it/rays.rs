@@ -216,6 +216,28 @@ fn what_is_beyond_reach_sees_nothing_from_either_side() {
     for far in [1e200, -1e200, f64::INFINITY, f64::NAN] {
         let [origin, far] = [0.0, far].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
         let pairs = [[origin, far], [far, origin]];
-        assert_eq!(visible(&scene, &pairs, &()).unwrap(), [false; 2]);
+        assert_eq!(visible(&scene, &pairs, 0.0, &()).unwrap(), [false; 2]);
+    }
+}
+
+#[test]
+fn points_a_float32_step_inside_a_wall_see_each_other_with_a_tolerance() {
+    let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
+    let scene = Scene::new(vec![Object::new(ball)]).unwrap();
+    let [inside, far] = [1.0 - 1e-7, 3.0].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
+    let seen = |pair, tolerance| visible(&scene, &[pair], tolerance, &()).unwrap();
+    for pair in [[inside, far], [far, inside]] {
+        assert_eq!(seen(pair, 0.0), [false]);
+        assert_eq!(seen(pair, 0.5e-7), [false]);
+        assert_eq!(seen(pair, 2e-7), [true]);
+        assert_eq!(seen(pair, 1e9), [true]);
+    }
+    let [behind, before] = [-3.0, 3.0].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
+    assert_eq!(seen([behind, before], 1.9), [false]);
+    for tolerance in [-1.0, f64::NAN, f64::INFINITY] {
+        let error = visible(&scene, &[], tolerance, &())
+            .unwrap_err()
+            .to_string();
+        assert!(error.starts_with("tolerance must be 0 or more"), "{error}");
     }
 }
