@@ -1,5 +1,7 @@
 """Scene files: what they say is what the scene has."""
 
+import base64
+import json
 import pickle
 from pathlib import Path
 
@@ -119,3 +121,64 @@ def test_the_examples_of_the_documentation_load_and_render(path):
     frame = fh.render(scene, seen.resize(*size), channels=("color", "object"))
     assert len(np.unique(frame["object"])) >= 2
     assert frame["color"].std() > 0.05
+
+
+def test_a_pose_of_three_decimals_is_taken_with_a_warning_as_in_python(tmp_path):
+    turned = "[[0.867, 0.5, 0, 1], [-0.5, 0.867, 0, 2], [0, 0, 1, 9]]"
+    camera = f'convention = "opengl"\npose = {turned}\nfov = 30\ncolumns = 4\nrows = 3\n'
+    (tmp_path / "a.toml").write_text(f"[camera]\n{camera}")
+    with pytest.warns(fh.FirsthitWarning, match=r"a\.toml:3:8: the rotation is rounded, .* by up"):
+        read = fh.load(tmp_path / "a.toml").camera()
+    with pytest.warns(fh.FirsthitWarning, match="the rotation is rounded"):
+        same = fh.Camera.from_intrinsics(
+            (10, 10, 2, 1.5), pose=json.loads(turned), convention="opengl", rows=3, columns=4
+        )
+    for name in ("position", "aim", "up"):
+        np.testing.assert_allclose(getattr(read, name), getattr(same, name), atol=1e-15)
+    (tmp_path / "a.toml").write_text(f"[camera]\n{camera.replace('0.867', '0.870')}")
+    with pytest.raises(fh.FileFormatError, match="rotation"):
+        fh.load(tmp_path / "a.toml")
+
+
+def test_files_in_a_scene_file_show_the_variants_that_it_names(tmp_path):
+    names = ["red", "blue"]
+    data = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
+    mappings = [{"material": k, "variants": [k]} for k in (0, 1)]
+    primitive = {"attributes": {"POSITION": 0}, "material": 2}
+    primitive["extensions"] = {"KHR_materials_variants": {"mappings": mappings}}
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    model = {
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_materials_variants"],
+        "extensions": {"KHR_materials_variants": {"variants": [{"name": n} for n in names]}},
+        "materials": [{"name": name} for name in (*names, "plain")],
+        "buffers": [{"byteLength": len(data), "uri": uri}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(data)}],
+        "accessors": [
+            {
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": 3,
+                "type": "VEC3",
+                "min": [0, 0, 0],
+                "max": [1, 1, 0],
+            }
+        ],
+        "meshes": [{"primitives": [primitive]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    }
+    (tmp_path / "a.gltf").write_text(json.dumps(model))
+    wanted = ["", 'variant = "red"', 'variant = "blue"', 'variant = "red"']
+    text = "".join(f'[[objects]]\nfile = "a.gltf"\n{variant}\n' for variant in wanted)
+    (tmp_path / "a.toml").write_text(text)
+
+    def materials(**how):
+        scene = fh.load(tmp_path / "a.toml", **how)
+        return [each.materials[0].name for each in scene.objects]
+
+    assert materials() == ["plain", "red", "blue", "red"]
+    assert materials(variant="blue") == ["blue", "red", "blue", "red"]
+    (tmp_path / "a.toml").write_text(text + '[[objects]]\nfile = "a.gltf"\nvariant = "re\\u202e"')
+    with pytest.raises(fh.FileFormatError, match=r"a\.toml:15:11: 'a.gltf' has no variant"):
+        fh.load(tmp_path / "a.toml")

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use firsthit::camera::{
     Aim, ColmapImages, Convention, Description, Lens, Opening, PixelMatrix, StandardView,
-    Viewplane, orthonormalised,
+    Viewplane, orthonormalised, rounded_pose,
 };
 use firsthit::error::{escape_controls, escaped};
 use firsthit::sensor::camera_of;
@@ -448,8 +448,7 @@ fn posed(
     let row = |k: usize| [0, 1, 2, 3].map(|column| numbers[4 * k + column]);
     let mut pose = [row(0), row(1), row(2), row(3)];
     if let Some((turned, off)) = orthonormalised(pose) {
-        let what = "the rotation is rounded, and the nearest one is taken: numbers change by up to";
-        warn(&[format!("{}: {what} {off:.1e}", escaped(path))]);
+        warn(&[format!("{}: {}", escaped(path), rounded_pose(off))]);
         pose = turned;
     }
     let pose = convention.pose(pose);

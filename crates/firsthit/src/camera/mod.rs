@@ -29,7 +29,7 @@ mod viewplane;
 
 pub use calibrated::Calibrated;
 pub use colmap::{ColmapImages, ColmapModel};
-pub use convention::{Convention, orthonormalised, rotation};
+pub use convention::{Convention, orthonormalised, rotation, rounded_pose};
 pub use cube_map::CubeMap;
 pub use cylindrical::Cylindrical;
 pub use description::{Aim, Description, Focus, Opening};

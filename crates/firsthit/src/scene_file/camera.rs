@@ -7,9 +7,10 @@ use super::section::Section;
 use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, required};
 use crate::camera::{
     Aim, Convention, Description, Focus, Lens, Opening, PixelMatrix, Projection, RayStart,
-    Viewplane,
+    Viewplane, orthonormalised, rounded_pose,
 };
 use crate::geometry::{Bounds, DVec3};
+use crate::io::Report;
 use crate::io::fault::Checked;
 use crate::world::{NamedCamera, World};
 
@@ -423,7 +424,10 @@ pub(super) struct Read<'v, 't> {
 }
 
 /// The file's cameras, the one without a name first.
-pub(super) fn read<'v, 't>(scene: &Section<'v, 't>) -> Checked<Vec<Read<'v, 't>>> {
+pub(super) fn read<'v, 't>(
+    scene: &Section<'v, 't>,
+    report: &mut Report,
+) -> Checked<Vec<Read<'v, 't>>> {
     let unnamed = scene.table("camera", &CAMERA)?;
     let unnamed = unnamed.into_iter().map(|section| ("camera", section));
     let named = scene.named("cameras", &CAMERA)?;
@@ -431,13 +435,13 @@ pub(super) fn read<'v, 't>(scene: &Section<'v, 't>) -> Checked<Vec<Read<'v, 't>>
         Ok(Read {
             name: name.to_owned(),
             section,
-            description: description(&section)?,
+            description: description(&section, report)?,
         })
     });
     cameras.collect()
 }
 
-fn description(section: &Section<'_, '_>) -> Checked<Description> {
+fn description(section: &Section<'_, '_>, report: &mut Report) -> Checked<Description> {
     let projection: Projection = section.checked(section.tag().unwrap_or_default().parse())?;
     let along = section.vector("aim").map(Aim::Along);
     let at = section.vector("look_at").map(Aim::At);
@@ -468,7 +472,12 @@ fn description(section: &Section<'_, '_>) -> Checked<Description> {
     else {
         return Ok(described);
     };
-    let pose = section.checked(convention.pose([x, y, z, [0.0, 0.0, 0.0, 1.0]]))?;
+    let mut pose = [x, y, z, [0.0, 0.0, 0.0, 1.0]];
+    if let Some((turned, off)) = orthonormalised(pose) {
+        report.warn("rounded pose", &section.place("pose"), || rounded_pose(off));
+        pose = turned;
+    }
+    let pose = section.checked(convention.pose(pose))?;
     Ok(Description {
         position: Some(pose.translation),
         aim: Some(Aim::Along(DVec3::ZERO - pose.matrix3.z_axis)),

@@ -104,7 +104,7 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
         ..World::default()
     };
     // The cameras' own values are checked before large files are read.
-    let cameras = camera::read(&scene)?;
+    let cameras = camera::read(&scene, report)?;
     let (environment, sun) = environment::read(&scene, up, report)?.unzip();
     world.environment = environment.map(Arc::new);
     world.lights.extend(sun.flatten());

@@ -38,6 +38,9 @@ const FILE: &[Key] = keys! {
     file: required(Form::Path),
     /// The unit of the file's lengths, which become metres. Default: lengths are as they are.
     units: optional(Form::OneOf(|| UNITS.iter().map(|&(name, _)| name).collect())),
+    /// The variant of a glTF file's materials, by its name. Default: the one that is asked for where the scene file is read, or the
+    /// materials that the file shows without one.
+    variant: optional(Form::Text),
 };
 
 const CENTER: &[Key] = keys! {
@@ -238,10 +241,26 @@ fn part(path: &Path, report: &mut Report) -> Result<World> {
     load_part(path, report)
 }
 
+/// The world of a file in the variant that its table names, if it names one, and whether the file has that.
+fn part_in(path: &Path, variant: Option<&str>, report: &mut Report) -> Result<(World, bool)> {
+    let Some(variant) = variant else {
+        return Ok((part(path, report)?, true));
+    };
+    let asked = report.settings.variant.replace(variant.to_owned());
+    let of_others = std::mem::take(&mut report.variants);
+    let read = part(path, report);
+    report.settings.variant = asked;
+    let own = std::mem::replace(&mut report.variants, of_others);
+    let is_there = own.iter().any(|name| name == variant);
+    report.add_variants(own);
+    Ok((read?, is_there))
+}
+
 /// The files that were read: each once, however often it is named.
 #[derive(Debug, Default)]
 struct Files {
-    known: HashMap<PathBuf, Arc<[Object]>>,
+    /// By their paths and the variants that the scene file names.
+    known: HashMap<(PathBuf, Option<String>), Arc<[Object]>>,
     meshes: Renumber,
 }
 
@@ -253,14 +272,22 @@ impl Files {
             section.fault_at("file", format!("'{name}' is not read: {reason}"))
         };
         let path = report.sibling(name).map_err(|reason| refused(&reason))?;
-        if let Some(objects) = self.known.get(&path) {
+        let own = section.text("variant").map(str::to_owned);
+        let key = (path.clone(), own.clone());
+        if let Some(objects) = self.known.get(&key) {
             return Ok(Arc::clone(objects));
         }
         if has_extension(&path, EXTENSIONS) {
             return Err(refused("a scene file holds no other scene files"));
         }
-        let world = match part(&path, report) {
-            Ok(world) => world,
+        let world = match part_in(&path, own.as_deref(), report) {
+            Ok((_, false)) => {
+                let variant = escape_controls(own.as_deref().unwrap_or_default());
+                let name = escape_controls(name);
+                let what = format!("'{name}' has no variant \"{variant}\" of its materials");
+                return Err(section.fault_at("variant", what));
+            }
+            Ok((world, true)) => world,
             Err(error @ (Error::Parse { .. } | Error::Read { .. })) => {
                 return Err(refused(&error.to_string()));
             }
@@ -280,7 +307,7 @@ impl Files {
             object.clone().from_mesh(mesh.cloned())
         };
         let objects: Arc<[Object]> = world.objects.iter().map(labelled).collect();
-        self.known.insert(path, Arc::clone(&objects));
+        self.known.insert(key, Arc::clone(&objects));
         Ok(objects)
     }
 }
