@@ -100,6 +100,8 @@ class ScanSettings(NamedTuple):
         if key is None and (spread is not None or lost is not None):
             raise ValueError("seed must be given with noise or dropout, which are random")
         most = None if max_returns is None else count("max_returns", max_returns, 1)
+        if most is not None and returns != "all":
+            raise ValueError(f"max_returns is about returns='all', got returns={returns!r}")
         return cls(
             returns,
             angle,

@@ -321,6 +321,8 @@ def test_beams_come_from_a_csv(tmp_path):
             {"returns": "all", "max_returns": 2**70},
             rf"max_returns must be below 2\^63, got {2**70}",
         ),
+        ({"max_returns": 2}, "max_returns is about returns='all', got returns='first'"),
+        ({"returns": "last", "max_returns": 2}, "max_returns is about returns='all'"),
         ({"noise": 0.1, "seed": -1}, "seed must be zero or more, got -1"),
         ({"noise": 0.1, "seed": 2**63}, rf"seed must be below 2\^63, got {2**63}"),
         ({"min_range": 2, "max_range": 1}, "min_range and max_range"),
