@@ -315,6 +315,7 @@ class AllHits:
         channels: Asked | Sequence[Asked] | None = None,
         *,
         own: Mapping[str, npt.ArrayLike] | None = None,
+        compress: bool = False,
     ) -> None:
         """Write all hits to a file, whole or not at all; see `Hits.save`.
 
@@ -328,6 +329,8 @@ class AllHits:
             As for `Hits.save`.
         own : mapping of str to (m,) or (m, k) array_like, optional
             As for `Hits.save`, for each hit.
+        compress : bool
+            As for `Frame.save`.
 
         Raises
         ------
@@ -335,7 +338,7 @@ class AllHits:
             As `Hits.save`.
         """
         others = {"ray": self.ray.astype(np.int32), **self.hits._own(path, own)}
-        self.hits._save(path, channels, others, stored())
+        self.hits._save(path, channels, others, stored(compress=compress))
 
     def to_dict(
         self, channels: Asked | Sequence[Asked] | None = None, *, copy: bool = False

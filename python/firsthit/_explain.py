@@ -153,6 +153,7 @@ class Explainable(Traceable):
         cull: Side | None = None,
         skip: tuple[int, int] | None = None,
         objects: Selection | None = None,
+        blend_below: float | None = None,
         behind: int = 10,
     ) -> Explanation:
         """Explain one ray.
@@ -168,7 +169,7 @@ class Explainable(Traceable):
         pixel : pair of int, optional
             Of a camera: the column from the left and the row from the top, both from 0. The ray
             goes through the pixel's centre.
-        t_min, t_max, mask, cull, skip, objects
+        t_min, t_max, mask, cull, skip, objects, blend_below
             As for `shoot`, for this ray.
         behind : int
             How many crossings behind the hit are listed; the others are counted.
@@ -215,7 +216,8 @@ class Explainable(Traceable):
             if rays.shape != ():
                 raise ValueError(f"explain takes one ray, got rays of shape {rays.shape}")
             explained = rays.part(slice(0, 1))
-        built, most = self._ready(), count("behind", behind)
+        most = count("behind", behind)
+        built = self._seen(self._ready(), None, None, blend_below)
         among = None if objects is None else chosen(built.objects, objects)
         text, record = _firsthit.explain(built.native, explained, among, most)
         return Explanation(text, json.loads(record))

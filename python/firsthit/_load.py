@@ -235,6 +235,11 @@ def lint(
     strict: bool = False,
     max_memory: int = 8 << 30,
     max_texture: int = 16384,
+    units: Unit | None = None,
+    scale: float = 1.0,
+    resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
+    build: Build = "auto",
+    variant: str | None = None,
 ) -> LintReport:
     """Look for what may be wrong with a 3D file.
 
@@ -244,7 +249,7 @@ def lint(
         The file, as for `load`.
     ignore, places, threads
         As for `Scene.lint`.
-    strict, max_memory, max_texture
+    strict, max_memory, max_texture, units, scale, resources, build, variant
         As for `load`.
 
     Returns
@@ -257,14 +262,24 @@ def lint(
     FileReadError, FileFormatError, MemoryError
         As `load`.
     ValueError
-        For a kind that there is not, and for limits that are no whole numbers.
+        For a kind that there is not, and as `load`.
 
     Warns
     -----
     FirsthitWarning
         For what is doubtful in the file.
     """
-    scene = load(path, strict=strict, max_memory=max_memory, max_texture=max_texture)
+    scene = load(
+        path,
+        strict=strict,
+        max_memory=max_memory,
+        max_texture=max_texture,
+        units=units,
+        scale=scale,
+        resources=resources,
+        build=build,
+        variant=variant,
+    )
     return scene.lint(ignore=ignore, places=places, threads=threads)
 
 

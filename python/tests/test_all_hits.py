@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import zipfile
 
 import firsthit as fh
 import numpy as np
@@ -215,6 +216,10 @@ def test_a_file_of_all_hits_has_their_rays_first(tmp_path):
     met = onion().shoot_all([[0.2, 0.1, 5], [0, 9, 5], [0, 0, 5]], [0, 0, -1])
     met.save(tmp_path / "a.npz", ["t", "normal"])
     assert np.load(tmp_path / "a.npz")["ray"].tolist() == met.ray.tolist()
+    met.save(tmp_path / "packed.npz", ["t", "normal"], compress=True)
+    with zipfile.ZipFile(tmp_path / "packed.npz") as packed:
+        assert {entry.compress_type for entry in packed.infolist()} == {zipfile.ZIP_DEFLATED}
+    assert np.load(tmp_path / "packed.npz")["t"].tolist() == met.t.tolist()
     met.save(tmp_path / "a-{channel}.npy")
     assert np.load(tmp_path / "a-ray.npy").tolist() == met.ray.tolist()
     for name in ("a.npz", "a-ray.npy"):

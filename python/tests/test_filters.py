@@ -272,7 +272,7 @@ def panes(*alphas):
     return scene
 
 
-def test_rays_pass_what_is_translucent_below_an_alpha_by_query():
+def test_rays_pass_what_is_translucent_below_an_alpha_by_query(tmp_path):
     scene = panes(1.0, 0.5, 0.2)
     down = ((0.3, 0.2, 9), (0, 0, -1))
     for blend_below, met in [(None, 2), (0.1, 2), (0.5, 1), (0.51, 0)]:
@@ -283,9 +283,21 @@ def test_rays_pass_what_is_translucent_below_an_alpha_by_query():
         )
         occluded = scene.occluded(*down, t_max=7.5, blend_below=blend_below)
         assert occluded == (met == 2)
+        above, below = (0.3, 0.2, 9), (0.3, 0.2, 1.5)
+        assert scene.visible(above, below, blend_below=blend_below) == (met < 2)
+        story = scene.explain(*down, blend_below=blend_below)
+        assert (story.hit["object"], story.behind_count) == (met, met)
         camera = fh.Camera.look_at((0, 0, 9), (0, 0, 0), (0, 1, 0), 5, rows=2, columns=2)
         frame = fh.render(scene, camera, channels="object", blend_below=blend_below)
         assert (frame["object"] == met).all()
+    camera = fh.Camera.look_at((0, 0, 9), (0, 0, 0), (0, 1, 0), 5, rows=2, columns=2)
+    fh.render_many(scene, {"a": camera}, tmp_path / "seen", channels=["object"], blend_below=0.5)
+    with np.load(tmp_path / "seen" / "parts" / "000000" / "a.npz") as made:
+        assert (made["object"] == 1).all()
+    rays = np.array([down[0]]), np.array([down[1]])
+    fh.shoot_many(scene, rays, tmp_path / "shot", blend_below=0.5)
+    with np.load(tmp_path / "shot" / "parts" / "000000" / "hits.npz") as made:
+        assert made["object"].tolist() == [1]
     hits = pickle.loads(pickle.dumps(scene.shoot(*down, blend_below=0.5)))
     assert hits.object == 1
     assert scene.shoot(*down, blend_below=0.5, objects=[0, 2]).object == 0

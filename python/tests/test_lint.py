@@ -91,6 +91,17 @@ def test_files_are_read_and_marked(tmp_path):
         report.save(tmp_path / "marked.stl")
 
 
+def test_lengths_of_a_file_are_in_the_unit_that_is_said(tmp_path):
+    lines = [*("v {} {} {}".format(*corner) for corner in CORNERS)]
+    lines += ["f {} {} {}".format(*(k + 1 for k in face)) for face in FACES]
+    (tmp_path / "part.obj").write_text("\n".join(lines))
+    assert fh.lint(tmp_path / "part.obj").is_clean
+    small = fh.lint(tmp_path / "part.obj", units="um", scale=2.0, build="fast")
+    assert [finding.kind for finding in small] == ["units"]
+    with pytest.raises(ValueError, match="variant must be one of the file's"):
+        fh.lint(tmp_path / "part.obj", variant="red", resources=tmp_path)
+
+
 def test_what_is_about_the_whole_scene_is_about_no_object():
     (units,) = of(np.multiply(CORNERS, 1e-4), FACES).findings
     assert units.kind == "units"

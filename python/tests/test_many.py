@@ -189,6 +189,24 @@ def test_numbers_that_json_has_not_are_part_of_a_job(tmp_path):
         fh.render_many(endless, cameras(1), tmp_path, **look)
 
 
+def test_far_and_dtype_are_those_of_save_and_render(tmp_path):
+    (view,) = cameras(1)
+    how = {"channels": ["z"], "save": [".png", ".npz"], "png_scale": 1e-4}
+    fh.render_many(scene(), {"a": view}, tmp_path / "out", **how, far="zero", dtype=np.float32)
+    frame = fh.render(scene(), view, channels="z", dtype="float32")
+    frame.save(tmp_path / "a.png", png_scale=1e-4, far="zero")
+    made = tmp_path / "out" / "parts" / "000000"
+    assert (made / "a.png").read_bytes() == (tmp_path / "a.png").read_bytes()
+    with np.load(made / "a.npz") as file:
+        assert file["z"].dtype == np.float32
+        np.testing.assert_array_equal(file["z"], frame["z"])
+    for other in ({"far": "saturate", "dtype": "float32"}, {"far": "zero"}):
+        with pytest.raises(fh.FileWriteError, match="another job's"):
+            fh.render_many(scene(), {"a": view}, tmp_path / "out", **how, **other)
+    with pytest.raises(ValueError, match="far needs png_scale"):
+        fh.render_many(scene(), [view], tmp_path / "b", channels="z", far="zero")
+
+
 def test_exposure_and_tone_map_are_those_of_save(tmp_path):
     (view,), how = cameras(1), {"exposure": -1, "tone_map": "agx"}
     fh.render_many(scene(), {"a": view}, tmp_path / "out", save=[".png", ".npz"], **how)

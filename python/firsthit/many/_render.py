@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from firsthit import _firsthit
 from firsthit._arrays import color_of, count, number
 from firsthit._colors import Colors
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
     from firsthit._parts._scene_store import SharedScene
     from firsthit._scene import Scene
     from firsthit._sensor import Sensor
-    from firsthit._types import Asked, Progress, Selection, Side
+    from firsthit._types import Asked, Far, Progress, Selection, Side
     from firsthit.typing import ColorMapName, LightName, OwnShade, ShaderName, ToneMapName
 
     from ._made import Made
@@ -54,6 +56,7 @@ def render_many(
     channels: Asked | Sequence[Asked] = ("color",),
     save: str | Sequence[str] = ".npz",
     png_scale: float | None = None,
+    far: Far | None = None,
     part_size: int = 1,
     background: Sky | npt.ArrayLike | None = None,
     environment: Environment | None = None,
@@ -61,6 +64,7 @@ def render_many(
     cull: Side | None = None,
     edges: Edges | float | None = None,
     objects: Selection | None = None,
+    blend_below: float | None = None,
     shade: ShaderName | Shader | OwnShade | None = None,
     light: LightName | None = None,
     ground: bool | None = None,
@@ -72,6 +76,7 @@ def render_many(
     color_bar: bool | None = None,
     exposure: float | None = None,
     tone_map: ToneMapName | None = None,
+    dtype: npt.DTypeLike | None = None,
     on: On = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
@@ -102,9 +107,13 @@ def render_many(
     png_scale : float, optional
         The length of a step of PNGs of ``t``, ``range`` and ``z``, in scene units: they have 16
         bits, and 65535 steps must reach the farthest hit. If left out, they are false colours.
+    far : {"saturate", "zero"}, optional
+        As for `Frame.save`: what such PNGs have in place of what is farther.
     part_size : int
         How many cameras are a part. A part should take a second or more.
-    background, environment, samples, cull, edges, objects, shade, light, ground, ambient, shadows
+    background, environment, samples, cull, edges, objects, blend_below : optional
+        As for `render`.
+    shade, light, ground, ambient, shadows : optional
         As for `render`. A shader of one's own must be a function of a module that workers can
         import. With an environment, workers in other processes open a scene that has it, of
         ``out/scene.fhs``.
@@ -112,6 +121,8 @@ def render_many(
         As for `render`.
     exposure, tone_map : optional
         How ``.png`` shows ``color``, as for `Frame.save`.
+    dtype : {float64, float32}, optional
+        As for `render`.
     on : executor, or function that makes one, optional
         What makes the parts: anything with ``submit`` as `concurrent.futures.Executor` has it, such
         as ``dask_client.get_executor()`` or `firsthit.ray.executor`. With a function that makes
@@ -173,6 +184,7 @@ def render_many(
     scale = None if png_scale is None else number("png_scale", png_scale)
     if scale is not None and not 0.0 < scale < math.inf:
         raise ValueError(f"png_scale must be positive and finite, got {scale}")
+    stored(scale, far)
     shown = _shown(exposure, tone_map, extensions, wanted)
     objects, lines = settled(objects), Edges._of(edges)
     numbers = color_by if color_by is None or isinstance(color_by, Colors) else Colors(color_by)
@@ -186,6 +198,7 @@ def render_many(
         "shadows": shadows,
     }
     more: dict[str, Any] = {"edges": lines, "light": light, "ground": ground, "color_by": numbers}
+    more |= {"blend_below": blend_below, "dtype": None if dtype is None else np.dtype(dtype).name}
     more |= {"color_map": color_map, "color_range": color_range, "color_bar": color_bar}
     look |= {name: value for name, value in more.items() if value is not None}
     said = {
@@ -197,6 +210,7 @@ def render_many(
         "png_scale": scale,
         "part_size": size,
         "look": finite({**look, **_as_json(look), "objects": listed(objects)}),
+        **({} if far is None else {"far": far}),
         **shown,
     }
     share = shared(scene)
@@ -209,7 +223,9 @@ def render_many(
         share = lit(share, environment)
     job = Job(out, share, said, math.ceil(len(views) / size))
     job.claim()
-    maker = _Pictures(job.scene, job.digest, wanted, extensions, scale, look, shown, how.threads)
+    maker = _Pictures(
+        job.scene, job.digest, wanted, extensions, (scale, far), look, shown, how.threads
+    )
 
     def given(part_number: int) -> list[tuple[str, Sensor]]:
         """Return the names and the cameras of a part."""
@@ -229,7 +245,8 @@ class _Pictures(NamedTuple):
     job: str
     channels: list[Any]
     extensions: list[str]
-    png_scale: float | None
+    #: What PNGs of distances hold: the length of a step, and what is farther.
+    steps: tuple[float | None, Far | None]
     look: dict[str, Any]
     shown: dict[str, Any]
     threads: int | None
@@ -261,8 +278,8 @@ class _Pictures(NamedTuple):
         for channel in frame.keys():  # noqa: SIM118 - a frame is no dict
             end = f".{in_path(channel)}{extension}" if several else extension
             has_scale = extension == ".png" and channel in DISTANCES
-            scale = self.png_scale if has_scale else None
-            frame._write(path.with_name(f"{path.name}{end}"), [channel], stored(scale))
+            scale, far = self.steps if has_scale else (None, None)
+            frame._write(path.with_name(f"{path.name}{end}"), [channel], stored(scale, far))
 
 
 #: The extensions of files that hold one channel.

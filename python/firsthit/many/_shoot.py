@@ -67,6 +67,7 @@ def shoot_many(
     part_size: int = 1_000_000,
     cull: Side | None = None,
     objects: Selection | None = None,
+    blend_below: float | None = None,
     on: On = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
@@ -103,7 +104,7 @@ def shoot_many(
         your own, see `many.Fold`. The result, over all rays, is in ``out/fold.npz`` and returned.
     part_size : int
         How many rays are a part. A part should take a second or more.
-    cull, objects
+    cull, objects, blend_below
         As for `Scene.shoot`.
     on, part, threads, verify, progress
         As for `render_many`.
@@ -149,7 +150,8 @@ def shoot_many(
         check_package(save)
     wanted = [] if fold is not None else distinct(channels, _OF_RAYS)
     share, objects = shared(scene), settled(objects)
-    _try(share, wanted, fold, {"cull": cull, "objects": objects})
+    met = {"cull": cull, "objects": objects, "blend_below": blend_below}
+    _try(share, wanted, fold, met)
     common = {
         "kind": "shoot",
         "channels": wanted,
@@ -157,8 +159,9 @@ def shoot_many(
         "fold": None if fold is None else identity("fold", fold),
         "cull": cull,
         "objects": listed(objects),
+        **({} if blend_below is None else {"blend_below": float(blend_below)}),
     }
-    maker = _Shots(share, wanted, save, fold, {"cull": cull, "objects": objects}, how.threads)
+    maker = _Shots(share, wanted, save, fold, met, how.threads)
     job: Job
     if isinstance(rays, Iterator):
         stream = Stream(out, share, {**common, "rays": {"kind": "stream"}})
