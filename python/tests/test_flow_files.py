@@ -8,7 +8,8 @@ import pytest
 
 cv2 = pytest.importorskip("cv2")
 
-BALL = {"center": (0, 0, 0), "radius": 1}
+#: Not in the middle: a picture upside down is another one.
+BALL = {"center": (0.1, 0, 0.2), "radius": 1}
 EYE = fh.Camera.look_at((0, -5, 0.5), (0, 0, 0), (0, 0, 1), 40, rows=30, columns=50)
 
 

@@ -696,6 +696,7 @@ def test_rays_of_one_s_own_make_a_scan_with_its_files(tmp_path):
         ({"time": [1, 2]}, r"time must broadcast to \(3,\), got \(2,\)"),
         ({"time": np.nan}, "time must be finite"),
         ({"ring": 0.5}, "ring must be whole numbers"),
+        ({"ring": -1}, "ring must be whole numbers from 0 on"),
         ({"pose": np.diag([1, 1, 2, 1])}, "pose must be a rotation"),
         ({"pose": np.zeros((2, 4, 4))}, r"pose must have the shape \(4, 4\)"),
         ({"intensity": "a"}, "intensity must be"),

@@ -116,11 +116,11 @@ def test_a_mesh_with_its_thickness_is_a_ply_that_is_read_again(tmp_path):
     third = fh.load(tmp_path / "b.ply").objects[0].shape
     assert third.vertex_properties["heat"].tolist() == (heat + 1).tolist()
     assert {*third.face_properties} == {"thickness", "pair_0", "pair_1"}
-    quads = fh.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2, 3]])
-    quads.save(tmp_path / "c.ply", face_properties={"area": [1.5]})
-    assert (
-        fh.load(tmp_path / "c.ply").objects[0].shape.face_properties["area"].tolist() == [1.5] * 2
-    )
+    corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]]
+    quads = fh.Mesh(corners, [[0, 1, 2, 3], [1, 4, 5, 2]])
+    quads.save(tmp_path / "c.ply", face_properties={"area": [1.5, 2.5]})
+    read = fh.load(tmp_path / "c.ply").objects[0].shape
+    assert read.face_properties["area"].tolist() == [1.5, 1.5, 2.5, 2.5]
 
 
 @pytest.mark.parametrize(

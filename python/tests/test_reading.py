@@ -18,7 +18,7 @@ def test_units_become_metres_and_a_scale_multiplies(tmp_path: Path) -> None:
         ({"units": "mm", "scale": 2}, 2),
     ]:
         scene = fh.load(path, **given)
-        assert scene.shoot((size / 4, size / 4, 5), (0, 0, -1)).t == 5
+        assert scene.shoot((size * 0.4, size * 0.4, 5), (0, 0, -1)).t == 5
         assert np.isinf(scene.shoot((size * 0.6, size * 0.6, 5), (0, 0, -1)).t)
     with pytest.raises(ValueError, match=r"units must be one of um, mm, .*, got 'inch'"):
         fh.load(path, units="inch")  # type: ignore[arg-type]
