@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._sensor import Sensor
-    from ._types import Progress, Rule, Selection
+    from ._types import FillRule, Progress, Rule, Selection
 
 
 class Measures(Traceable):
@@ -29,6 +29,7 @@ class Measures(Traceable):
         points: npt.ArrayLike,
         by: Literal["object"] | None = None,
         *,
+        rule: FillRule = "nonzero",
         return_rules: Literal[False] = False,
         objects: Selection | None = None,
         threads: int | None = None,
@@ -41,6 +42,7 @@ class Measures(Traceable):
         points: npt.ArrayLike,
         by: Literal["object"] | None = None,
         *,
+        rule: FillRule = "nonzero",
         return_rules: Literal[True],
         objects: Selection | None = None,
         threads: int | None = None,
@@ -52,6 +54,7 @@ class Measures(Traceable):
         points: npt.ArrayLike,
         by: Literal["object"] | None = None,
         *,
+        rule: FillRule = "nonzero",
         return_rules: bool = False,
         objects: Selection | None = None,
         threads: int | None = None,
@@ -59,11 +62,13 @@ class Measures(Traceable):
     ) -> npt.NDArray[np.bool_] | tuple[npt.NDArray[np.bool_], tuple[Rule, ...]]:
         """Tell which points are inside the scene's objects.
 
-        A closed mesh (`Mesh.is_closed`) or a solid holds a point if a ray from there crosses it an
-        odd number of times, which for a mesh without a transform is decided exactly. So shells
-        within shells are hollows. An open mesh, or one with parts that its material cuts out, holds
-        the points in its box around which its winding number is above one half or below minus one
-        half, whichever way its triangles face. A plane and a disc hold nothing.
+        A closed mesh (`Mesh.is_closed`) holds the points that it goes around, once or more often,
+        either way around; which for a mesh without a transform is decided exactly. So it holds what
+        its shells have in common, and a shell within another is a hollow if it faces inwards. With
+        ``rule="parity"`` it holds the points that it goes around an odd number of times. A flipped
+        triangle counts as its neighbours do. An open mesh, or one with parts that its material cuts
+        out, holds the points in its box around which its winding number is above one half or below
+        minus one half. A plane and a disc hold nothing.
 
         A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is:
         of closed objects without a gap between them, exactly one holds each point that they share.
@@ -75,6 +80,9 @@ class Measures(Traceable):
         by : {None, "object"}
             ``None`` asks about all objects together, ``"object"`` about each. `path_length` has
             the other default.
+        rule : {"nonzero", "parity"}
+            Which points closed meshes hold; the same for `path_length`, `thickness`, `section` and
+            `signed_distance`.
         return_rules : bool
             Whether to tell, too, how it is known for each object.
         objects : int, str, or sequence of them, optional
@@ -89,12 +97,13 @@ class Measures(Traceable):
             inside each of the n objects of the scene, in the order of their identifiers: False for
             those that are hidden or not among ``objects``. False for a point that is not finite.
         rules : tuple of str
-            Only with ``return_rules``, for each object: ``"parity"``, ``"winding"`` or ``"none"``.
+            Only with ``return_rules``, for each object: ``"nonzero"``, ``"parity"``, ``"winding"``
+            or ``"none"``. A closed mesh whose triangles cannot all face alike goes by parity.
 
         Raises
         ------
         ValueError
-            For points of a wrong shape or type, and another ``by``.
+            For points of a wrong shape or type, and another ``by`` or ``rule``.
         ValueError, IndexError, TypeError
             For ``objects``, as `shoot`.
         MemoryError
@@ -119,19 +128,19 @@ class Measures(Traceable):
         array = vectors("points", points)
         is_by_object, with_rules = _is_by_object(by), flag("return_rules", return_rules)
         use, built = threads_or_all(threads), self._ready()
-        native = self._seen(built, None, objects).native
+        native, how = self._seen(built, None, objects).native, (is_by_object, rule)
         leading = array.shape[:-1]
         length = math.prod(leading)
         pieces = []
         with following(progress, length) as report:
             for part in [slice(0, length)] if is_flat(array) else chunks(length):
                 told, some = later(report, part.start), flat(array, part, 1)
-                pieces.append(_firsthit.inside(native, some, is_by_object, use, told))
+                pieces.append(_firsthit.inside(native, some, how, use, told))
         shape = (*leading, len(built.objects)) if is_by_object else leading
         found = _joined(pieces, np.bool_).reshape(shape)[()]
         if not with_rules:
             return found
-        rules: Any = _firsthit.rules(native)
+        rules: Any = _firsthit.rules(native, rule)
         return found, tuple(rules)
 
     def path_length(
@@ -142,14 +151,15 @@ class Measures(Traceable):
         *,
         t_min: npt.ArrayLike = 0.0,
         t_max: npt.ArrayLike = math.inf,
+        rule: FillRule = "nonzero",
         objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.float64]:
         """Measure how much of each ray is inside the scene's objects.
 
-        A ray enters and leaves each closed object in turn, at edges and corners too. What is inside
-        is as for `inside`.
+        Each crossing of a closed object is there once, at edges and corners too. What is inside is
+        as for `inside`.
 
         Parameters
         ----------
@@ -159,7 +169,7 @@ class Measures(Traceable):
         by : {"object", None}
             ``"object"`` measures each object by itself; ``None`` measures all together, where a
             stretch in several objects counts once.
-        objects : int, str, or sequence of them, optional
+        rule, objects
             As for `inside`.
 
         Returns
@@ -175,7 +185,7 @@ class Measures(Traceable):
         ------
         ValueError
             For arrays whose shapes or types do not fit, with their names, for `LeavingRays`, and
-            another ``by``.
+            another ``by`` or ``rule``.
         ValueError, IndexError, TypeError
             For ``objects``, as `shoot`.
         MemoryError
@@ -200,15 +210,13 @@ class Measures(Traceable):
             raise ValueError("origins must not be LeavingRays: give their origin and direction")
         rays = rays_of(origins, directions, t_min, t_max)
         use, built = threads_or_all(threads), self._ready()
-        native = self._seen(built, None, objects).native
+        native, how = self._seen(built, None, objects).native, (is_by_object, rule)
         pieces = []
         with following(progress, rays.length) as report:
             for part in rays.parts():
                 told, count = later(report, part.start), part.stop - part.start
-                made = _firsthit.path_lengths(
-                    native, rays.part(part), count, is_by_object, use, told
-                )
-                pieces.append(made)
+                some = rays.part(part)
+                pieces.append(_firsthit.path_lengths(native, some, count, how, use, told))
         shape = (*rays.shape, len(built.objects)) if is_by_object else rays.shape
         return _joined(pieces, np.float64).reshape(shape)[()]
 

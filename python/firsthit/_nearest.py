@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from . import _firsthit
-from ._arrays import count, number, plain, threads_or_all, vectors
+from ._arrays import count, flag, number, plain, threads_or_all, vectors
 from ._progress import following
 from ._traceable import Traceable
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._types import Progress, Selection
+    from ._types import FillRule, Progress, Selection
 
 
 class ClosestPoints(NamedTuple):
@@ -139,20 +139,27 @@ class NearestQueries(Traceable):
         self,
         points: npt.ArrayLike,
         *,
+        rule: FillRule = "nonzero",
+        allow_open: bool = False,
         objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.float64]:
         """Measure how far points are from the nearest surface, negative inside.
 
-        A point is inside if it is inside any object. The sign is exact: it is the parity of the
-        crossings of a ray, as `count` counts them. Where objects overlap, the surface of one within
-        the other counts too.
+        A point is inside if it is inside any object, as `inside` has it; of closed meshes without a
+        transform that is exact. Where objects or shells overlap, the surface of one within the
+        other counts too.
 
         Parameters
         ----------
         points, objects, threads, progress
             As for `closest_point`.
+        rule : {"nonzero", "parity"}
+            What is inside of closed meshes, see `inside`.
+        allow_open : bool
+            Take open meshes and those with parts cut out, too: their winding number gives the sign,
+            which is not exact near gaps. Planes and discs have no inside.
 
         Returns
         -------
@@ -162,7 +169,8 @@ class NearestQueries(Traceable):
         Raises
         ------
         ValueError
-            For an object that is not closed, or of which a material cuts parts out.
+            For another ``rule``, and unless ``allow_open`` for an object that is not closed, or of
+            which a material cuts parts out.
         ValueError, IndexError, TypeError
             As `closest_point`.
         MemoryError
@@ -178,10 +186,10 @@ class NearestQueries(Traceable):
         array([ 2.  , -0.25])
         """
         shape, flat = _flat(points)
-        use = threads_or_all(threads)
+        use, how = threads_or_all(threads), (rule, flag("allow_open", allow_open))
         with following(progress, len(flat)) as report:
             native = self._seen(self._ready(), None, objects).native
-            signed = _firsthit.signed_distances(native, flat, use, report)
+            signed = _firsthit.signed_distances(native, flat, how, use, report)
         return signed.reshape(shape)[()]
 
 

@@ -19,27 +19,28 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._traceable import Built
-    from ._types import Selection, Vector
+    from ._types import FillRule, Selection, Vector
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Polyline:
     """A curve of a `Section`. Its arrays are read-only.
 
-    It runs so that the inside of a solid is on its left, seen from where the plane's normal points:
-    counter-clockwise around material, clockwise around holes. Where triangles beside each other are
-    wound differently, it runs as its triangle of the lowest number says.
+    A closed one runs so that the inside of a solid is on its left, seen from where the plane's
+    normal points: counter-clockwise around material, clockwise around holes. An open one runs as
+    its triangle of the lowest number says.
     """
 
     #: The object's identifier.
     object: int
     #: Whether the last point joins the first. It does so where the mesh is closed.
     is_closed: bool
-    #: (n, 3) float64, world space: crossings of edges, or vertices exactly on the plane.
+    #: (n, 3) float64, world space: crossings of edges, or vertices exactly on the plane; and where
+    #: curves of a mesh cross each other, points on both.
     points: npt.NDArray[np.float64]
     #: (n, 2) float64: the same in the plane's coordinates.
     points_2d: npt.NDArray[np.float64]
-    #: (n,) or, if it is open, (n - 1,) int32: the triangle of each segment.
+    #: (n,) or, if it is open, (n - 1,) int32: the triangle of each segment, of several the lowest.
     primitives: npt.NDArray[np.int32]
     #: The area inside: positive around material, negative around holes; ``None`` if it is open.
     area: float | None
@@ -54,9 +55,11 @@ class Polyline:
 class Section:
     """The curves in which a plane cuts the meshes of a scene, from `Scene.section`. Read-only."""
 
-    def __init__(self, built: Built, origin: Vector, normal: Vector, threads: int) -> None:
-        self._made_from = built, origin, normal
-        self._native = _firsthit.Section(built.native, origin, normal, threads)
+    def __init__(
+        self, built: Built, origin: Vector, normal: Vector, rule: FillRule, threads: int
+    ) -> None:
+        self._made_from = built, origin, normal, rule
+        self._native = _firsthit.Section(built.native, origin, normal, rule, threads)
         self._polylines: tuple[Polyline, ...] | None = None
 
     @property
@@ -98,7 +101,7 @@ class Section:
     def area(self) -> float:
         """The area of all closed curves, in squares of scene units: outlines less their holes.
 
-        Where solids overlap, both count.
+        Where objects overlap, both count.
         """
         return self._native.totals()[0]
 
@@ -158,6 +161,7 @@ class Cuttable(Traceable):
         origin: npt.ArrayLike,
         normal: npt.ArrayLike,
         *,
+        rule: FillRule = "nonzero",
         objects: Selection | None = None,
         threads: int | None = None,
     ) -> Section:
@@ -166,7 +170,9 @@ class Cuttable(Traceable):
         The side of each vertex is decided in exact arithmetic; one on the plane counts as on the
         side to which the normal points. Curves are joined by the edges that triangles share. So the
         curves of a closed mesh are closed, whatever lies on the plane. A face in the plane is cut
-        if the solid is below it, and not if it is above.
+        if the solid is below it, and not if it is above. Where all curves of a mesh are closed,
+        they are the outlines of what is inside, see `inside`: shells that overlap have one in
+        common.
 
         Parameters
         ----------
@@ -174,6 +180,8 @@ class Cuttable(Traceable):
             A point of the plane, in world space.
         normal : (3,) array_like
             The direction at right angles to it, of any length but zero.
+        rule : {"nonzero", "parity"}
+            What is inside, see `inside`.
         objects : int, str, or sequence of them, optional
             Cut these only, by identifiers or names; all but hidden ones if left out.
         threads : int, optional
@@ -188,8 +196,8 @@ class Cuttable(Traceable):
         Raises
         ------
         ValueError
-            For an origin or a normal that is not finite, a normal that is zero, and a name that no
-            object has.
+            For an origin or a normal that is not finite, a normal that is zero, another ``rule``,
+            and a name that no object has.
         IndexError, TypeError
             For ``objects`` that are not there, or are no identifiers and no names.
         MemoryError
@@ -215,7 +223,7 @@ class Cuttable(Traceable):
         """
         use = threads_or_all(threads)
         plane = vector("origin", origin), vector("normal", normal)
-        section = Section(self._seen(self._ready(), None, objects), *plane, use)
+        section = Section(self._seen(self._ready(), None, objects), *plane, rule, use)
         for doubt in section._native.warnings():
             warn(doubt)
         return section

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -412,6 +413,48 @@ class Mesh(Shape):
         An edge is where its two ends are: vertices in one place count as one.
         """
         return self._mesh.is_closed()
+
+    @property
+    def area(self) -> float:
+        """The area of all triangles, in squares of object space."""
+        return self._mesh.area()
+
+    @property
+    def volume(self) -> float:
+        """The volume inside, in cubes of object space; NaN for a mesh that has no inside.
+
+        It does not matter whether the triangles face outwards, and a flipped one counts as its
+        neighbours do. Where shells overlap, each counts, and the volume of one that faces the other
+        way than most, as a cavity does, is taken off.
+        """
+        volume = self._mesh.volume()
+        return math.nan if volume is None else volume
+
+    def split(self) -> list[Mesh]:
+        """Split the mesh into its parts.
+
+        Triangles that have an edge in common are of one part; an edge is where its two ends are, so
+        vertices in one place count as one.
+
+        Returns
+        -------
+        list of Mesh
+            The parts, in the order of their first triangles, each with its vertices alone and with
+            all attributes. ``faces`` are counted anew.
+
+        Raises
+        ------
+        MemoryError
+            If there is too little memory.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]]
+        >>> fh.Mesh(corners, [[0, 1, 2], [3, 4, 5]]).split()
+        [Mesh(3 vertices, 1 triangle), Mesh(3 vertices, 1 triangle)]
+        """
+        return [Mesh._wrap(part) for part in self._mesh.split()]
 
     @property
     def normals(self) -> npt.NDArray[np.float32] | None:

@@ -13,7 +13,6 @@ from ._filters import Filters, surfaces
 from ._hits import Hits
 from ._leaving import rays_of
 from ._progress import following, later
-from ._queries import shoot_rays
 from ._rays import Rays
 from ._source import Source
 from ._traceable import Traceable
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
     from ._filters import Surfaces
     from ._traceable import Built
-    from ._types import Progress, Selection
+    from ._types import FillRule, Progress, Selection
 
     Pair = tuple[npt.ArrayLike, npt.ArrayLike]
 
@@ -126,14 +125,17 @@ class Sights(Traceable):
         points: npt.ArrayLike | Hits,
         directions: npt.ArrayLike | None = None,
         *,
+        rule: FillRule = "nonzero",
         objects: Selection | None = None,
         threads: int | None = None,
         progress: Progress | None = None,
     ) -> npt.NDArray[np.float64]:
         """Measure how thick objects are at points of their surfaces.
 
-        It is the distance along a ray from the surface to where the ray next meets the same object.
-        The ray leaves the surface exactly, as `Hits.leave` has it. Other objects do not count.
+        It is the distance along a ray from the surface to where the ray comes out of the same
+        object, or if it starts outside, into it. What is inside is as for `inside`; of an open mesh
+        it is where the ray next meets it. The ray leaves the surface exactly, as `Hits.leave` has
+        it. Other objects do not count.
 
         Parameters
         ----------
@@ -142,8 +144,10 @@ class Sights(Traceable):
             scene, before it changes.
         directions : (..., 3) array_like, optional
             The directions to measure along, of any length; they broadcast against the points. If
-            left out, inwards: against the geometric normal, which points outwards where the mesh
-            is as it should be.
+            left out, inwards: against the geometric normal, or along it in a mesh that is turned
+            inside out.
+        rule : {"nonzero", "parity"}
+            What is inside of closed meshes, see `inside`.
         objects : int, str, or sequence of them, optional
             The only objects that are there, by identifiers or names; all by default. Points are
             brought to their surfaces, and hits on other objects have the thickness ``inf``.
@@ -153,14 +157,15 @@ class Sights(Traceable):
         Returns
         -------
         (...) array of float64
-            Lengths in scene units. ``inf`` where the ray does not meet the object again; NaN for a
-            miss, for a direction that is zero or not finite, inwards from a triangle without an
-            area, and for a point that is not finite or has no surface to be near to.
+            Lengths in scene units. ``inf`` where the ray does not meet the object again; without
+            ``directions`` 0 where neither side of a closed mesh is inside. NaN for a miss, for a
+            direction that is zero or not finite, inwards from a triangle without an area, and for a
+            point that is not finite or has no surface to be near to.
 
         Raises
         ------
         ValueError
-            For arrays whose shapes or types do not fit.
+            For arrays whose shapes or types do not fit, and another ``rule``.
         ValueError, IndexError, TypeError
             For ``objects``, as `shoot`.
         MemoryError
@@ -186,11 +191,20 @@ class Sights(Traceable):
         left = where, primitive, weights, np.zeros_like(sides)
         filters = Filters(left=left, only=hits.object)
         rays = Rays(leaving.arrays, leaving.shape, filters=filters)
+        how, pieces = (directions is None, rule), []
         with following(progress, rays.length) as report:
-            found = shoot_rays(built, rays, use, report)
+            for part in rays.parts():
+                told, some, count = (
+                    later(report, part.start),
+                    rays.part(part),
+                    part.stop - part.start,
+                )
+                pieces.append(_firsthit.thickness(built.native, some, count, how, use, told))
+        found = np.concatenate(pieces) if pieces else np.empty(0)
+        found = found.reshape(rays.shape)
         own = np.broadcast_to(hits.object, rays.shape)
         has_way = np.broadcast_to(np.isfinite(ways).all(axis=-1), rays.shape)
-        thick: npt.NDArray[np.float64] = np.where((own < 0) | ~has_way, np.nan, found.t)
+        thick: npt.NDArray[np.float64] = np.where((own < 0) | ~has_way, np.nan, found)
         return thick[()]  # of one point, a number
 
 

@@ -161,8 +161,10 @@ Returns = Literal["first", "last", "strongest", "all"]
 Rings = Literal["maker", "lowest-first"]
 #: The sides from which `Camera.framing` looks.
 ViewName = Literal["iso", "front", "back", "left", "right", "top", "bottom"]
+#: Which points a closed mesh holds, by how many times it goes around them, see `Scene.inside`.
+FillRule = Literal["nonzero", "parity"]
 #: How it is known whether a point is inside an object, see `Scene.inside`.
-Rule = Literal["parity", "winding", "none"]
+Rule = Literal["nonzero", "parity", "winding", "none"]
 #: The sides of a surface; its geometric normal points to the front.
 Side = Literal["front", "back"]
 Wrap = Literal["repeat", "mirror", "clamp"]

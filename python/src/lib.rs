@@ -66,7 +66,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
     #[pymodule_export]
-    use crate::measure::{inside, path_lengths, rules};
+    use crate::measure::{inside, path_lengths, rules, thickness};
     #[pymodule_export]
     use crate::nearest::{closest_points, signed_distances};
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! What is inside objects.
 
 use firsthit::measure::{
-    By, Rule, inside as inside_of, path_lengths as lengths_of, rules as rules_of,
+    By, FillRule, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
 };
 use firsthit::watch::Watch;
 use firsthit::{DVec3, Result};
@@ -17,6 +17,11 @@ use crate::shoot::FEW;
 /// Triangles times points that take about a tenth of a second at most, also where a mesh is asked for the first time whether it is
 /// closed.
 const LITTLE: u64 = 1 << 21;
+
+/// The rule of a name.
+pub(crate) fn fill(py: Python<'_>, rule: &str) -> PyResult<FillRule> {
+    rule.parse().map_err(|error| raise(py, &error))
+}
 
 fn by(is_by_object: bool) -> By {
     if is_by_object { By::Object } else { By::Union }
@@ -45,15 +50,16 @@ pub(crate) fn inside<'py>(
     py: Python<'py>,
     scene: &Scene,
     points: PyReadonlyArray2<'py, f64>,
-    is_by_object: bool,
+    how: (bool, String),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let points = points.as_slice().map_err(not_contiguous)?;
     let points: &[DVec3] = bytemuck::cast_slice(points.as_chunks::<3>().0);
-    let size = (scene, points.len());
+    let (is_by_object, rule) = how;
+    let (size, rule) = ((scene, points.len()), fill(py, &rule)?);
     let found = measured(py, size, threads, report.as_ref(), |watch| {
-        inside_of(&scene.0, points, by(is_by_object), watch)
+        inside_with(rule, &scene.0, points, by(is_by_object), watch)
     })?;
     Ok(PyArray1::from_vec(py, found.is_inside))
 }
@@ -65,20 +71,46 @@ pub(crate) fn path_lengths<'py>(
     scene: &Scene,
     rays: RayArrays<'py>,
     count: usize,
-    is_by_object: bool,
+    how: (bool, String),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let rays = rays.slices(count)?;
+    let (is_by_object, rule) = how;
+    let (rays, rule) = (rays.slices(count)?, fill(py, &rule)?);
     let lengths = measured(py, (scene, count), threads, report.as_ref(), |watch| {
-        lengths_of(&scene.0, &rays, by(is_by_object), watch)
+        path_lengths_with(rule, &scene.0, &rays, by(is_by_object), watch)
     })?;
     Ok(PyArray1::from_vec(py, lengths))
 }
 
+/// Where `count` rays that leave surfaces come out of the objects that they alone meet, as `t`.
+#[pyfunction]
+pub(crate) fn thickness<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    rays: RayArrays<'py>,
+    count: usize,
+    how: (bool, String),
+    threads: usize,
+    report: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (is_inwards, rule) = how;
+    let (rays, rule) = (rays.slices(count)?, fill(py, &rule)?);
+    let towards = if is_inwards {
+        Towards::Inside
+    } else {
+        Towards::Given
+    };
+    let t = measured(py, (scene, count), threads, report.as_ref(), |watch| {
+        thickness_along(rule, &scene.0, &rays, towards, watch)
+    })?;
+    Ok(PyArray1::from_vec(py, t))
+}
+
 /// By what it is known whether a point is inside, of each object.
 #[pyfunction]
-pub(crate) fn rules(py: Python<'_>, scene: &Scene) -> PyResult<Vec<&'static str>> {
-    let rules = run(py, 1, |_| rules_of(&scene.0))?;
+pub(crate) fn rules(py: Python<'_>, scene: &Scene, rule: &str) -> PyResult<Vec<&'static str>> {
+    let rule = fill(py, rule)?;
+    let rules = run(py, 1, |_| rules_with(rule, &scene.0))?;
     Ok(rules.into_iter().map(Rule::name).collect())
 }

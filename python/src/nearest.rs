@@ -1,13 +1,15 @@
 //! The nearest points of a scene.
 
-use firsthit::nearest::{ClosestPoints, Wanted, closest_points as find, signed_distances as sign};
+use firsthit::nearest::{
+    ClosestPoints, SignSettings, Wanted, closest_points as find, signed_distances_with,
+};
 use firsthit::watch::Watch;
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::not_contiguous;
 use crate::errors::raise;
-use crate::measure::measured;
+use crate::measure::{fill, measured};
 use crate::run::{guarded, report_done, run_reported};
 use crate::scene::Scene;
 use crate::shoot::FEW;
@@ -58,14 +60,21 @@ pub(crate) fn signed_distances<'py>(
     py: Python<'py>,
     scene: &Scene,
     points: PyReadonlyArray2<'py, f64>,
+    how: (String, bool),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let points = points.as_slice().map_err(not_contiguous)?.as_chunks().0;
     let size = (scene, points.len());
+    let (rule, allow_open) = how;
+    let settings = SignSettings {
+        rule: fill(py, &rule)?,
+        allow_open,
+        ..SignSettings::default()
+    };
     // The first time it is found out of every mesh whether it is closed.
     let signed = measured(py, size, threads, report.as_ref(), |watch| {
-        sign(&scene.0, points, watch)
+        signed_distances_with(settings, &scene.0, points, watch)
     })?;
     Ok(PyArray1::from_vec(py, signed))
 }

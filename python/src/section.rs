@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use firsthit::DVec3;
-use firsthit::section::{SectionPlane, section};
+use firsthit::section::{SectionPlane, section_with};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::{collected, copied};
 use crate::errors::raise;
+use crate::measure::fill;
 use crate::run::{guarded, run};
 use crate::scene::Scene;
 
@@ -37,11 +38,16 @@ impl Section {
         scene: &Scene,
         origin: [f64; 3],
         normal: [f64; 3],
+        rule: &str,
         threads: usize,
     ) -> PyResult<Self> {
         let plane = SectionPlane::new(DVec3::from(origin), DVec3::from(normal));
         let plane = plane.map_err(|error| raise(py, &error))?;
-        run(py, threads, |stop| section(&scene.0, plane, stop)).map(Self)
+        let rule = fill(py, rule)?;
+        run(py, threads, |stop| {
+            section_with(rule, &scene.0, plane, stop)
+        })
+        .map(Self)
     }
 
     /// The plane's origin, its normal and its two directions.

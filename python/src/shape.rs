@@ -135,6 +135,22 @@ impl Mesh {
         run(py, 1, |_| self.0.is_closed())
     }
 
+    /// The area of all triangles.
+    fn area(&self, py: Python<'_>) -> PyResult<f64> {
+        run(py, 1, |_| Ok(self.0.area()))
+    }
+
+    /// The volume inside, if it has an inside.
+    fn volume(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        run(py, 1, |_| self.0.volume())
+    }
+
+    /// Its parts.
+    fn split(&self, py: Python<'_>) -> PyResult<Vec<Self>> {
+        let parts = run(py, 1, |_| self.0.split())?;
+        Ok(parts.into_iter().map(|part| Self(Arc::new(part))).collect())
+    }
+
     /// The vertices, float64 (n, 3): a copy.
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let positions = self.0.positions();

@@ -126,8 +126,8 @@ Examples:
 
 ",
     points!(),
-    " Each stands for the surface point nearest to it. The answer is the distance from there, against the normal, to the other side of \
-the same object: inf where there is none. firsthit nearest tells which surface points these are."
+    " Each stands for the surface point nearest to it. The answer is the distance from there inwards to where the same object ends; of an \
+ open mesh, against the normal to where it is met next: inf where it is not. firsthit nearest tells which surface points these are."
 );
 
 pub(crate) const VIEW_EXAMPLES: &str = "\
@@ -150,7 +150,8 @@ Examples:
     points!(),
     " The answer for each is 1 or true if it is inside any object.
 
-A closed mesh and a solid hold a point if a ray from it crosses them an odd number of times, which is decided exactly. An open mesh \
+A closed mesh and a solid hold a point if their surface goes around it, which is decided exactly; so shells of a mesh that overlap are one \
+solid. With --rule parity a closed mesh holds a point if a ray from it crosses the mesh an odd number of times. An open mesh \
 holds the points in its box around which its winding number is above one half or below minus one half; a warning counts such \
 meshes. A plane and a disc hold nothing."
 );

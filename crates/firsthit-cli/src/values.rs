@@ -7,6 +7,7 @@ use firsthit::geometry::{COLOR_NAMES, ColorMap, Domain, Setting, Value, color_of
 use firsthit::image::Far;
 use firsthit::lint::KINDS;
 use firsthit::load::UNITS;
+use firsthit::measure::FillRule;
 use firsthit::scene::Build;
 use firsthit::scene::ColorBy;
 use firsthit::scene_file::nearest_word;
@@ -57,6 +58,11 @@ pub(crate) fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
 /// The treatment of far distances.
 pub(crate) fn far() -> impl TypedValueParser<Value = Far> {
     PossibleValuesParser::new(Far::NAMES).try_map(|name| name.parse())
+}
+
+/// A rule for what is inside.
+pub(crate) fn fill_rule() -> impl TypedValueParser<Value = FillRule> {
+    PossibleValuesParser::new(FillRule::NAMES).try_map(|name| name.parse())
 }
 
 /// How trees are built.

@@ -90,7 +90,6 @@ impl Viewer {
             None => &camera,
         };
         let capped = plane.map(|plane| CappedShade::new(&shading, &resolved.scene, plane));
-        let capped = capped.transpose()?;
         let shade: &dyn Shade = match &capped {
             Some(capped) => capped,
             None => &shading,

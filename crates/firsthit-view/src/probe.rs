@@ -6,11 +6,11 @@ use firsthit::watch::Watch;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::cap::CutSolids;
 use crate::cut::CutPlane;
 use crate::explanation;
 use crate::look::{FlatCamera, Visibility};
 use crate::viewer::Viewer;
+use firsthit::measure::innermost;
 
 /// A question about a pixel.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -45,7 +45,7 @@ impl Viewer {
             let ray = plane.behind(whole);
             (settings.t_min, settings.t_max) = (Some(ray.t_min), Some(ray.t_max));
             if CutPlane::is_begin(&ray)
-                && let [Some(object)] = CutSolids::new(&scene)?.faces(&[ray])?[..]
+                && let [Some(object)] = innermost(&scene, &[ray], &())?[..]
             {
                 let t = plane.crossing(&whole);
                 face = json!({

@@ -146,6 +146,7 @@ pub mod shade;
 pub mod shape;
 pub mod shoot;
 mod simd;
+mod solid;
 pub mod trajectory;
 pub mod watch;
 #[cfg(feature = "load")]

@@ -31,7 +31,7 @@ from ._tensors import array_of, asked_about, is_tensor, like, or_zero, parts_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._types import MeshLike
+    from firsthit._types import FillRule, MeshLike
 
     from ._tensors import Asked, LegacyMesh, Tensor, TriangleMesh
 
@@ -48,6 +48,8 @@ class RaycastingScene:
         The number of threads for queries that name none; 0 for all cores.
     device : str or open3d.core.Device
         ``"CPU:0"``: there is no other.
+    rule : {"nonzero", "parity"}
+        What is inside a mesh, see `firsthit.Scene.inside`.
 
     Raises
     ------
@@ -58,10 +60,12 @@ class RaycastingScene:
     #: The identifier of what there is not.
     INVALID_ID = 2**32 - 1
 
-    def __init__(self, nthreads: int = 0, device: object = "CPU:0") -> None:
+    def __init__(
+        self, nthreads: int = 0, device: object = "CPU:0", *, rule: FillRule = "nonzero"
+    ) -> None:
         if not str(device).upper().startswith("CPU"):
             raise ValueError(f"device must be the CPU, got {device}")
-        self._nthreads = nthreads
+        self._nthreads, self._rule = nthreads, rule
         threads_or_all(self._threads(0))
         self._scene = Scene()
         #: Whether anything in it was Open3D's.
@@ -407,7 +411,7 @@ class RaycastingScene:
         step = max(1, _ANSWERS // max(1, len(self._scene.objects)))
         for start in range(0, len(flat), step):
             part = slice(start, start + step)
-            by_mesh = self._scene.inside(flat[part], "object", threads=threads)
+            by_mesh = self._scene.inside(flat[part], "object", rule=self._rule, threads=threads)
             np.logical_xor.reduce(by_mesh, axis=-1, out=inside[part])
         return inside.reshape(points.shape[:-1])
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._nearest import ClosestPoints
-    from firsthit._types import MeshLike
+    from firsthit._types import FillRule, MeshLike
 
     Indices = npt.NDArray[np.int64]
     Floats = npt.NDArray[np.float64]
@@ -55,10 +55,14 @@ class RayMeshIntersector:
     scale_to_box : bool
         Taken for code that was written for trimesh's Embree, and without effect: everything is
         computed in float64, so that no mesh need be scaled.
+    rule : {"nonzero", "parity"}
+        What is inside, see `firsthit.Scene.inside`.
     """
 
-    def __init__(self, mesh: MeshLike, scale_to_box: bool = True) -> None:
-        self.mesh, self._scale_to_box = mesh, scale_to_box
+    def __init__(
+        self, mesh: MeshLike, scale_to_box: bool = True, *, rule: FillRule = "nonzero"
+    ) -> None:
+        self.mesh, self._scale_to_box, self._rule = mesh, scale_to_box, rule
         self._kept = Kept(mesh, surface)
 
     @overload
@@ -212,10 +216,9 @@ class RayMeshIntersector:
         Returns
         -------
         (n,) array of bool
-            Whether each is inside: by parity, which is exact, where the mesh is closed, and by its
-            winding number where it is open.
+            Whether each is inside: exactly if the mesh is closed, else by its winding number.
         """
-        return self._kept.scene().inside(_points(points))
+        return self._kept.scene().inside(_points(points), rule=self._rule)
 
 
 class ProximityQuery:
@@ -225,10 +228,12 @@ class ProximityQuery:
     ----------
     mesh : trimesh.Trimesh, or anything with ``vertices`` and ``faces``
         It may be changed later: it is asked before each query whether it is still the same.
+    rule : {"nonzero", "parity"}
+        What is inside, see `firsthit.Scene.inside`.
     """
 
-    def __init__(self, mesh: MeshLike) -> None:
-        self._mesh = mesh
+    def __init__(self, mesh: MeshLike, *, rule: FillRule = "nonzero") -> None:
+        self._mesh, self._rule = mesh, rule
         self._kept = Kept(mesh, surface)
         self._kept_vertices = Kept(mesh, vertices_alone)
 
@@ -301,7 +306,7 @@ class ProximityQuery:
         asked = _points(points)
         scene = self._kept.scene()
         distance = scene.closest_point(asked).distance
-        is_positive = (distance <= _ON_SURFACE) | scene.inside(asked)
+        is_positive = (distance <= _ON_SURFACE) | scene.inside(asked, rule=self._rule)
         return np.where(is_positive, distance, -distance)
 
 

@@ -16,7 +16,7 @@ pub(crate) use look::{ColorsArgs, EdgeArgs, LightingArgs};
 pub(crate) use picture::{DemoArgs, DisplayArgs, FileArgs, RenderArgs};
 pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
-    SectionArgs, ShootArgs, StreamFormat, ViewArgs, VisibleArgs,
+    SectionArgs, ShootArgs, SolidArgs, StreamFormat, ViewArgs, VisibleArgs,
 };
 pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
 
@@ -47,13 +47,13 @@ pub(crate) enum Command {
     Nearest(NearestArgs),
     /// Tell which points are inside the objects of a 3D file.
     #[command(after_help = help::INSIDE_EXAMPLES)]
-    Inside(ListArgs),
+    Inside(SolidArgs),
     /// Tell which points see each other, past the objects of a 3D file.
     #[command(after_help = help::VISIBLE_EXAMPLES)]
     Visible(VisibleArgs),
     /// Measure how thick the objects of a 3D file are, at points of their surfaces.
     #[command(after_help = help::THICKNESS_EXAMPLES)]
-    Thickness(ListArgs),
+    Thickness(SolidArgs),
     /// Explain one ray: what it meets first, why not another object, and what lies behind.
     Probe(Box<ProbeArgs>),
     /// Show what is in a 3D file, or what an output says of itself.

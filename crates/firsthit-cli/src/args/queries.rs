@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use firsthit::DVec3;
+use firsthit::measure::FillRule;
 
 use super::look::{ColorsArgs, LightingArgs};
 use super::{CameraArgs, CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
@@ -111,6 +112,13 @@ pub(crate) struct NearestArgs {
     /// Make distances negative inside. All objects must be closed
     #[arg(long, conflicts_with_all = ["count", "radius"])]
     pub(crate) signed: bool,
+    /// Take open objects, too: points are inside of them as their winding number says
+    #[arg(long, requires = "signed")]
+    pub(crate) allow_open: bool,
+    /// Which points a closed mesh holds: those that it goes around any number of times but zero (nonzero), or an odd number of times
+    /// (parity) [default: nonzero]
+    #[arg(long, value_name = "RULE", value_parser = values::fill_rule(), requires = "signed")]
+    pub(crate) rule: Option<FillRule>,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
     #[command(flatten)]
@@ -155,6 +163,24 @@ pub(crate) struct VisibleArgs {
     pub(crate) tolerance: f64,
     #[command(flatten)]
     pub(crate) list: ListArgs,
+}
+
+/// A list of questions about solids.
+#[derive(Debug, Args)]
+pub(crate) struct SolidArgs {
+    #[command(flatten)]
+    pub(crate) list: ListArgs,
+    #[command(flatten)]
+    pub(crate) fill: FillArgs,
+}
+
+/// What is inside.
+#[derive(Debug, Args)]
+pub(crate) struct FillArgs {
+    /// Which points a closed mesh holds: those that it goes around any number of times but zero (nonzero), or an odd number of times
+    /// (parity) [default: nonzero]
+    #[arg(long, value_name = "RULE", value_parser = values::fill_rule())]
+    pub(crate) rule: Option<FillRule>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -222,6 +248,8 @@ pub(crate) struct SectionArgs {
     /// only what the section comes to is printed]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) fill: FillArgs,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
     #[command(flatten)]

@@ -11,6 +11,7 @@ use firsthit::{Bounds, Object, Scene, Shape};
 use serde_json::{Value, json};
 
 use super::info_looks::Looks;
+use super::info_solids::Solids;
 use super::listing::{listed, most_listed};
 use super::{info_las, info_output};
 use crate::args::InfoArgs;
@@ -45,11 +46,15 @@ fn of_model(args: &InfoArgs) -> Result<String, Failure> {
     };
     let loaded = with_all_cores(|| loading::read_with(&args.file, &settings, |_| NO_RAYS, None))?;
     let most = most_listed(args);
-    Ok(if args.json {
-        json_text(&as_json(&loaded, most)) + "\n"
-    } else {
+    if !args.json {
         warn(&loaded.warnings);
-        as_text(&loaded, most)
+    }
+    with_all_cores(|| {
+        Ok(if args.json {
+            json_text(&as_json(&loaded, most)) + "\n"
+        } else {
+            as_text(&loaded, most)
+        })
     })
 }
 
@@ -61,7 +66,7 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         ..
     } = loaded;
     // Objects of one mesh have the same properties, so that the lists of all objects count together.
-    let mut room = most;
+    let (mut room, mut shell_room, mut solids) = (most, most, Solids::default());
     let catalog = scene.catalog();
     let mut object = |(number, object): (usize, &Object)| {
         let names = properties(object);
@@ -70,7 +75,7 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
             .map(|property| json!({"name": property.name, "of": of_what(property.of)}))
             .collect();
         room -= listed.len();
-        json!({
+        let mut described = json!({
             "name": object.name(),
             "shape": object.shape().name(),
             "node": named(catalog.node_of(number), catalog.nodes()),
@@ -80,7 +85,11 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
             "bounds": corners(object.bounds()),
             "properties": listed,
             "property_count": names.len(),
-        })
+        });
+        for (name, value) in solids.as_json(object, &mut shell_room) {
+            described[name] = value;
+        }
+        described
     };
     let objects = scene.objects().iter().enumerate().take(most);
     let objects: Vec<Value> = objects.map(&mut object).collect();
@@ -153,6 +162,7 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
     lines.push(format!("kernels    {set}"));
     lines.push(format!("objects    {}", scene.objects().len()));
     let objects = scene.objects().iter().enumerate();
+    let mut solids = Solids::default();
     let object = |(identifier, object): (usize, &Object)| {
         let mut entry = vec![format!(
             "{identifier}  {}  ({}, {}{})",
@@ -161,6 +171,7 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
             counted(object.triangles() as u64, "triangle"),
             origin(identifier, scene)
         )];
+        entry.extend(solids.as_text(object, most, "       "));
         let property = |property: &Property| {
             let (of, name) = (of_what(property.of), escape_controls(&property.name));
             match property.components {

@@ -2,21 +2,22 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::INSIDE;
 use firsthit::image::Data;
-use firsthit::measure::{By, Rule, inside};
+use firsthit::measure::{By, Rule, inside_with};
 use firsthit::{DVec3, Scene};
 use serde_json::json;
 
 use super::list::{self, Answers};
-use crate::args::ListArgs;
+use crate::args::SolidArgs;
 use crate::console::counted;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::rays;
 
-pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let rule = args.fill.rule.unwrap_or_default();
     let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
         let points: Vec<_> = points.iter().copied().map(DVec3::from).collect();
-        let found = inside(scene, &points, By::Union, progress)?;
+        let found = inside_with(rule, scene, &points, By::Union, progress)?;
         let held = found.is_inside.iter().filter(|&&is_inside| is_inside);
         let count = held.count();
         let rules: Vec<_> = found.rules.iter().map(|rule| rule.name()).collect();
@@ -28,7 +29,7 @@ pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failu
         })
     };
     list::run(
-        args,
+        &args.list,
         (INSIDE, "point"),
         rays::read_positions,
         ask,

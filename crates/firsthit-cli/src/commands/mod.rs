@@ -13,6 +13,7 @@ mod info_environment;
 mod info_las;
 pub(crate) mod info_looks;
 mod info_output;
+mod info_solids;
 pub(crate) mod inside;
 pub(crate) mod lint;
 mod list;

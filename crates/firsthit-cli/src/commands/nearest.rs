@@ -4,7 +4,9 @@ use std::time::Instant;
 use firsthit::Scene;
 use firsthit::channel::{DISTANCE, Kind, POINT, SIGNED_DISTANCE, kind};
 use firsthit::image::{Data, Frame};
-use firsthit::nearest::{ClosestPoints, Wanted, closest_points, signed_distances_from};
+use firsthit::nearest::{
+    ClosestPoints, SignSettings, Wanted, closest_points, signed_distances_from,
+};
 use firsthit::render::origin;
 use serde_json::json;
 
@@ -114,7 +116,12 @@ fn search(
     };
     let mut found = closest_points(scene, points, wanted, progress)?;
     if args.signed {
-        found.distance = signed_distances_from(scene, points, &found.distance, progress)?;
+        let settings = SignSettings {
+            rule: args.rule.unwrap_or_default(),
+            allow_open: args.allow_open,
+            ..SignSettings::default()
+        };
+        found.distance = signed_distances_from(settings, scene, points, &found.distance, progress)?;
     }
     Ok(found)
 }

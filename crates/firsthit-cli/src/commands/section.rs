@@ -3,7 +3,7 @@ use std::time::Instant;
 
 use firsthit::error::escaped;
 use firsthit::inputs;
-use firsthit::section::{Section, SectionFormat, SectionPlane, section};
+use firsthit::section::{Section, SectionFormat, SectionPlane, section_with};
 use serde_json::{Value, json};
 
 use crate::args::SectionArgs;
@@ -26,7 +26,8 @@ pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Fa
         warn(&loaded.warnings);
         output::check_files(&args.output)?;
         let watch = Interrupt(interrupted);
-        let cut = section(&loaded.scene, plane(args, &loaded)?, &watch)?;
+        let rule = args.fill.rule.unwrap_or_default();
+        let cut = section_with(rule, &loaded.scene, plane(args, &loaded)?, &watch)?;
         warn(cut.warnings());
         if cut.is_empty() {
             warn(&["the plane cuts nothing"]);

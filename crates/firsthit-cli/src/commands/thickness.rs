@@ -3,19 +3,20 @@ use std::sync::atomic::AtomicBool;
 use firsthit::Scene;
 use firsthit::channel::THICKNESS;
 use firsthit::image::Data;
-use firsthit::measure::thickness;
+use firsthit::measure::thickness_with;
 use serde_json::json;
 
 use super::list::{self, Answers};
-use crate::args::ListArgs;
+use crate::args::SolidArgs;
 use crate::failure::Failure;
 use crate::hints::{extent, place};
 use crate::progress::Progress;
 use crate::rays;
 
-pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+    let rule = args.fill.rule.unwrap_or_default();
     let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
-        let lengths = thickness(scene, points, progress)?;
+        let lengths = thickness_with(rule, scene, points, progress)?;
         let finite = lengths.iter().copied().enumerate();
         let finite = finite.filter(|(_, length)| length.is_finite());
         let least = finite.min_by(|(_, a), (_, b)| a.total_cmp(b));
@@ -33,7 +34,7 @@ pub(crate) fn run(args: &ListArgs, interrupted: &AtomicBool) -> Result<(), Failu
         })
     };
     list::run(
-        args,
+        &args.list,
         (THICKNESS, "point"),
         rays::read_positions,
         ask,

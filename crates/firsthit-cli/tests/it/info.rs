@@ -357,3 +357,62 @@ fn npz(name: &str, content: &[u8]) -> Vec<u8> {
     archive.write_all(content).unwrap();
     archive.finish().unwrap().into_inner()
 }
+
+/// A cube from `low` on, as faces of an OBJ whose vertices are numbered from `first` on.
+fn cube(low: f64, size: f64, first: u32) -> String {
+    let vertex = |k: u32| {
+        let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2 & 1].map(|bit| low + size * f64::from(bit));
+        format!("v {x} {y} {z}\n")
+    };
+    let faces = [
+        "1 3 4 2", "1 2 6 5", "2 4 8 6", "4 3 7 8", "3 1 5 7", "5 6 8 7",
+    ];
+    let face = |face: &&str| {
+        let numbers = face
+            .split(' ')
+            .map(|k| k.parse::<u32>().unwrap() - 1 + first);
+        let numbers: Vec<String> = numbers.map(|k| k.to_string()).collect();
+        format!("f {}\n", numbers.join(" "))
+    };
+    (0..8).map(vertex).chain(faces.iter().map(face)).collect()
+}
+
+#[test]
+fn a_mesh_has_its_area_its_volume_and_its_shells() {
+    let lab = Lab::new();
+    lab.write("two.obj", cube(0.0, 2.0, 1) + &cube(5.0, 1.0, 9));
+    let text = lab.ok("info two.obj").text().to_owned();
+    for line in [
+        "       closed, area 30, volume 9, 2 shells",
+        "         shell  12 triangles, closed, area 24, volume 8, 0,0,0 to 2,2,2",
+        "         shell  12 triangles, closed, area 6, volume 1, 5,5,5 to 6,6,6",
+    ] {
+        assert!(text.lines().any(|other| other == line), "{line}: {text}");
+    }
+    let object = &info(&lab, "two.obj")["objects"][0];
+    assert_eq!(object["closed"], true);
+    assert_eq!(
+        (&object["area"], &object["volume"]),
+        (&json!(30.0), &json!(9.0))
+    );
+    assert_eq!(
+        (&object["shell_count"], &object["shells"][1]["volume"]),
+        (&json!(2), &json!(1.0))
+    );
+    lab.write("moved.toml", "[[objects]]\nfile = 'two.obj'\nscale = 2\n");
+    let object = &info(&lab, "moved.toml")["objects"][0];
+    assert_eq!(
+        (&object["area"], &object["volume"]),
+        (&json!(120.0), &json!(72.0))
+    );
+    lab.write(
+        "open.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
+    );
+    assert!(
+        lab.ok("info open.obj")
+            .text()
+            .contains("\n       open, area 1\n")
+    );
+    assert_eq!(info(&lab, "open.obj")["objects"][0]["volume"], Value::Null);
+}

@@ -30,7 +30,7 @@ fn points_go_in_and_answers_come_out() {
     let outcome = lab.ok("inside cube.obj points.csv -o a.npy -o a.npz -o a.csv --json");
     let said: Value = serde_json::from_str(outcome.text()).unwrap();
     assert_eq!((&said["points"], &said["inside"]), (&3.into(), &2.into()));
-    assert_eq!(said["rules"], serde_json::json!(["parity"]));
+    assert_eq!(said["rules"], serde_json::json!(["nonzero"]));
     assert_eq!(said["warnings"], serde_json::json!([]));
     assert_eq!(array(&lab.read("a.npy")).values, [1.0, 0.0, 1.0]);
     assert_eq!(lab.npz("a.npz")["inside"].shape, [3]);
@@ -78,4 +78,69 @@ fn what_are_no_points_is_refused() {
     ] {
         lab.fails(arguments, code, words);
     }
+}
+
+/// Two boxes in one mesh: what they have in common is inside, or by parity it is not; in every command.
+#[test]
+fn the_rule_is_the_same_for_every_command() {
+    let lab = Lab::new();
+    let mut text = String::new();
+    for (low, high) in [
+        (["0", "0", "0"], ["2"; 3]),
+        (["1", "0", "0"], ["3", "2", "2"]),
+    ] {
+        for k in 0..8 {
+            let pick = |axis: usize| {
+                if k >> axis & 1 == 1 {
+                    high[axis]
+                } else {
+                    low[axis]
+                }
+            };
+            text.push_str(&["v", pick(0), pick(1), pick(2), "\n"].join(" "));
+        }
+    }
+    for first in [0, 8] {
+        for face in [
+            [1, 3, 4, 2],
+            [1, 2, 6, 5],
+            [2, 4, 8, 6],
+            [4, 3, 7, 8],
+            [3, 1, 5, 7],
+            [5, 6, 8, 7],
+        ] {
+            let corners = face.map(|k: i32| (k + first).to_string());
+            text.push_str(&["f ", &corners.join(" "), "\n"].concat());
+        }
+    }
+    lab.write("boxes.obj", text);
+    lab.write("common.csv", "1.5,0.875,1.25\n");
+    lab.write("side.csv", "0,0.875,1.25\n");
+    let said = |command: &str| lab.ok(command).text().to_owned();
+    let nonzero = ["1", "-0.5", "3", "6.0"];
+    let parity = ["0", "0.5", "1", "4.0"];
+    for (rule, wanted) in [
+        ("", nonzero),
+        ("--rule nonzero", nonzero),
+        ("--rule parity", parity),
+    ] {
+        let lines = [
+            said(&format!("inside boxes.obj common.csv {rule}")),
+            said(&format!("nearest boxes.obj common.csv --signed {rule}")),
+            said(&format!("thickness boxes.obj side.csv {rule}")),
+        ];
+        for (text, wanted) in lines.iter().zip(wanted) {
+            let answer = text.lines().nth(1).unwrap();
+            assert_eq!(answer.split(',').next().unwrap(), wanted, "{rule}: {text}");
+        }
+        let section = format!("section boxes.obj --origin 0,0,1 --normal 0,0,1 --json {rule}");
+        let section: Value = serde_json::from_slice(&lab.ok(&section).stdout).unwrap();
+        assert_eq!(section["area"].to_string(), wanted[3], "{rule}");
+    }
+    lab.fails(
+        "inside boxes.obj common.csv --rule evenodd",
+        2,
+        "nonzero, parity",
+    );
+    lab.fails("nearest boxes.obj common.csv --rule parity", 2, "--signed");
 }

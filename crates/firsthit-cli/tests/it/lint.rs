@@ -25,7 +25,7 @@ fn a_clean_file_has_exit_code_0() {
         (&report["clean"], &report["findings"]),
         (&json!(true), &json!([]))
     );
-    assert_eq!(report["checked"].as_array().unwrap().len(), 11);
+    assert_eq!(report["checked"].as_array().unwrap().len(), 12);
 }
 
 #[test]

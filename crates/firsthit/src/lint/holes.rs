@@ -7,11 +7,11 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::disjoint_sets::DisjointSets;
 use super::report::{Found, Place, primitive};
 use super::subject::{Subject, stop_if_asked};
 use crate::error::Result;
 use crate::geometry::{DVec3, Transform, compare_points};
+use crate::shape::DisjointSets;
 use crate::watch::Watch;
 
 /// An edge of one face, of an object.

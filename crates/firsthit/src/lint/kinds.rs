@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::holes::BoundaryEdge;
 use super::report::Found;
 use super::subject::Subject;
-use super::{Facts, edges, faces, holes, scale, self_intersections, shells, vertices};
+use super::{Facts, edges, faces, holes, overlaps, scale, self_intersections, shells, vertices};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::watch::Watch;
@@ -74,6 +74,13 @@ pub const KINDS: &[Kind] = &[
         about: "closed surfaces with a negative volume that are no cavity of another",
         color: [150, 60, 200],
         check: Check::Mesh(shells::inside_out),
+    },
+    Kind {
+        name: "overlap",
+        counted: "shell",
+        about: "closed surfaces that cut others of their mesh, or are within some that face the same way: the rule decides what is inside",
+        color: [120, 200, 60],
+        check: Check::Mesh(overlaps::check),
     },
     Kind {
         name: "duplicate",

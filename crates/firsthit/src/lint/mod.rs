@@ -4,7 +4,6 @@
 //! place are one, to the last bit, whether or not triangles share them by index. All that decides is exact: areas, volumes and
 //! whether triangles meet are signs of determinants on the float64 numbers.
 
-mod disjoint_sets;
 mod edges;
 mod faces;
 mod holes;
@@ -12,6 +11,7 @@ mod kinds;
 #[cfg(feature = "frame")]
 mod marked;
 mod meeting;
+mod overlaps;
 mod report;
 mod scale;
 mod self_intersections;

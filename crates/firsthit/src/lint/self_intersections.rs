@@ -96,13 +96,13 @@ fn meets_another(
     ControlFlow::Continue(met)
 }
 
-fn meets(subject: &Subject<'_>, face: &Face, bounds: Bounds, other: u32) -> bool {
+pub(super) fn meets(subject: &Subject<'_>, face: &Face, bounds: Bounds, other: u32) -> bool {
     let other = self::face(subject, other);
     let Bounds { low, high } = Bounds::of(other.corners);
     low.cmple(bounds.high).all() && bounds.low.cmple(high).all() && meet(face, &other)
 }
 
-fn face(subject: &Subject<'_>, triangle: u32) -> Face {
+pub(super) fn face(subject: &Subject<'_>, triangle: u32) -> Face {
     Face {
         corners: subject.corners(triangle),
         places: subject.welded[triangle as usize],

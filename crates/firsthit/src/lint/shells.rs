@@ -8,7 +8,6 @@
 
 use std::cmp::Ordering;
 
-use super::disjoint_sets::DisjointSets;
 use super::report::Found;
 use super::subject::{CHUNK, Subject, stop_if_asked};
 use crate::accel::Bvh;
@@ -16,6 +15,7 @@ use crate::error::Result;
 use crate::geometry::exact_sum::ExactSum;
 use crate::geometry::orientation::add_determinant;
 use crate::geometry::{Bounds, DVec3};
+use crate::shape::DisjointSets;
 use crate::watch::Watch;
 
 pub(super) fn inside_out(
@@ -54,12 +54,12 @@ pub(super) fn inside_out(
     Ok(())
 }
 
-fn around(subject: &Subject<'_>, shell: &[u32]) -> Bounds {
+pub(super) fn around(subject: &Subject<'_>, shell: &[u32]) -> Bounds {
     Bounds::of(shell.iter().flat_map(|&triangle| subject.corners(triangle)))
 }
 
 /// The triangles of each closed shell, in order; the shells by their lowest triangle.
-fn closed_shells(subject: &Subject<'_>) -> Vec<Vec<u32>> {
+pub(super) fn closed_shells(subject: &Subject<'_>) -> Vec<Vec<u32>> {
     let mut sets = DisjointSets::new(subject.welded.len());
     for uses in subject.edge_uses() {
         if let [a, b] = uses
@@ -91,7 +91,7 @@ fn closed_shells(subject: &Subject<'_>) -> Vec<Vec<u32>> {
 }
 
 /// The sign of the volume that a closed shell is around.
-fn sign_of_volume(subject: &Subject<'_>, shell: &[u32]) -> Ordering {
+pub(super) fn sign_of_volume(subject: &Subject<'_>, shell: &[u32]) -> Ordering {
     let [origin, ..] = subject.corners(shell[0]);
     let (mut volume, mut size) = (0.0, 0.0);
     for &triangle in shell {

@@ -7,7 +7,7 @@ use crate::geometry::orientation::projection_axis;
 use crate::geometry::{DVec3, Transform};
 use crate::memory;
 use crate::parallel;
-use crate::shape::{Mesh, Welded};
+use crate::shape::{Mesh, Welded, sorted};
 use crate::watch::Watch;
 
 /// So many triangles are looked at between two questions whether to stop.
@@ -140,14 +140,6 @@ pub(super) fn stop_if_asked(watch: &dyn Watch) -> Result<()> {
         return Err(Error::Interrupted);
     }
     Ok(())
-}
-
-/// Three numbers in order, and the parity of the order they had.
-pub(super) fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], bool) {
-    let mut all = [a, b, c];
-    all.sort_unstable();
-    let is_even = all == [a, b, c] || all == [b, c, a] || all == [c, a, b];
-    (all, is_even)
 }
 
 /// See [`Subject::copies`].

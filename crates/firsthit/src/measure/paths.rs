@@ -1,20 +1,20 @@
 //! How much of a ray is inside?
 
-use super::sweep::{Met, Solids};
-use super::{By, Rule};
 use crate::error::Result;
 use crate::geometry::{Ray, Rays, moderation};
 use crate::memory;
 use crate::scene::Scene;
+use crate::shoot::Cpu;
+use crate::solid::{By, FillRule, Met, Rule, Solids};
 use crate::watch::Watch;
 
 /// The length of each ray inside the scene's objects, between its `t_min` and its `t_max`, in scene units; by all threads of the current
 /// rayon pool. With [`By::Object`] each ray has one length for each object, with [`By::Union`] a stretch in several objects counts once.
 ///
 /// 1. Find all crossings beyond `t_min`, also those beyond `t_max`.
-/// 2. The ray starts inside a closed object if it has an odd number of crossings with it, and inside an open mesh if the winding number
-///    says so.
-/// 3. Each crossing leads in or out, in turn. Add up what is between, within the limits.
+/// 2. How often a closed object goes around the start follows from them, and whether the ray starts inside an open mesh from its
+///    winding number there.
+/// 3. Each crossing takes the ray into an object or out of it, once more or less around. Add up what is inside, within the limits.
 ///
 /// Of an open mesh the length is NaN where the crossings do not fit together: after the last one, a ray would still be inside. So it is
 /// for a ray that starts inside and leaves through a hole. A ray that starts outside an object and does not cross it has the length 0
@@ -44,12 +44,27 @@ pub fn path_lengths<R: Rays>(
     by: By,
     watch: &dyn Watch,
 ) -> Result<Vec<f64>> {
-    let solids = Solids::new(scene)?;
+    path_lengths_with(FillRule::default(), scene, rays, by, watch)
+}
+
+/// [`path_lengths`] by a rule of the caller's choice.
+///
+/// # Errors
+///
+/// Those of [`path_lengths`].
+pub fn path_lengths_with<R: Rays>(
+    rule: FillRule,
+    scene: &Scene,
+    rays: &R,
+    by: By,
+    watch: &dyn Watch,
+) -> Result<Vec<f64>> {
+    let solids = Solids::new(scene, rule)?;
     let count = rays.len().saturating_mul(by.width(scene));
     let mut lengths = memory::filled(count, 0.0)?;
     let walk = || Walk::new(scene.objects().len());
     solids.sweep(
-        rays,
+        (&Cpu::default(), rays),
         (by, &mut lengths),
         watch,
         walk,
@@ -59,8 +74,10 @@ pub fn path_lengths<R: Rays>(
             }
             let depth = walk.start(&solids, ray, met, watch)?;
             match by {
-                By::Object => walk.add_each(&solids, &Way::new(ray), met, row),
-                By::Union => walk.add_union(&solids, &Way::new(ray), met, (depth, &mut row[0])),
+                By::Object => walk.add_each(&solids, (ray, &Way::new(ray)), met, row),
+                By::Union => {
+                    walk.add_union(&solids, (ray, &Way::new(ray)), met, (depth, &mut row[0]));
+                }
             }
             Ok(())
         },
@@ -70,16 +87,16 @@ pub fn path_lengths<R: Rays>(
 
 /// A ray on its way through the objects.
 struct Walk {
-    /// Which objects it is in. In none between two rays.
-    is_in: Vec<bool>,
-    /// Where it entered those.
+    /// How often each goes around it; of an open one, 1 where it is inside. Zero for all between two rays.
+    turns: Vec<i32>,
+    /// Where it entered those that it is in.
     since: Vec<f64>,
 }
 
 impl Walk {
     fn new(objects: usize) -> Result<Self> {
         Ok(Self {
-            is_in: memory::filled(objects, false)?,
+            turns: memory::filled(objects, 0)?,
             since: memory::filled(objects, 0.0)?,
         })
     }
@@ -92,46 +109,47 @@ impl Walk {
         met: &Met<'_>,
         watch: &dyn Watch,
     ) -> Result<usize> {
-        let mut depth = 0;
+        let mut depth = solids.wind(ray, met, &mut self.turns);
         for object in met.objects() {
-            if solids.rules[object] == Rule::Parity {
-                depth = self.turn(object, depth);
-                self.since[object] = ray.t_min;
-            }
+            self.since[object] = ray.t_min;
         }
         for &object in &solids.open {
             // Infinitely far away is outside.
             let is_in =
                 ray.t_min.is_finite() && solids.is_in_open(object, ray.at(ray.t_min), watch)?;
             if is_in {
-                depth = self.turn(object, depth);
-                self.since[object] = ray.t_min;
+                self.turns[object] = 1;
+                depth += 1;
             }
+            self.since[object] = ray.t_min;
         }
         Ok(depth)
     }
 
-    /// Goes in or out of an object; returns in how many it is then.
-    fn turn(&mut self, object: usize, depth: usize) -> usize {
-        let is_in = &mut self.is_in[object];
-        *is_in = !*is_in;
-        if *is_in { depth + 1 } else { depth - 1 }
-    }
-
     /// Adds the length in each object to its own sum.
-    fn add_each(&mut self, solids: &Solids<'_>, way: &Way, met: &Met<'_>, sums: &mut [f64]) {
-        for (t, object) in met.crossings() {
+    fn add_each(
+        &mut self,
+        solids: &Solids<'_>,
+        (ray, way): (&Ray, &Way),
+        met: &Met<'_>,
+        sums: &mut [f64],
+    ) {
+        for crossed in met.crossings() {
+            let object = crossed.object;
             if solids.rules[object] == Rule::Nothing {
                 continue;
             }
-            if self.is_in[object] {
-                sums[object] += way.length(self.since[object], t);
+            let before = self.turns[object];
+            let behind = solids.behind(ray, crossed, before);
+            self.turns[object] = behind;
+            if before == 0 {
+                self.since[object] = crossed.t;
+            } else if behind == 0 {
+                sums[object] += way.length(self.since[object], crossed.t);
             }
-            self.since[object] = t;
-            self.is_in[object] ^= true;
         }
         for &object in &solids.open {
-            if std::mem::take(&mut self.is_in[object]) {
+            if std::mem::take(&mut self.turns[object]) != 0 {
                 sums[object] = f64::NAN;
             }
         }
@@ -141,25 +159,32 @@ impl Walk {
     fn add_union(
         &mut self,
         solids: &Solids<'_>,
-        way: &Way,
+        (ray, way): (&Ray, &Way),
         met: &Met<'_>,
         (mut depth, sum): (usize, &mut f64),
     ) {
         let mut since = way.t_min;
-        for (t, object) in met.crossings() {
-            if solids.rules[object] == Rule::Nothing {
+        for crossed in met.crossings() {
+            if solids.rules[crossed.object] == Rule::Nothing {
                 continue;
             }
-            let before = depth;
-            depth = self.turn(object, depth);
+            let before = self.turns[crossed.object];
+            let behind = solids.behind(ray, crossed, before);
+            self.turns[crossed.object] = behind;
             if before == 0 {
-                since = t;
-            } else if depth == 0 {
-                *sum += way.length(since, t);
+                if depth == 0 {
+                    since = crossed.t;
+                }
+                depth += 1;
+            } else if behind == 0 {
+                depth -= 1;
+                if depth == 0 {
+                    *sum += way.length(since, crossed.t);
+                }
             }
         }
         for &object in &solids.open {
-            if std::mem::take(&mut self.is_in[object]) {
+            if std::mem::take(&mut self.turns[object]) != 0 {
                 *sum = f64::NAN;
             }
         }

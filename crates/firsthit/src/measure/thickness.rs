@@ -1,22 +1,26 @@
 //! How thick are objects?
 //!
 //! 1. Find the point of the surface that is nearest to each point.
-//! 2. Send a ray inwards from there, which leaves the surface without an epsilon.
-//! 3. Take where it first meets the same object; it meets no other.
+//! 2. Send a ray inwards from there, which leaves the surface without an epsilon, and find all its crossings of the same object.
+//! 3. How often the object goes around the start follows from them. Take the first crossing behind which the ray is no longer inside.
+//!
+//! Open objects have no inside: there it is where the ray next meets them.
 
 use crate::error::Result;
-use crate::geometry::{DVec3, Departure, Filtered, Hit, Ray, RayFilter};
+use crate::geometry::{DVec3, Departure, Filtered, Hit, Ray, RayFilter, Rays};
 use crate::memory;
 use crate::nearest::{ClosestPoints, Wanted, closest_points};
 use crate::scene::Scene;
-use crate::shoot::{First, trace};
+use crate::shoot::{Cpu, First, trace};
+use crate::solid::{By, FillRule, Solids};
 use crate::watch::{OnlyStops, Watch};
 
 /// How many points are done at a time.
 const PIECE: usize = 1 << 14;
 
-/// How thick the objects are at the surface points nearest to `points`, in scene units: the distance inwards, against the normal, to where
-/// a ray next meets the same object. Infinity where it does not meet it again; NaN for a point that has no surface to be near to, and where
+/// How thick the objects are at the surface points nearest to `points`, in scene units: the distance inwards, at right
+/// angles to the surface, to where the inside of the same object ends. Zero where it is on neither side of the surface. Of an open object it is the distance against the normal
+/// to where a ray next meets it, and infinity where it does not meet it again. NaN for a point that has no surface to be near to, and where
 /// the nearest is a triangle without an area: no direction is inwards.
 ///
 /// The ray leaves the surface as [`SurfaceInteraction::leave`](crate::scene::SurfaceInteraction::leave) has it. Other objects do not count.
@@ -35,32 +39,154 @@ const PIECE: usize = 1 << 14;
 ///
 /// Those of [`closest_points`] and of [`trace`].
 pub fn thickness(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<f64>> {
+    thickness_with(FillRule::default(), scene, points, watch)
+}
+
+/// [`thickness`] by a rule of the caller's choice.
+///
+/// # Errors
+///
+/// Those of [`thickness`].
+pub fn thickness_with(
+    rule: FillRule,
+    scene: &Scene,
+    points: &[[f64; 3]],
+    watch: &dyn Watch,
+) -> Result<Vec<f64>> {
     let mut all = memory::filled(points.len(), f64::NAN)?;
     for (points, lengths) in points.chunks(PIECE).zip(all.chunks_mut(PIECE)) {
         let nearest = closest_points(scene, points, Wanted::default(), &OnlyStops(watch))?;
-        measure(scene, &nearest, lengths, watch)?;
-        watch.advance(points.len() as u64);
+        let inwards = (0..points.len()).map(|k| inwards(scene, &nearest, k));
+        let (rays, filters): (Vec<Ray>, Vec<RayFilter>) = inwards.unzip();
+        let rays_filtered = Filtered::each(&*rays, &filters);
+        let t = thickness_along(rule, scene, &rays_filtered, Towards::Inside, watch)?;
+        for (((length, &object), ray), t) in
+            lengths.iter_mut().zip(&nearest.object).zip(&rays).zip(t)
+        {
+            if object >= 0 && ray.direction.is_finite() {
+                *length = t;
+            }
+        }
     }
     Ok(all)
 }
 
-fn measure(
+/// Where rays go that leave surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Towards {
+    /// Inwards, where the object goes around more often: a ray that begins the other way is turned around, and where both sides are
+    /// outside it goes nowhere.
+    Inside,
+    /// The way that they have.
+    Given,
+}
+
+/// For each ray that leaves a surface of the object that alone it meets ([`RayFilter::only`]), the `t` at which it comes out of that object
+/// or, if it starts outside, into it; of an open object, at which it next meets it. Infinity where nothing of this is ahead, and
+/// zero for a ray towards the inside with the outside on both sides. `t_max` is ignored.
+///
+/// # Errors
+///
+/// Those of [`trace`] and of [`inside`](super::inside()).
+pub fn thickness_along<R: Rays + ?Sized>(
+    rule: FillRule,
     scene: &Scene,
-    from: &ClosestPoints,
-    lengths: &mut [f64],
+    rays: &R,
+    towards: Towards,
     watch: &dyn Watch,
-) -> Result<()> {
-    let watch = &OnlyStops(watch);
-    let inwards = (0..lengths.len()).map(|k| inwards(scene, from, k));
-    let (rays, filters): (Vec<Ray>, Vec<RayFilter>) = inwards.unzip();
-    let first = trace(scene, &Filtered::each(&rays, &filters), First, watch)?;
-    let of_rays = rays.iter().zip(&first.t);
-    for ((length, &object), (ray, &t)) in lengths.iter_mut().zip(&from.object).zip(of_rays) {
-        if object >= 0 && ray.direction.is_finite() {
-            *length = t;
+) -> Result<Vec<f64>> {
+    let solids = Solids::new(scene, rule)?;
+    let mut t = memory::filled(rays.len(), f64::INFINITY)?;
+    let object = |k: usize| {
+        rays.filter(k)
+            .only
+            .and_then(|only| usize::try_from(only).ok())
+    };
+    // Shapes are convex, so that what is met first is where they end.
+    let is_solid = |&k: &usize| {
+        object(k).is_some_and(|object| {
+            let is_mesh = scene
+                .objects()
+                .get(object)
+                .is_some_and(|it| it.mesh().is_some());
+            is_mesh && solids.rules[object].is_of_closed()
+        })
+    };
+    let (solid, other): (Vec<usize>, Vec<usize>) = (0..rays.len()).partition(is_solid);
+    let these = |which: &[usize], sign: f64| -> (Vec<Ray>, Vec<RayFilter>) {
+        let turned = |ray: Ray| Ray {
+            direction: sign * ray.direction,
+            ..ray
+        };
+        which
+            .iter()
+            .map(|&k| (turned(rays.ray(k)), rays.filter(k)))
+            .unzip()
+    };
+    let (own, filters) = these(&other, 1.0);
+    let first = trace(scene, &Filtered::each(&*own, &filters), First, watch)?;
+    for (&k, &first) in other.iter().zip(&first.t) {
+        t[k] = first;
+    }
+    let (own, filters) = these(&solid, 1.0);
+    let ends = ends(&solids, &Filtered::each(&*own, &filters), watch)?;
+    let mut outwards = Vec::new();
+    for (&k, &(turns, end)) in solid.iter().zip(&ends) {
+        t[k] = end;
+        let departure = rays.filter(k).departure.map(|it| it.surface);
+        let is_turned = departure.is_some_and(|it| {
+            object(k).is_some_and(|object| solids.is_turned(object, it.primitive))
+        });
+        // In front of the surface, the object goes around one time more often behind it.
+        let in_front = if is_turned { turns >= 0 } else { turns <= 0 };
+        if in_front && towards == Towards::Inside {
+            outwards.push((k, turns != 0));
         }
     }
-    Ok(())
+    let which: Vec<usize> = outwards.iter().map(|&(k, _)| k).collect();
+    let (own, filters) = these(&which, -1.0);
+    let ends = self::ends(&solids, &Filtered::each(&*own, &filters), &OnlyStops(watch))?;
+    for (&(k, was_inside), &(turns, end)) in outwards.iter().zip(&ends) {
+        if turns != 0 {
+            t[k] = end;
+        } else if !was_inside {
+            t[k] = 0.0;
+        }
+    }
+    Ok(t)
+}
+
+/// Of rays that each meet one object alone, a closed mesh: how often it goes around their start, and where they come out of it, or into it.
+fn ends(solids: &Solids<'_>, rays: &dyn Rays, watch: &dyn Watch) -> Result<Vec<(i32, f64)>> {
+    let mut ends = memory::filled(rays.len(), (0, f64::INFINITY))?;
+    let turns = || memory::filled(solids.rules.len(), 0_i32);
+    solids.sweep(
+        (&Cpu::default(), rays),
+        (By::Union, &mut ends),
+        watch,
+        turns,
+        |turns, ray, met, end| {
+            solids.wind(ray, met, turns);
+            let at_start = met.objects().next().map_or(0, |object| turns[object]);
+            let mut end_of: Option<f64> = None;
+            for crossed in met.crossings() {
+                let turns = &mut turns[crossed.object];
+                *turns = solids.behind(ray, crossed, *turns);
+                let is_changed = (*turns != 0) != (at_start != 0);
+                match end_of {
+                    None if is_changed => end_of = Some(crossed.t),
+                    // Shells that touch leave no gap. (A `t` is at most one step off.)
+                    Some(end) if !is_changed && crossed.t <= end.next_up().next_up() => {
+                        end_of = None;
+                    }
+                    _ => {}
+                }
+            }
+            end[0] = (at_start, end_of.unwrap_or(f64::INFINITY));
+            Ok(())
+        },
+    )?;
+    Ok(ends)
 }
 
 /// The ray inwards from a surface point, of a direction of length one.

@@ -22,7 +22,7 @@ mod signed;
 
 pub use answers::{ClosestPoint, ClosestPoints};
 pub use search::Method;
-pub use signed::{signed_distances, signed_distances_from, signed_distances_with};
+pub use signed::{SignSettings, signed_distances, signed_distances_from, signed_distances_with};
 
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, require};

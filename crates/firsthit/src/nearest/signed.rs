@@ -1,15 +1,15 @@
 //! Distances with a sign: negative inside.
 //!
-//! A point is inside a closed object if a ray from it crosses the object's surface an odd number of times. Each crossing counts
-//! once, decided as exact arithmetic would ([`All`]), so the sign is exact wherever the ray leads, for meshes as they are in
+//! What is inside is as for `measure::inside`, which decides it exactly for closed meshes as they are in
 //! their own space. A transform rounds the point and the ray; shapes that are no mesh are decided in float64.
 
 use super::{Method, Wanted, closest_points_with};
 use crate::error::{Error, Result, escape_controls};
-use crate::geometry::require;
+use crate::geometry::{DVec3, require};
 use crate::memory;
 use crate::scene::Scene;
-use crate::shoot::{All, BruteForce, Cpu, Engine, FromPoints, trace_with};
+use crate::shoot::{BruteForce, Cpu, Engine};
+use crate::solid::{By, FillRule, inside_by};
 use crate::watch::{OnlyStops, Watch};
 
 /// How far each of `points` is from the nearest surface: negative for a point inside any object, positive for one outside of
@@ -31,28 +31,40 @@ use crate::watch::{OnlyStops, Watch};
 /// [`Error::Argument`] for an object that is not [closed](crate::Shape::is_closed), or of which a material cuts parts out: it has
 /// no inside. Those of [`closest_points`](super::closest_points).
 pub fn signed_distances(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<f64>> {
-    signed_distances_with(Method::default(), scene, points, watch)
+    signed_distances_with(SignSettings::default(), scene, points, watch)
+}
+
+/// How the sign of a distance is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SignSettings {
+    /// What is inside of closed meshes.
+    pub rule: FillRule,
+    /// Whether open objects are taken, too: points are inside of them as their winding number says, and never inside a plane or a disc.
+    pub allow_open: bool,
+    /// How it is searched: only times depend on it.
+    pub method: Method,
 }
 
 /// How many points are done at a time: the crossings of all their rays are in memory at once.
 const PIECE: usize = 1 << 14;
 
-/// [`signed_distances`] by a method of the caller's choice: only times depend on it.
+/// [`signed_distances`] as the caller wants it.
 ///
 /// # Errors
 ///
-/// Those of [`signed_distances`].
+/// Those of [`signed_distances`]; but with [`SignSettings::allow_open`] open objects are none.
 pub fn signed_distances_with(
-    method: Method,
+    settings: SignSettings,
     scene: &Scene,
     points: &[[f64; 3]],
     watch: &dyn Watch,
 ) -> Result<Vec<f64>> {
-    require_closed(scene)?;
+    require_closed(settings, scene)?;
     let mut signed = memory::filled(points.len(), f64::INFINITY)?;
     for (points, signed) in points.chunks(PIECE).zip(signed.chunks_mut(PIECE)) {
+        let method = settings.method;
         let nearest = closest_points_with(method, scene, points, Wanted::default(), watch)?;
-        sign(method, (scene, points), &nearest.distance, signed, watch)?;
+        sign(settings, (scene, points), &nearest.distance, signed, watch)?;
     }
     Ok(signed)
 }
@@ -61,20 +73,23 @@ pub fn signed_distances_with(
 /// surfaces, one for each point, as [`closest_points`](super::closest_points) finds them.
 ///
 /// ```
-/// use firsthit::nearest::{Wanted, closest_points, signed_distances_from};
+/// use firsthit::nearest::{SignSettings, Wanted, closest_points, signed_distances_from};
 /// use firsthit::{DVec3, Object, Scene, Sphere};
 ///
 /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
 /// let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
 /// let nearest = closest_points(&scene, &points, Wanted::default(), &())?;
-/// assert_eq!(signed_distances_from(&scene, &points, &nearest.distance, &())?, [-0.75, 2.0]);
+/// let settings = SignSettings::default();
+/// let signed = signed_distances_from(settings, &scene, &points, &nearest.distance, &())?;
+/// assert_eq!(signed, [-0.75, 2.0]);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 ///
 /// # Errors
 ///
-/// Those of [`signed_distances`], and [`Error::Argument`] for another number of distances than of points.
+/// Those of [`signed_distances_with`], and [`Error::Argument`] for another number of distances than of points.
 pub fn signed_distances_from(
+    settings: SignSettings,
     scene: &Scene,
     points: &[[f64; 3]],
     distances: &[f64],
@@ -87,19 +102,20 @@ pub fn signed_distances_from(
         is_one_each,
         distances.len(),
     )?;
-    require_closed(scene)?;
+    require_closed(settings, scene)?;
     let mut signed = memory::filled(points.len(), f64::INFINITY)?;
     let pieces = points.chunks(PIECE).zip(distances.chunks(PIECE));
     for ((points, distances), signed) in pieces.zip(signed.chunks_mut(PIECE)) {
-        sign(Method::default(), (scene, points), distances, signed, watch)?;
+        sign(settings, (scene, points), distances, signed, watch)?;
         watch.advance(points.len() as u64);
     }
     Ok(signed)
 }
 
-/// Refuses objects that have no inside, and says why the first has none.
-fn require_closed(scene: &Scene) -> Result<()> {
-    let Some(open) = scene.first_open_object() else {
+/// Refuses objects that have no inside, unless they are allowed, and says why the first has none.
+fn require_closed(settings: SignSettings, scene: &Scene) -> Result<()> {
+    let open = scene.first_open_object();
+    let Some(open) = open.filter(|_| !settings.allow_open) else {
         return Ok(());
     };
     let object = &scene.objects()[open];
@@ -120,47 +136,24 @@ fn require_closed(scene: &Scene) -> Result<()> {
 }
 
 fn sign(
-    method: Method,
+    settings: SignSettings,
     (scene, points): (&Scene, &[[f64; 3]]),
     distances: &[f64],
     signed: &mut [f64],
     watch: &dyn Watch,
 ) -> Result<()> {
-    let is_inside = are_inside(method, scene, points, watch)?;
-    let all = signed.iter_mut().zip(distances).zip(is_inside);
+    let engine: &dyn Engine = match settings.method {
+        Method::BruteForce => &BruteForce,
+        Method::Trees(set) => &Cpu::with(set),
+    };
+    let points: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
+    let asked = (&*points, By::Union);
+    let insides = inside_by(engine, settings.rule, scene, asked, &OnlyStops(watch))?;
+    let all = signed.iter_mut().zip(distances).zip(insides.is_inside);
     for ((signed, &distance), is_inside) in all {
         // On a surface it is neither: no negative zero.
         let is_negative = is_inside && distance > 0.0 && distance < f64::INFINITY;
         *signed = if is_negative { -distance } else { distance };
     }
     Ok(())
-}
-
-/// Whether each point is inside any object, all of which are closed.
-fn are_inside(
-    method: Method,
-    scene: &Scene,
-    points: &[[f64; 3]],
-    watch: &dyn Watch,
-) -> Result<Vec<bool>> {
-    let engine: &dyn Engine = match method {
-        Method::BruteForce => &BruteForce,
-        Method::Trees(set) => &Cpu::with(set),
-    };
-    let crossings = trace_with(
-        engine,
-        scene,
-        &FromPoints(points),
-        All::default(),
-        &OnlyStops(watch),
-    )?;
-    let mut objects = Vec::new();
-    let is_inside = |range: &[usize]| {
-        objects.clear();
-        objects.extend_from_slice(&crossings.hits.object[range[0]..range[1]]);
-        objects.sort_unstable();
-        let mut each = objects.chunk_by(|a, b| a == b);
-        each.any(|of_one| of_one.len() % 2 == 1)
-    };
-    Ok(crossings.offsets.windows(2).map(is_inside).collect())
 }

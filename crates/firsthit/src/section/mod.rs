@@ -8,13 +8,18 @@
 //! 4. Join segments at the edges that they share (`join.rs`), which are told apart by the places of their ends. So triangles join
 //!    that have vertices of their own, as those of STL files have.
 //!
+//! 5. Where all are closed, they become the outlines of what is inside (`outline.rs`), by the rule that all measures of solids have.
+//!
 //! The polylines of a closed mesh are therefore closed, whatever lies on the plane. A face in the plane is cut if the solid is below
 //! it, and not if it is above. Where a mesh touches the plane from below, at an edge or at a face of no thickness, a polyline goes
 //! there and back; where it touches at a point there is nothing.
 
+mod arrange;
 #[cfg(feature = "frame")]
 mod format;
 mod join;
+mod outline;
+mod planar;
 mod plane;
 mod segments;
 
@@ -28,7 +33,10 @@ use crate::error::{Result, escape_controls};
 use crate::geometry::summary::Count;
 use crate::geometry::{DVec2, DVec3};
 use crate::scene::{Object, Scene};
+use crate::shape::Facing;
+use crate::solid::FillRule;
 use crate::watch::Watch;
+use outline::Outlines;
 use segments::Placed;
 
 /// The curves of a plane through a scene, in the order of objects and, of each object, of the lowest primitive.
@@ -51,11 +59,17 @@ struct Extent {
     segments: [usize; 2],
 }
 
+impl Extent {
+    /// How many points it has.
+    fn len(&self) -> usize {
+        self.points[1] - self.points[0]
+    }
+}
+
 /// A curve of a [`Section`].
 ///
-/// It runs so that the inside of a solid is on its left, seen from where the plane's normal points: counter-clockwise around
-/// material, clockwise around holes. Where triangles beside each other are wound differently, it runs as its triangle of the lowest
-/// number says.
+/// A closed one runs so that the inside of a solid is on its left, seen from where the plane's normal points: counter-clockwise around
+/// material, clockwise around holes. An open one runs as its triangle of the lowest number says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Polyline<'a> {
     /// The object's identifier.
@@ -63,9 +77,11 @@ pub struct Polyline<'a> {
     /// Whether its last point joins its first. It does so where the mesh is closed.
     pub is_closed: bool,
     /// Its points, in world space and scene units; of a closed one the first is not repeated. Each is the crossing of an edge
-    /// with the plane, next to the nearest float64, or a vertex that is exactly on the plane.
+    /// with the plane, next to the nearest float64, or a vertex that is exactly on the plane; and where curves of a mesh cross each
+    /// other, a point on both.
     pub points: &'a [DVec3],
-    /// The triangle of each segment, the one that starts at the point of the same index. An open polyline has one less than points.
+    /// The triangle of each segment, the one that starts at the point of the same index; of several in one place the lowest. An open
+    /// polyline has one less than points.
     pub primitives: &'a [i32],
 }
 
@@ -140,7 +156,7 @@ impl Section {
         })
     }
 
-    /// The area of all closed polylines, in squares of scene units: outlines less their holes. Where solids overlap, both count.
+    /// The area of all closed polylines, in squares of scene units: outlines less their holes. Where objects overlap, both count.
     pub fn area(&self) -> f64 {
         let areas = self.polylines().map(|polyline| polyline.area(&self.plane));
         // A sum of nothing is -0.
@@ -203,6 +219,20 @@ impl Scene {
 ///
 /// [`Error::Limit`](crate::Error::Limit) when memory is short, and [`Error::Interrupted`](crate::Error::Interrupted).
 pub fn section(scene: &Scene, plane: SectionPlane, watch: &dyn Watch) -> Result<Section> {
+    section_with(FillRule::default(), scene, plane, watch)
+}
+
+/// [`section`] by a rule of the caller's choice for what is inside.
+///
+/// # Errors
+///
+/// Those of [`section`].
+pub fn section_with(
+    rule: FillRule,
+    scene: &Scene,
+    plane: SectionPlane,
+    watch: &dyn Watch,
+) -> Result<Section> {
     let mut section = Section {
         plane,
         points: Vec::new(),
@@ -223,17 +253,79 @@ pub fn section(scene: &Scene, plane: SectionPlane, watch: &dyn Watch) -> Result<
                 reasons[1].add(identifier, object, &mut section);
             }
             Some(placed) => {
-                let segments = placed.segments(&plane, watch)?;
-                join::join(identifier, &segments, &mut section, watch)?;
+                section.cut((identifier, &placed), rule, watch)?;
             }
         }
     }
-    section.warnings = reasons.iter().filter_map(Reason::line).collect();
+    section
+        .warnings
+        .extend(reasons.iter().filter_map(Reason::line));
     section.warnings.extend(section.gap_warning());
     Ok(section)
 }
 
 impl Section {
+    /// Adds the curves of an object.
+    fn cut(
+        &mut self,
+        (identifier, placed): (i32, &Placed<'_>),
+        asked: FillRule,
+        watch: &dyn Watch,
+    ) -> Result<()> {
+        let starts = [self.extents.len(), self.points.len(), self.primitives.len()];
+        let segments = placed.segments(&self.plane, None, watch)?;
+        join::join(identifier, &segments, self, watch)?;
+        let is_closed =
+            |section: &Self| section.extents[starts[0]..].iter().all(|one| one.is_closed);
+        if !is_closed(self) {
+            return Ok(());
+        }
+        let mut outlines = outline::judge(self, starts[0], asked, watch)?;
+        let mut rule = asked;
+        if !matches!(outlines, Outlines::Done) {
+            // Only now it matters how the whole mesh is.
+            let facing = placed.facing()?;
+            if matches!(facing, Facing::Undecided) && placed.is_closed()? {
+                rule = FillRule::Parity;
+            }
+            if matches!(facing, Facing::Turned(_)) {
+                self.extents.truncate(starts[0]);
+                self.points.truncate(starts[1]);
+                self.primitives.truncate(starts[2]);
+                let segments = placed.segments(&self.plane, Some(facing), watch)?;
+                join::join(identifier, &segments, self, watch)?;
+            }
+            outlines = outline::judge(self, starts[0], rule, watch)?;
+        }
+        let is_arranged = match outlines {
+            Outlines::Done => true,
+            Outlines::Simple(fates) => {
+                outline::apply(self, starts[0], &fates);
+                true
+            }
+            Outlines::Tangled => arrange::arrange(self, starts[0], rule, watch)?,
+        };
+        if !is_arranged {
+            self.warnings.push(format!(
+                "the curves of object {identifier} overlap, and their outline could not be found: all of them are there"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Adds a closed polyline.
+    fn add_closed(&mut self, object: i32, points: &[DVec3], primitives: &[i32]) {
+        let [point, segment] = [self.points.len(), self.primitives.len()];
+        self.points.extend(points);
+        self.primitives.extend(primitives);
+        self.extents.push(Extent {
+            object,
+            is_closed: true,
+            points: [point, self.points.len()],
+            segments: [segment, self.primitives.len()],
+        });
+    }
+
     /// The warning that the area leaves open curves out. There is none where all are open, as those of a terrain: it encloses nothing.
     fn gap_warning(&self) -> Option<String> {
         let open = self.polylines().filter(|curve| !curve.is_closed).count();

@@ -11,7 +11,7 @@ use crate::geometry::{Bounds, DVec3, Ray, Transform, compare_points};
 use crate::memory;
 use crate::parallel;
 use crate::scene::Object;
-use crate::shape::Mesh;
+use crate::shape::{Facing, Mesh};
 use crate::watch::Watch;
 
 /// So many triangles are looked at between two questions whether to stop.
@@ -83,8 +83,23 @@ impl<'a> Placed<'a> {
         corners.map(|corner| world_from_object.transform_point3(corner) + DVec3::ZERO)
     }
 
-    /// The segments of all triangles that the plane crosses, in the order of the triangles.
-    pub(super) fn segments(&self, plane: &SectionPlane, watch: &dyn Watch) -> Result<Vec<Segment>> {
+    /// Which way the mesh's triangles face.
+    pub(super) fn facing(&self) -> Result<&'a Facing> {
+        self.mesh.facing()
+    }
+
+    pub(super) fn is_closed(&self) -> Result<bool> {
+        self.mesh.is_closed()
+    }
+
+    /// The segments of all triangles that the plane crosses, in the order of the triangles. They face as their corners say, or as
+    /// `facing` does.
+    pub(super) fn segments(
+        &self,
+        plane: &SectionPlane,
+        facing: Option<&Facing>,
+        watch: &dyn Watch,
+    ) -> Result<Vec<Segment>> {
         let count = self.mesh.triangles().len();
         if self.mesh.bounds().is_empty() || self.is_on_one_side(plane) {
             return Ok(Vec::new());
@@ -99,12 +114,15 @@ impl<'a> Placed<'a> {
         })?;
         let bytes = crossed.len().saturating_mul(2 * size_of::<Segment>());
         memory::check("the segments of a section", bytes)?;
-        in_chunks(crossed.len(), watch, |k| self.segment(plane, crossed[k]))
+        in_chunks(crossed.len(), watch, |k| {
+            let is_turned = facing.is_some_and(|facing| facing.is_turned(crossed[k]));
+            self.segment(plane, crossed[k], is_turned)
+        })
     }
 
     /// The segment of a triangle that the plane crosses. One that starts and ends at the same edge, for two of the triangle's
     /// corners are in one place, is none.
-    fn segment(&self, plane: &SectionPlane, triangle: usize) -> Option<Segment> {
+    fn segment(&self, plane: &SectionPlane, triangle: usize, is_turned: bool) -> Option<Segment> {
         let corners = self.corners(triangle);
         let above = above(plane, &corners);
         let edge = |leaves: bool| {
@@ -113,10 +131,10 @@ impl<'a> Placed<'a> {
             Some(edge_between(corners[k], corners[(k + 1) % 3]))
         };
         let [start, end] = [edge(true)?, edge(false)?];
-        let edges = if self.is_mirrored {
-            [end, start]
-        } else {
+        let edges = if self.is_mirrored == is_turned {
             [start, end]
+        } else {
+            [end, start]
         };
         let primitive = i32::try_from(triangle).unwrap_or(i32::MAX);
         (start != end).then_some(Segment { edges, primitive })

@@ -6,7 +6,10 @@ mod closed;
 mod crossing;
 #[cfg(feature = "frame")]
 mod digest;
+mod disjoint_sets;
+mod facing;
 mod named;
+mod parts;
 mod reach;
 #[cfg(feature = "fhs")]
 mod stored;
@@ -14,6 +17,8 @@ mod surface;
 mod tangents;
 mod weld;
 
+pub(crate) use disjoint_sets::DisjointSets;
+pub(crate) use facing::{Facing, sorted};
 pub use named::NamedAttribute;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::{MeshParts, are_below};

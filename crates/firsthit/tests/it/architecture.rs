@@ -106,7 +106,7 @@ fn unsafe_code_is_nowhere_but_in_simd() {
 #[test]
 fn packets_have_the_name_that_a_unit_test_looks_for() {
     let program = fs::read(std::env::current_exe().unwrap()).unwrap();
-    let name = "5shoot5batch-11trace_array".replace('-', "");
+    let name = "5shoot5batch-10fill_batch".replace('-', "");
     assert!(
         program
             .windows(name.len())

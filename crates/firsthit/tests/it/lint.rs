@@ -283,6 +283,44 @@ fn a_closed_mesh_is_inside_out_by_the_exact_sign_of_its_volume() {
 }
 
 #[test]
+fn shells_that_overlap_are_told_and_cavities_are_none() {
+    let large = |p: DVec3| 10.0 * p - 1.0;
+    let small = |p: DVec3| p + 1.0;
+    let smallest = |p: DVec3| 0.25 * p + 1.1;
+    let shells = |way: &[(&dyn Fn(DVec3) -> DVec3, bool)]| {
+        let (mut points, mut faces) = (Vec::new(), Vec::new());
+        for &(place, is_flipped) in way {
+            let first = points.len() as u32;
+            points.extend(POINTS.map(place));
+            faces.extend(FACES.map(|[a, b, c]| {
+                let [a, b, c] = [a, b, c].map(|k| k + first);
+                if is_flipped { [a, c, b] } else { [a, b, c] }
+            }));
+        }
+        one(&points, faces)
+    };
+    let inside_out = ("inside-out", 1, "");
+    // A cavity, one that faces outwards, a solid in a cavity, and the same inside out.
+    check(&shells(&[(&large, false), (&small, true)]), &[]);
+    check(
+        &shells(&[(&large, false), (&small, false)]),
+        &[("overlap", 1, "")],
+    );
+    let island = [
+        (&large as &dyn Fn(_) -> _, false),
+        (&small, true),
+        (&smallest, false),
+    ];
+    check(&shells(&island), &[]);
+    let twice = [("inside-out", 2, ""), ("overlap", 1, "")];
+    check(&shells(&[(&large, true), (&small, true)]), &twice);
+    check(&shells(&[(&large, true), (&small, false)]), &[inside_out]);
+    // Side by side, box in box and none in the other.
+    let beside = |p: DVec3| p + DVec3::new(7.0, 7.0, 7.0);
+    check(&shells(&[(&large, false), (&beside, false)]), &[]);
+}
+
+#[test]
 fn degenerate_and_duplicate_faces_are_told_apart() {
     let mut points = POINTS.to_vec();
     // On the edge from 0 to 1, and a copy of 1.
@@ -327,7 +365,8 @@ fn crossing_solids_in_one_mesh_intersect_themselves() {
     faces.extend(FACES.map(|face| face.map(|k| k + 4)));
     let report = one(&points, faces).lint().unwrap();
     // The slanted face of the first goes through three faces of the second.
-    assert_eq!(said(&report), [("self-intersection", 4, "")]);
+    let wanted = [("self-intersection", 4, ""), ("overlap", 2, "")];
+    assert_eq!(said(&report), wanted);
     // A flap folded onto its neighbour.
     let fold = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.3, 0.3, 0.0)];
     let report = one(&fold, vec![[0, 1, 2], [0, 3, 1]]).lint().unwrap();

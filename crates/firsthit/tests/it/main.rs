@@ -61,5 +61,6 @@ mod see_through;
 mod sensors;
 mod shading;
 mod shading_rows;
+mod solids;
 mod support;
 mod thin_lens;

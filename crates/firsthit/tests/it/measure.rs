@@ -2,7 +2,10 @@
 
 use std::array::from_fn;
 
-use firsthit::measure::{By, Rule, inside, path_lengths, rules, thickness, winding_number};
+use firsthit::measure::{
+    By, FillRule, Rule, inside, inside_with, path_lengths, path_lengths_with, rules, thickness,
+    winding_number,
+};
 use firsthit::shoot::{Count, trace};
 use firsthit::watch::Watch;
 use firsthit::{
@@ -148,7 +151,7 @@ fn points_are_inside_as_exact_arithmetic_has_it() {
         let scene = scene(vec![Object::new(mesh(&points, triangles))]);
         let mesh = scene.objects()[0].mesh().unwrap();
         let answers = inside(&scene, &asked, By::Union, &()).unwrap();
-        assert_eq!(answers.rules, [Rule::Parity]);
+        assert_eq!(answers.rules, [Rule::Nonzero]);
         for (&point, &answer) in asked.iter().zip(&answers.is_inside) {
             let expected = is_inside_exactly(mesh, &exact(point), &mut numbers);
             let expected = expected.unwrap_or_else(|| {
@@ -295,7 +298,7 @@ fn solids_hold_what_their_formulas_say() {
     let names: Vec<_> = answers.rules.iter().map(|rule| rule.name()).collect();
     assert_eq!(
         names.join(" "),
-        "parity parity parity parity parity parity none none"
+        "nonzero nonzero nonzero nonzero nonzero nonzero none none"
     );
     let mut held = [0; 8];
     for (&point, row) in points.iter().zip(answers.is_inside.chunks(8)) {
@@ -373,8 +376,12 @@ fn a_torus_and_its_chords_are_as_their_formulas() {
 #[test]
 fn a_shell_within_a_shell_is_a_hollow() {
     let points = [cube(DVec3::ZERO, 4.0), cube(DVec3::ONE, 2.0)].concat();
-    // Inwards or outwards: of no account.
-    for flip in [false, true] {
+    // Inwards; or by parity, where that is of no account.
+    for (flip, rule) in [
+        (false, FillRule::Parity),
+        (true, FillRule::Parity),
+        (true, FillRule::Nonzero),
+    ] {
         let inner = CUBE.map(|[a, b, c]| {
             if flip {
                 [a + 8, c + 8, b + 8]
@@ -390,10 +397,13 @@ fn a_shell_within_a_shell_is_a_hollow() {
             DVec3::new(2.0, 2.0, 3.5),
             DVec3::NEG_ONE,
         ];
-        let answers = inside(&scene, &asked, By::Union, &()).unwrap().is_inside;
+        let answers = inside_with(rule, &scene, &asked, By::Union, &())
+            .unwrap()
+            .is_inside;
         assert_eq!(answers, [false, true, true, false]);
         let ray = Ray::new(DVec3::new(-1.0, 2.0, 2.0), DVec3::X);
-        assert_eq!(path_lengths(&scene, &[ray], By::Union, &()).unwrap(), [2.0]);
+        let lengths = path_lengths_with(rule, &scene, &[ray], By::Union, &());
+        assert_eq!(lengths.unwrap(), [2.0]);
     }
 }
 
@@ -410,7 +420,7 @@ fn an_open_mesh_goes_by_its_winding_number_and_says_so() {
         let place = Transform::translation(DVec3::new(0.0, 0.0, 5.0)).unwrap();
         let ball = Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
         let scene = scene(vec![Object::new(open).placed(place), ball]);
-        assert_eq!(rules(&scene).unwrap(), [Rule::WindingNumber, Rule::Parity]);
+        assert_eq!(rules(&scene).unwrap(), [Rule::WindingNumber, Rule::Nonzero]);
         let at = |z| DVec3::new(0.1, 0.2, z);
         let asked = [at(5.0), at(4.1), at(6.5), at(3.5), at(0.0)];
         let union = inside(&scene, &asked, By::Union, &()).unwrap().is_inside;
@@ -604,7 +614,7 @@ fn crossed_in_pairs(rays: usize, at_once: usize) {
             _ => adversarial(seed),
         };
         let scene = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
-        assert_eq!(rules(&scene).unwrap(), [Rule::Parity]);
+        assert_eq!(rules(&scene).unwrap(), [Rule::Nonzero]);
         let bounds = scene.bounds();
         let size = (bounds.high - bounds.low).max_element();
         let mut asked = Vec::new();

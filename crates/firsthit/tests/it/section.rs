@@ -354,7 +354,7 @@ fn duplicates_and_triangles_without_area_leave_polylines_closed() {
         .section(points[44], DVec3::Z)
         .unwrap();
     assert!(double.polylines().all(|polyline| polyline.is_closed));
-    assert_eq!(double.area(), 2.0 * single.area());
+    assert!((double.area() - single.area()).abs() < ROUNDING);
 }
 
 #[test]

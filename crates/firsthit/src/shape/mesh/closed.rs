@@ -11,14 +11,30 @@
 use std::sync::OnceLock;
 
 use super::Mesh;
-use super::weld::sort;
-use crate::error::Result;
+use super::facing::Facing;
+use super::weld::{Welded, sort};
+use crate::error::{Error, Result};
 use crate::memory;
 use crate::parallel;
 
-/// What [`Mesh::odd_edges`] found out; equal to any other, since it follows from the triangles.
+/// What [`Mesh::edges`] and [`Mesh::facing`] found out; equal to any other, since it follows from the triangles.
 #[derive(Clone, Default)]
-pub(super) struct Closed(OnceLock<usize>);
+pub(super) struct Closed {
+    edges: OnceLock<Edges>,
+    pub(super) facing: OnceLock<Facing>,
+}
+
+/// An edge and its way are one number.
+const MOST_PLACES: usize = 1 << 31;
+
+/// What the edges of a mesh say.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Edges {
+    /// How many belong to an odd number of triangles.
+    pub(super) odd: usize,
+    /// Whether as many triangles go along each edge one way as the other.
+    pub(super) is_balanced: bool,
+}
 
 impl PartialEq for Closed {
     fn eq(&self, _: &Self) -> bool {
@@ -49,27 +65,51 @@ impl Mesh {
 
     /// How many edges belong to an odd number of triangles. Remembered once it is found out.
     pub(crate) fn odd_edges(&self) -> Result<usize> {
-        let Closed(known) = &self.closed;
-        if let Some(&count) = known.get() {
-            return Ok(count);
-        }
-        let count = self.count_odd_edges()?;
-        Ok(*parallel::once(known, || count))
+        Ok(self.edges()?.odd)
     }
 
-    fn count_odd_edges(&self) -> Result<usize> {
-        let mut edges: Vec<u64> = Vec::new();
-        let room = edges.try_reserve_exact(3 * self.triangles.len());
+    pub(super) fn edges(&self) -> Result<Edges> {
+        let known = &self.closed.edges;
+        if let Some(&edges) = known.get() {
+            return Ok(edges);
+        }
+        let edges = self.count_edges()?;
+        Ok(*parallel::once(known, || edges))
+    }
+
+    fn count_edges(&self) -> Result<Edges> {
+        let mut uses: Vec<u64> = Vec::new();
+        let room = uses.try_reserve_exact(3 * self.triangles.len());
         room.map_err(|_| memory::no_room_for("edges of a mesh"))?;
-        for places in self.welded()?.triangles {
+        let Welded {
+            triangles,
+            vertices,
+        } = self.welded()?;
+        if vertices.len() > MOST_PLACES {
+            return Err(Error::Limit {
+                what: "places of a mesh's vertices",
+                got: vertices.len().to_string(),
+                limit: MOST_PLACES.to_string(),
+            });
+        }
+        for places in triangles {
             let [a, b, c] = places.map(u64::from);
             let sides = [(a, b), (b, c), (c, a)];
             let sides = sides.into_iter().filter(|(p, q)| p != q);
-            edges.extend(sides.map(|(p, q)| p.min(q) << 32 | p.max(q)));
+            // The lower place, the upper one, and which way it goes.
+            uses.extend(sides.map(|(p, q)| p.min(q) << 33 | p.max(q) << 1 | u64::from(p < q)));
         }
-        sort(&mut edges, Ord::cmp);
-        let uses = edges.chunk_by(|one, other| one == other);
-        Ok(uses.filter(|same| !same.len().is_multiple_of(2)).count())
+        sort(&mut uses, Ord::cmp);
+        let mut edges = Edges {
+            odd: 0,
+            is_balanced: true,
+        };
+        for uses in uses.chunk_by(|one, other| one >> 1 == other >> 1) {
+            let up = uses.iter().filter(|&use_| use_ & 1 == 1).count();
+            edges.odd += uses.len() % 2;
+            edges.is_balanced &= 2 * up == uses.len();
+        }
+        Ok(edges)
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use firsthit::measure::{By, Rule, inside};
-use firsthit::nearest::{Method, Wanted, closest_point, closest_points, signed_distances};
-use firsthit::nearest::{signed_distances_from, signed_distances_with};
+use firsthit::measure::{By, FillRule, Rule, inside};
+use firsthit::nearest::{Method, SignSettings, Wanted, closest_point, closest_points};
+use firsthit::nearest::{signed_distances, signed_distances_from, signed_distances_with};
 use firsthit::{
     AlphaMode, Color, Cuboid, Cylinder, DQuat, DVec3, Disc, Object, Plane, Sphere, Transform,
 };
@@ -14,6 +14,12 @@ use num_traits::{Signed, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
 use crate::support::{Numbers, bumpy_sphere, cases, mesh, scene};
+
+const BY_FORCE: SignSettings = SignSettings {
+    rule: FillRule::Nonzero,
+    allow_open: false,
+    method: Method::BruteForce,
+};
 
 /// Whether a point is inside a mesh that is star-shaped around the origin, whose triangles look outwards: in the cone
 /// over the triangle that the way outwards meets, it is on the inner side.
@@ -47,7 +53,7 @@ fn the_sign_is_exact_next_to_the_surface() {
         asked.push((on + off * numbers.point()).to_array());
     }
     let signed = signed_distances(&ball, &asked, &()).unwrap();
-    let judged = signed_distances_with(Method::BruteForce, &ball, &asked, &()).unwrap();
+    let judged = signed_distances_with(BY_FORCE, &ball, &asked, &()).unwrap();
     let mut counts = [0; 3];
     for (k, &point) in asked.iter().enumerate() {
         let distance = signed[k];
@@ -147,7 +153,10 @@ fn an_empty_mesh_has_no_inside_and_is_not_open() {
     };
     let empty = Object::new(mesh(&[], Vec::new())).with_materials([holes]);
     assert!(empty.shape().is_closed());
-    assert_eq!(Rule::of(&empty).unwrap(), Rule::Parity);
+    assert_eq!(
+        Rule::of(&empty, FillRule::default()).unwrap(),
+        Rule::Nonzero
+    );
     let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
     let signed = signed_distances(&scene(vec![empty.clone(), ball]), &points, &());
     assert_eq!(signed.unwrap(), [-0.75, 2.0]);
@@ -167,10 +176,24 @@ fn signs_of_known_distances_are_those_of_a_search() {
     let mut numbers = Numbers::new(11);
     let asked: Vec<_> = (0..600).map(|_| numbers.point().to_array()).collect();
     let nearest = closest_points(&ball, &asked, Wanted::default(), &()).unwrap();
-    let signed = signed_distances_from(&ball, &asked, &nearest.distance, &()).unwrap();
+    let signed = signed_distances_from(
+        SignSettings::default(),
+        &ball,
+        &asked,
+        &nearest.distance,
+        &(),
+    )
+    .unwrap();
     assert_eq!(signed, signed_distances(&ball, &asked, &()).unwrap());
     assert!(signed.iter().any(|&x| x < 0.0) && signed.iter().any(|&x| x > 0.0));
-    let error = signed_distances_from(&ball, &asked, &nearest.distance[1..], &()).unwrap_err();
+    let error = signed_distances_from(
+        SignSettings::default(),
+        &ball,
+        &asked,
+        &nearest.distance[1..],
+        &(),
+    )
+    .unwrap_err();
     assert_eq!(
         error.to_string(),
         "distances must be one for each point, got 599"

@@ -1,14 +1,17 @@
 //! The way from rays to rows of answers: block by block, so that only the crossings of one block are in memory.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use super::winding::winding_number;
-use super::{By, Rule, rules};
+use super::{By, FillRule, Rule, rules_with};
 use crate::error::{Error, Result};
+use crate::geometry::orientation::along_normal;
 use crate::geometry::{DVec3, Ray, RayFilter, Rays};
 use crate::parallel;
-use crate::scene::Scene;
-use crate::shoot::{All, AllHits, Cpu, trace_into};
+use crate::scene::{Object, Scene};
+use crate::shape::{Facing, Mesh};
+use crate::shoot::{All, AllHits, Engine, trace_into};
 use crate::watch::{OnlyStops, Watch};
 
 /// Rays whose crossings are in memory at a time.
@@ -24,44 +27,123 @@ const FEW: usize = 512;
 const FEW_ANGLES: u64 = 1 << 21;
 
 /// A scene with the rule of each object, and which of the objects are open.
-pub(super) struct Solids<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) rules: Vec<Rule>,
-    /// The objects whose winding number counts.
-    pub(super) open: Vec<usize>,
+pub(crate) struct Solids<'a> {
+    scene: &'a Scene,
+    pub(crate) rules: Vec<Rule>,
+    /// The open objects, whose winding number is no whole one.
+    pub(crate) open: Vec<usize>,
+    /// The meshes of which crossings count one way or the other, and which way their triangles face.
+    facing: Vec<Option<(&'a Mesh, &'a Facing)>>,
 }
 
 /// Crossings of some rays, and those of one of them.
-pub(super) struct Met<'a> {
+pub(crate) struct Met<'a> {
     all: &'a AllHits,
     range: Range<usize>,
 }
 
 impl<'a> Met<'a> {
     /// The objects that are crossed, in the order of the crossings.
-    pub(super) fn objects(&self) -> impl Iterator<Item = usize> + use<'a> {
+    pub(crate) fn objects(&self) -> impl Iterator<Item = usize> + use<'a> {
         let objects = self.all.hits.object[self.range.clone()].iter();
         // Of hits, none is -1.
         objects.map(|&object| object.cast_unsigned() as usize)
     }
 
-    /// The same, each with its `t`.
-    pub(super) fn crossings(&self) -> impl Iterator<Item = (f64, usize)> + use<'a> {
-        let t = self.all.hits.t[self.range.clone()].iter().copied();
-        t.zip(self.objects())
+    /// The crossings, in order.
+    pub(crate) fn crossings(&self) -> impl Iterator<Item = Crossed> + use<'a> {
+        let t = self.all.hits.t[self.range.clone()].iter();
+        let primitive = self.all.hits.primitive[self.range.clone()].iter();
+        let all = t.zip(self.objects()).zip(primitive);
+        all.map(|((&t, object), &primitive)| Crossed {
+            t,
+            object,
+            primitive,
+        })
     }
 }
 
+/// Where a ray crosses the surface of an object.
+#[derive(Clone, Copy)]
+pub(crate) struct Crossed {
+    pub(crate) t: f64,
+    pub(crate) object: usize,
+    primitive: i32,
+}
+
 impl<'a> Solids<'a> {
-    pub(super) fn new(scene: &'a Scene) -> Result<Self> {
-        let rules = rules(scene)?;
+    pub(crate) fn new(scene: &'a Scene, rule: FillRule) -> Result<Self> {
+        let rules = rules_with(rule, scene)?;
         let open = (0..rules.len()).filter(|&k| rules[k] == Rule::WindingNumber);
         let open = open.collect();
-        Ok(Self { scene, rules, open })
+        let facing = |(object, &rule): (&'a Object, &Rule)| match object.mesh() {
+            Some(mesh) if rule == Rule::Nonzero => Ok(Some((&**mesh, mesh.facing()?))),
+            _ => Ok(None),
+        };
+        let facing = scene.objects().iter().zip(&rules).map(facing);
+        Ok(Self {
+            facing: facing.collect::<Result<_>>()?,
+            scene,
+            rules,
+            open,
+        })
+    }
+
+    /// How often an object goes around what is before a crossing, from how often around what is behind it. The number is the winding
+    /// number, but where parity decides 0 or 1; so what is inside is where it is not zero.
+    #[inline]
+    pub(crate) fn before(&self, ray: &Ray, crossed: Crossed, behind: i32) -> i32 {
+        match self.is_outwards(ray, crossed) {
+            Some(true) => behind + 1,
+            Some(false) => behind - 1,
+            None => behind ^ 1,
+        }
+    }
+
+    /// The inverse of [`before`](Self::before).
+    #[inline]
+    pub(crate) fn behind(&self, ray: &Ray, crossed: Crossed, before: i32) -> i32 {
+        match self.is_outwards(ray, crossed) {
+            Some(true) => before - 1,
+            Some(false) => before + 1,
+            None => before ^ 1,
+        }
+    }
+
+    /// Whether a crossing goes from the back of a triangle to its front; `None` where that does not matter.
+    #[inline]
+    fn is_outwards(&self, ray: &Ray, crossed: Crossed) -> Option<bool> {
+        let (mesh, facing) = self.facing[crossed.object]?;
+        let triangle = crossed.primitive.cast_unsigned() as usize;
+        let transform = self.scene.objects()[crossed.object].transform();
+        let way = transform.ray_in_object(ray).direction;
+        let order = along_normal(mesh.corners(triangle), way);
+        Some((order == Ordering::Greater) != facing.is_turned(triangle))
+    }
+
+    /// Whether a triangle of an object counts as facing the other way than its corners say.
+    pub(crate) fn is_turned(&self, object: usize, primitive: i32) -> bool {
+        let triangle = primitive.cast_unsigned() as usize;
+        self.facing[object].is_some_and(|(_, facing)| facing.is_turned(triangle))
+    }
+
+    /// Counts how often each closed object goes around the start of a ray, in `turns`, which is zero for all of them before. Returns how
+    /// many objects the start is in.
+    pub(crate) fn wind(&self, ray: &Ray, met: &Met<'_>, turns: &mut [i32]) -> usize {
+        let mut count = 0;
+        for crossed in met.crossings() {
+            if self.rules[crossed.object].is_of_closed() {
+                let turns = &mut turns[crossed.object];
+                let behind = std::mem::replace(turns, self.before(ray, crossed, *turns));
+                count += usize::from(behind == 0);
+                count -= usize::from(*turns == 0);
+            }
+        }
+        count
     }
 
     /// Whether a point is in an open object, as its winding number says. A point outside the mesh's box never is.
-    pub(super) fn is_in_open(
+    pub(crate) fn is_in_open(
         &self,
         object: usize,
         point: DVec3,
@@ -76,7 +158,7 @@ impl<'a> Solids<'a> {
         let point = object.transform().ray_in_object(&ray).origin;
         let bounds = mesh.bounds();
         let is_in_box = bounds.low.cmple(point).all() && point.cmple(bounds.high).all();
-        // Either way round: by parity a mesh that faces inwards holds the same points.
+        // Either way round: a closed mesh that faces inwards holds the same points, too.
         Ok(is_in_box && winding_number(mesh, point, watch)?.abs() > 0.5)
     }
 
@@ -91,9 +173,9 @@ impl<'a> Solids<'a> {
 
     /// Makes a row of `answers` for each ray, of all its crossings after `t_min`; `t_max` is ignored. `state` makes scratch memory, which
     /// is used again: it is called once for each piece of work that is under way at the same time.
-    pub(super) fn sweep<T: Send, S: Send>(
+    pub(crate) fn sweep<T: Send, S: Send>(
         &self,
-        rays: &dyn Rays,
+        (engine, rays): (&dyn Engine, &dyn Rays),
         (by, answers): (By, &mut [T]),
         watch: &dyn Watch,
         state: impl Fn() -> Result<S> + Sync,
@@ -104,7 +186,7 @@ impl<'a> Solids<'a> {
             watch.advance(rays.len() as u64);
             return Ok(());
         }
-        let (engine, mut all) = (Cpu::default(), AllHits::default());
+        let mut all = AllHits::default();
         let piece = if self.is_little(rays.len()) {
             BLOCK
         } else {
@@ -114,7 +196,7 @@ impl<'a> Solids<'a> {
             let (first, count) = (number * BLOCK, answers.len() / width);
             let part = Part { rays, first, count };
             trace_into(
-                &engine,
+                engine,
                 self.scene,
                 &part,
                 (All::default(), &mut all),

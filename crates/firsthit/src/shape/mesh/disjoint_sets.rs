@@ -1,16 +1,17 @@
 //! Disjoint sets: what is connected? (Galler and Fischer, Communications of the ACM 7(5), 1964), by the lowest number.
 
 /// Sets of the numbers below a count.
-pub(super) struct DisjointSets(Vec<u32>);
+#[derive(Debug)]
+pub(crate) struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
     /// Each number alone.
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self((0..u32::try_from(count).unwrap_or(u32::MAX)).collect())
     }
 
     /// The lowest number in the set of another.
-    pub(super) fn first(&mut self, number: u32) -> u32 {
+    pub(crate) fn first(&mut self, number: u32) -> u32 {
         let mut number = number;
         while self.0[number as usize] != number {
             // Every other step is spared next time.
@@ -22,7 +23,7 @@ impl DisjointSets {
     }
 
     /// Makes one set of those of two numbers.
-    pub(super) fn unite(&mut self, a: u32, b: u32) {
+    pub(crate) fn unite(&mut self, a: u32, b: u32) {
         let (a, b) = (self.first(a), self.first(b));
         self.0[a.max(b) as usize] = a.min(b);
     }

@@ -1,12 +1,12 @@
 //! Which points are inside?
 
-use super::sweep::{Met, Solids};
-use super::{By, Rule};
+use super::sweep::Solids;
+use super::{By, FillRule, Rule};
 use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::scene::Scene;
-use crate::shoot::FromPoints;
+use crate::shoot::{Cpu, Engine, FromPoints};
 use crate::watch::Watch;
 
 /// Which points are inside, and how that is known.
@@ -21,8 +21,8 @@ pub struct Insides {
 /// Tells which points, in world space, are inside the scene's objects, by all threads of the current rayon pool. The answers do not
 /// depend on the number of threads.
 ///
-/// For a closed mesh without a transform the answer is exact. A transform first takes the point to object space, which rounds; it is
-/// then exact about that point. About the other solids it is as exact as their crossings in float64.
+/// A closed mesh holds the points that it goes around, as [`FillRule::default`] has it, and for a mesh without a transform that is exact.
+/// A transform first takes the point to object space, which rounds; it is then exact about that point. About the other solids it is as exact as their crossings in float64.
 ///
 /// A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is. So of closed objects that share a face
 /// or an edge, and leave no gap, exactly one holds a point there.
@@ -46,31 +46,59 @@ pub struct Insides {
 /// [`Error::Limit`](crate::Error::Limit) when the answers do not fit into memory,
 /// [`Error::Interrupted`](crate::Error::Interrupted) when `watch` stops it.
 pub fn inside(scene: &Scene, points: &[DVec3], by: By, watch: &dyn Watch) -> Result<Insides> {
-    let solids = Solids::new(scene)?;
+    inside_with(FillRule::default(), scene, points, by, watch)
+}
+
+/// [`inside`] by a rule of the caller's choice.
+///
+/// # Errors
+///
+/// Those of [`inside`].
+pub fn inside_with(
+    rule: FillRule,
+    scene: &Scene,
+    points: &[DVec3],
+    by: By,
+    watch: &dyn Watch,
+) -> Result<Insides> {
+    inside_by(&Cpu::default(), rule, scene, (points, by), watch)
+}
+
+/// [`inside_with`] by an engine of the caller's choice: only times depend on it.
+pub(crate) fn inside_by(
+    engine: &dyn Engine,
+    rule: FillRule,
+    scene: &Scene,
+    (points, by): (&[DVec3], By),
+    watch: &dyn Watch,
+) -> Result<Insides> {
+    let solids = Solids::new(scene, rule)?;
     let count = points.len().saturating_mul(by.width(scene));
     let mut is_inside = memory::filled(count, false)?;
     let objects = scene.objects().len();
-    // Of a union, which objects a point is in.
-    let flags = || memory::filled(if by == By::Union { objects } else { 0 }, false);
+    // How many times each object goes around a point; zero between two points.
+    let turns = || memory::filled(objects, 0_i32);
     solids.sweep(
-        &FromPoints(points),
+        (engine, &FromPoints(points)),
         (by, &mut is_inside),
         watch,
-        flags,
-        |flags, ray, met, row| {
+        turns,
+        |turns, ray, met, row| {
             let point = ray.origin;
+            solids.wind(ray, met, turns);
             match by {
                 By::Object => {
-                    solids.toggle(met, row);
+                    for object in met.objects() {
+                        row[object] |= std::mem::take(&mut turns[object]) != 0;
+                    }
                     for &object in &solids.open {
                         row[object] = solids.is_in_open(object, point, watch)?;
                     }
                 }
                 By::Union => {
-                    solids.toggle(met, flags);
                     let mut is_inside = false;
                     for object in met.objects() {
-                        is_inside |= std::mem::take(&mut flags[object]);
+                        is_inside |= std::mem::take(&mut turns[object]) != 0;
                     }
                     for &object in &solids.open {
                         is_inside = is_inside || solids.is_in_open(object, point, watch)?;
@@ -83,13 +111,4 @@ pub fn inside(scene: &Scene, points: &[DVec3], by: By, watch: &dyn Watch) -> Res
     )?;
     let rules = solids.rules;
     Ok(Insides { is_inside, rules })
-}
-
-impl Solids<'_> {
-    /// Toggles the flag of a closed object for each crossing.
-    pub(super) fn toggle(&self, met: &Met<'_>, flags: &mut [bool]) {
-        for object in met.objects() {
-            flags[object] ^= self.rules[object] == Rule::Parity;
-        }
-    }
 }

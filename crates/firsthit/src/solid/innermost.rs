@@ -1,0 +1,57 @@
+//! In which solid does a ray start?
+
+use super::sweep::Solids;
+use super::{By, FillRule};
+use crate::error::Result;
+use crate::geometry::Rays;
+use crate::memory;
+use crate::scene::Scene;
+use crate::shoot::Cpu;
+use crate::watch::Watch;
+
+/// Of the closed objects that each ray starts in, the one that it leaves first, by [`FillRule::default`]. Open objects do not count.
+///
+/// ```
+/// use firsthit::measure::innermost;
+/// use firsthit::{DVec3, Object, Ray, Scene, Sphere};
+///
+/// let ball = |radius| Sphere::new(DVec3::ZERO, radius).map(Object::new);
+/// let scene = Scene::new(vec![ball(2.0)?, ball(1.0)?])?;
+/// let from = |x: f64| Ray::new(DVec3::X * x, DVec3::X);
+/// assert_eq!(innermost(&scene, &[from(0.0), from(1.5), from(5.0)], &())?, [Some(1), Some(0), None]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+///
+/// # Errors
+///
+/// Those of [`inside`](super::inside()).
+pub fn innermost<R: Rays>(
+    scene: &Scene,
+    rays: &R,
+    watch: &dyn Watch,
+) -> Result<Vec<Option<usize>>> {
+    let solids = Solids::new(scene, FillRule::default())?;
+    let mut innermost = memory::filled(rays.len(), None)?;
+    let turns = || memory::filled(scene.objects().len(), 0_i32);
+    solids.sweep(
+        (&Cpu::default(), rays),
+        (By::Union, &mut innermost),
+        watch,
+        turns,
+        |turns, ray, met, left| {
+            solids.wind(ray, met, turns);
+            for crossed in met.crossings() {
+                let before = turns[crossed.object];
+                let behind = solids.behind(ray, crossed, before);
+                if solids.rules[crossed.object].is_of_closed() {
+                    turns[crossed.object] = behind;
+                    if before != 0 && behind == 0 && left[0].is_none() {
+                        left[0] = Some(crossed.object);
+                    }
+                }
+            }
+            Ok(())
+        },
+    )?;
+    Ok(innermost)
+}
