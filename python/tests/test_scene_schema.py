@@ -67,11 +67,13 @@ SAMPLES = {
     # A cube map has three faces across and two down.
     "columns": 6,
     "rows": 4,
+    # The file has none, and to name one that a file has not is an error.
+    "variant": None,
 }
 
 
 def sample(kind: str, name: str, form: dict):
-    """A value that makes sense under a key; None for one that is a table itself."""
+    """A value that makes sense under a key; None for a table, and for what has none here."""
     for known in ((kind, name), name):
         if known in SAMPLES:
             return SAMPLES[known]
