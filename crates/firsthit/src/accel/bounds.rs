@@ -28,7 +28,7 @@
 //!
 //! # Bounds elsewhere
 //!
-//! - `Bvh::OBJECTS`, the slack of the top-level tree (`bvh.rs`). Too small: no test, not even at 0.
+//! - `Bvh::OBJECTS` and `ROUNDED`, the slack of the top-level tree and the rounding of its boxes (`bvh.rs`). Too small: see there.
 //! - The bound of the exact test's sides (`shape/triangle.rs`). Too small: `fans_over_edges` and
 //!   `rays_from_very_far_away`, among others, at 0.
 //! - `Plain::error`, where float64 is enough for `t` (`shape/triangle/place/plain.rs`). Too small: `fans_over_edges`

@@ -1,9 +1,9 @@
-//! The top-level tree: a binary tree over boxes, and one ray through it.
+//! The top-level tree: a tree of 16-wide nodes over boxes, and one ray through it.
 //!
-//! 1. Compute where the ray enters the boxes of both children of a node; the ray is as wide as all rounding together
-//!    ([`WideRay`]).
-//! 2. Go on with the nearer child, and put the other onto the stack.
-//! 3. At a leaf, give out its boxes' indices one by one; the caller may shorten the ray between two of them.
+//! 1. Find the point of the ray's line that is nearest to the tree's origin. Depths are counted from there.
+//! 2. Test the sixteen boxes of a node. Put those that are met onto the stack, the nearest last.
+//! 3. Go on with the last entry of the stack. A leaf is one box: give out its index. The caller may shorten the ray
+//!    before it asks for the next.
 //!
 //! Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs in that it widens
 //! the boxes by a share of the coordinates and not of the distances along the ray, which would be nothing near the
@@ -11,8 +11,8 @@
 //!
 //! # Error bounds
 //!
-//! Three roundings must not lose a candidate. Each is a share of the coordinates relative to the ray's start, which are
-//! at most `R = |o| + extent`:
+//! Three roundings of float64 must not lose a candidate. Each is a share of the coordinates relative to the ray's start,
+//! which are at most `R = |o| + extent`:
 //!
 //! - the slab test: 2 `EPSILON` R at each end;
 //! - the shape's test, which may accept a ray that passes the shape at a distance of its rounding;
@@ -20,51 +20,58 @@
 //!
 //! [`Bvh::OBJECTS`] is more than all three. A box that is wider by `margin = slack * R` makes up for them, as it is
 //! also entered earlier: by at least `margin / |d|` along the axis of the largest `d`. The margin costs no time: it is
-//! added to the origin.
+//! in the ends of the slab test.
+//!
+//! That test is done in float32. With coordinates b of a box and p of the point of step 1 it rounds thrice in
+//! `b / d - p / d`, where it is not fused four times: by at most 3 [`U`] |b| and 3 [`U`] |p|. The boxes are wider by
+//! [`ROUNDED`] of their own coordinates, and the ray by as much of p. So one box that is far from all others does not
+//! widen them, and neither does a ray's start that is far away.
 
-use bytemuck::{Pod, Zeroable};
-
+use super::bounds::U;
+use super::node::{LEAF, Node};
+use super::rays::slabs::Slabs;
 use crate::geometry::{Bounds, DVec3, Ray, arrays};
+use crate::simd::{Kernel, LANES, Lanes, set_bits};
 
-/// A bounding volume hierarchy: a binary tree of float32 boxes around a local origin.
+/// A bounding volume hierarchy: 16-wide nodes of float32 boxes around a local origin. A leaf is one box.
 ///
 /// The boxes are rounded outwards, and the ray has a width that covers all other rounding. So nothing that the float64
 /// test would accept is left out.
 #[derive(Debug, Clone)]
 pub struct Bvh {
-    /// The middle of most boxes: far from the world's origin, float32 still resolves them.
-    pub(super) origin: DVec3,
-    /// The largest distance of a box from `origin` along an axis.
+    pub(super) space: BoxSpace,
+    /// The largest distance of a box from the origin along an axis.
     pub(super) extent: f64,
     /// See [`Bvh::build`].
     pub(super) slack: f64,
-    /// The root first; the children of a node stand side by side.
+    /// The root first. With [`LEAF`] a child is the index of a box.
     pub(super) nodes: Vec<Node>,
-    /// The indices of the boxes, those of a leaf side by side.
-    pub(crate) order: Vec<u32>,
     /// Where each box is; made when one is first [moved](Self::refit).
     pub(super) places: Option<Places>,
 }
 
-/// Where boxes are in a tree.
-#[derive(Debug, Clone)]
-pub(super) struct Places {
-    /// The leaf of each box; any for one that is not in the tree.
-    pub(super) leaves: Vec<u32>,
-    /// The parent of each node; the root is its own.
-    pub(super) parents: Vec<u32>,
+/// The tree's space: moved, and scaled by a power of two so that the boxes are in the cube from -1 to 1 when it is built.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BoxSpace {
+    /// The middle of most boxes: far from the world's origin, float32 still resolves them.
+    pub(super) origin: DVec3,
+    pub(super) scale: f64,
 }
 
-/// A box, and what is in it: `count` entries of the order from `first` on, or, when `count` is 0, the
-/// two nodes from `first` on. Two nodes fill one cache line.
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct Node {
-    pub(super) low: [f32; 3],
-    pub(super) first: u32,
-    pub(super) high: [f32; 3],
-    pub(super) count: u32,
+/// Where boxes are in a tree: sixteen times the index of a node, and the place among its children.
+#[derive(Debug, Clone)]
+pub(super) struct Places {
+    /// Of each box; any for one that is not in the tree.
+    pub(super) boxes: Vec<u32>,
+    /// Of each node in its parent.
+    pub(super) nodes: Vec<u32>,
 }
+
+/// By which share of its coordinates a box, and that of a ray, is wider than it is.
+const ROUNDED: f64 = 6.0 * U as f64;
+
+/// Boxes may move as far as this from the origin, in units of the tree, before it is built anew.
+pub(super) const FARTHEST: f64 = 65_536.0;
 
 impl Bvh {
     /// The least `slack` for objects. Transforms can need more.
@@ -75,63 +82,89 @@ impl Bvh {
         self.slack
     }
 
-    /// How many nodes a ray that meets the root's box is expected to meet, by their surfaces: Goldsmith and Salmon, "Automatic Creation of
-    /// Object Hierarchies for Ray Tracing", IEEE Computer Graphics and Applications 7(5), 1987.
-    pub(crate) fn expected_visits(&self) -> f64 {
-        let surface = |node: &Node| {
-            let [x, y, z] =
-                arrays::from_fn(|axis| f64::from(node.high[axis]) - f64::from(node.low[axis]));
-            x * y + y * z + z * x
-        };
-        let all: f64 = self.nodes.iter().map(surface).sum();
-        self.nodes.first().map_or(0.0, |root| all / surface(root))
-    }
-
     /// What the tree takes in memory, but for what it keeps once a box has moved.
     pub fn bytes(&self) -> usize {
-        self.nodes.capacity() * size_of::<Node>() + self.order.capacity() * size_of::<u32>()
+        self.nodes.capacity() * size_of::<Node>()
+    }
+
+    /// How much wider boxes are for what is at `point` or starts there, in units of the scene.
+    #[inline(always)]
+    pub(super) fn margin(&self, point: DVec3) -> f64 {
+        let reach = (point - self.space.origin).abs().max_element() + self.extent;
+        self.slack * reach
     }
 }
 
-/// The corners of a box around `bounds`, relative to `origin`, however far that is. It is a float32 step wider on each side, which
-/// covers the rounding of the difference too.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding is what this is for"
-)]
-pub(super) fn outwards(bounds: Bounds, origin: DVec3) -> [[f32; 3]; 2] {
-    let single = |point: DVec3| (point - origin).to_array().map(|x| x as f32);
-    [
-        single(bounds.low).map(f32::next_down),
-        single(bounds.high).map(f32::next_up),
-    ]
+impl BoxSpace {
+    /// Of boxes that reach so far from an origin.
+    pub(super) fn new(origin: DVec3, extent: f64) -> Self {
+        // Beyond these, products of two coordinates would leave float64's range.
+        let reach = extent.clamp(1e-150, 1e150);
+        let scale = 1.0 / f64::from_bits(reach.to_bits() & 0x7ff << 52) / 2.0;
+        Self { origin, scale }
+    }
+
+    #[inline(always)]
+    pub(super) fn point(&self, point: DVec3) -> DVec3 {
+        (point - self.origin) * self.scale
+    }
+
+    /// The corners of a box around `bounds`, wide enough for the test of a ray.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding is what this is for"
+    )]
+    pub(super) fn outwards(&self, bounds: Bounds) -> [[f32; 3]; 2] {
+        // A float32 step more covers the rounding of the difference too.
+        let (low, high) = (self.point(bounds.low), self.point(bounds.high));
+        let low = (low - ROUNDED * low.abs()).to_array();
+        let high = (high + ROUNDED * high.abs()).to_array();
+        [
+            arrays::map(low, |x| (x as f32).next_down()),
+            arrays::map(high, |x| (x as f32).next_up()),
+        ]
+    }
 }
+
+/// What is still to be visited: a child of a node, and where it begins. Memory to be used again.
+pub(crate) type WalkStack = Vec<(u32, f64)>;
 
 /// A ray's way through a [`Bvh`].
 pub(crate) struct Walk<'a> {
     bvh: &'a Bvh,
-    ray: WideRay,
-    /// What is left of a leaf.
-    leaf: &'a [u32],
+    slabs: Slabs,
+    /// The depth at which the ray begins, or its origin if that comes first.
+    first: f32,
+    /// The depth of the ray's origin, and that of a `t` of 1 from there.
+    depth_of_origin: f64,
+    depth_per_t: f64,
 }
-
-/// Memory for a [`Walk`], to be used again: nodes to be visited, and where the ray enters them.
-pub(crate) type WalkStack = Vec<(u32, f64)>;
 
 impl Bvh {
     /// The boxes that `ray` may meet, one after the other.
     pub(crate) fn walk(&self, ray: &Ray, stack: &mut WalkStack) -> Walk<'_> {
-        let wide_ray = WideRay::new(self, ray);
         stack.clear();
-        if let Some(root) = self.nodes.first()
-            && !wide_ray.entry(root).is_nan()
-        {
-            stack.push((0, wide_ray.first));
+        let start = self.space.point(ray.origin);
+        let length = ray.direction.abs().max_element();
+        let direction = ray.direction / length;
+        let origin_to_nearest = -start.dot(direction) / direction.length_squared();
+        let nearest = start + origin_to_nearest * direction;
+        let margin = (self.margin(ray.origin) * self.space.scale).min(2.0 * FARTHEST);
+        let reach = (self.extent * self.space.scale).min(FARTHEST) + margin;
+        // All boxes are in a cube, and that in a ball.
+        if !self.nodes.is_empty() && nearest.length() <= 1.75 * reach {
+            stack.push((0, f64::NEG_INFINITY));
         }
+        let rounding = ROUNDED * nearest.abs().max_element();
+        let depth_per_t = length * self.space.scale;
+        let depth_of_origin = -origin_to_nearest;
+        let first = ray.t_min.min(0.0) * depth_per_t + depth_of_origin;
         Walk {
             bvh: self,
-            ray: wide_ray,
-            leaf: &[],
+            slabs: Slabs::new(nearest, direction, margin + rounding),
+            first: narrowed(first).next_down(),
+            depth_of_origin,
+            depth_per_t,
         }
     }
 }
@@ -139,79 +172,64 @@ impl Bvh {
 impl Walk<'_> {
     /// The next box that the ray may meet at a parameter of at most `t_max`, roughly the nearest first. `t_max` is not
     /// larger than in the call before, and `stack` is the same.
-    pub(crate) fn next(&mut self, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
+    #[inline(always)]
+    pub(crate) fn next<L: Lanes>(&self, l: L, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
+        let walk = self;
+        l.call(Next { walk, t_max, stack })
+    }
+}
+
+/// A function of its own, one for all queries.
+struct Next<'r, 'a> {
+    walk: &'r Walk<'a>,
+    t_max: f64,
+    stack: &'r mut WalkStack,
+}
+
+impl Kernel for Next<'_, '_> {
+    type Output = Option<u32>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) -> Option<u32> {
+        let Self { walk, t_max, stack } = self;
+        let last = narrowed(t_max * walk.depth_per_t + walk.depth_of_origin).next_up();
         loop {
-            if let Some((&index, rest)) = self.leaf.split_first() {
-                self.leaf = rest;
-                return Some(index);
-            }
-            let (index, entry) = stack.pop()?;
+            let (child, entry) = stack.pop()?;
             // A hit since it was put there may have made it too far.
-            if entry <= t_max {
-                self.open(self.bvh.nodes[index as usize], t_max, stack);
+            if entry > f64::from(last) {
+                continue;
             }
-        }
-    }
-
-    fn open(&mut self, node: Node, t_max: f64, stack: &mut WalkStack) {
-        if node.count > 0 {
-            self.leaf = &self.bvh.order[node.first as usize..(node.first + node.count) as usize];
-            return;
-        }
-        let entry = |index: u32| (index, self.ray.entry(&self.bvh.nodes[index as usize]));
-        let (left, right) = (entry(node.first), entry(node.first + 1));
-        let [near, far] = if right.1 < left.1 {
-            [right, left]
-        } else {
-            [left, right]
-        };
-        for child in [far, near] {
-            // Not where it is NaN: the ray passes the box.
-            if child.1 <= t_max {
-                stack.push(child);
+            if child & LEAF != 0 {
+                if let Some(next) = stack
+                    .last()
+                    .and_then(|&(next, _)| walk.bvh.nodes.get(next as usize))
+                {
+                    l.prefetch(next);
+                }
+                return Some(child & !LEAF);
+            }
+            let node = &walk.bvh.nodes[child as usize];
+            let (met, entries) = walk.slabs.boxes(l, node, [walk.first, last]);
+            let mut depths = [0.0; LANES];
+            l.store(entries, &mut depths);
+            let bottom = stack.len();
+            for k in set_bits(met) {
+                let entry = (node.children[k], f64::from(depths[k]));
+                let farther = stack[bottom..]
+                    .iter()
+                    .take_while(|other| other.1 >= entry.1);
+                let place = bottom + farther.count();
+                stack.insert(place, entry);
             }
         }
     }
 }
 
-/// A ray made ready for boxes, as wide as all rounding together; see the error bounds above.
-struct WideRay {
-    /// The origin, moved by the margin so that low ends of boxes are lower, and high ends higher.
-    low_origin: DVec3,
-    high_origin: DVec3,
-    inverse: DVec3,
-    /// Where the ray begins, or its origin if that comes first.
-    first: f64,
-}
-
-impl WideRay {
-    fn new(bvh: &Bvh, ray: &Ray) -> Self {
-        let origin = ray.origin - bvh.origin;
-        let margin = DVec3::splat(bvh.slack * (origin.abs().max_element() + bvh.extent));
-        Self {
-            low_origin: origin + margin,
-            high_origin: origin - margin,
-            inverse: ray.direction.recip(),
-            first: ray.t_min.min(0.0),
-        }
-    }
-
-    /// The smallest `t` in the box, of the ray or of all that is ahead of its origin; NaN, which fails every
-    /// comparison, when the ray passes the box.
-    ///
-    /// Along an axis with a zero direction the distances are infinite. One is NaN when the origin is on the border of
-    /// the widened box, where nothing is: `min` and `max` then take the other, infinite one.
-    #[inline]
-    fn entry(&self, node: &Node) -> f64 {
-        let low = (DVec3::from(arrays::map(node.low, f64::from)) - self.low_origin) * self.inverse;
-        let high =
-            (DVec3::from(arrays::map(node.high, f64::from)) - self.high_origin) * self.inverse;
-        let mut entry = self.first;
-        let mut exit = f64::INFINITY;
-        for axis in 0..3 {
-            entry = entry.max(low[axis].min(high[axis]));
-            exit = exit.min(low[axis].max(high[axis]));
-        }
-        if entry <= exit { entry } else { f64::NAN }
-    }
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the caller goes a step further"
+)]
+#[inline(always)]
+fn narrowed(x: f64) -> f32 {
+    x as f32
 }

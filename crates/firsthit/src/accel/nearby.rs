@@ -3,33 +3,29 @@
 //! A box is nearer by the margin that a ray has too (`bvh.rs`): it covers the rounding of the distance, and that of the
 //! shape's own.
 
-use super::bvh::{Bvh, Node, WalkStack};
+use super::bvh::{Bvh, WalkStack};
+use super::node::{LEAF, Node, WIDTH};
 use crate::geometry::DVec3;
 
 /// A search from a point.
 pub(crate) struct Nearby<'a> {
     bvh: &'a Bvh,
-    /// The point, from the tree's origin.
+    /// The point and the margin, in the tree's space.
     at: DVec3,
     margin: f64,
-    /// What is left of a leaf.
-    leaf: &'a [u32],
 }
 
 impl Bvh {
     /// The boxes around a point, one after the other.
     pub(crate) fn nearby(&self, point: DVec3, stack: &mut WalkStack) -> Nearby<'_> {
-        let at = point - self.origin;
-        let margin = self.slack * (at.abs().max_element() + self.extent);
         stack.clear();
         if !self.nodes.is_empty() {
             stack.push((0, 0.0));
         }
         Nearby {
             bvh: self,
-            at,
-            margin,
-            leaf: &[],
+            at: self.space.point(point),
+            margin: self.margin(point) * self.space.scale,
         }
     }
 }
@@ -39,46 +35,40 @@ impl Nearby<'_> {
     /// not larger than in the call before, and `stack` is the same.
     pub(crate) fn next(&mut self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
         loop {
-            if let Some((&index, rest)) = self.leaf.split_first() {
-                self.leaf = rest;
-                return Some(index);
+            let (child, squared) = stack.pop()?;
+            if squared > limit {
+                continue;
             }
-            let (index, squared) = stack.pop()?;
-            if squared <= limit {
-                self.open(self.bvh.nodes[index as usize], limit, stack);
+            if child & LEAF != 0 {
+                return Some(child & !LEAF);
             }
+            let node = &self.bvh.nodes[child as usize];
+            let bottom = stack.len();
+            let all = node.children.into_iter().zip(self.squared(node));
+            stack.extend(all.filter(|&(_, squared)| squared <= limit));
+            stack[bottom..].sort_unstable_by(|a, b| b.1.total_cmp(&a.1));
         }
     }
 
-    fn open(&mut self, node: Node, limit: f64, stack: &mut WalkStack) {
-        if node.count > 0 {
-            self.leaf = &self.bvh.order[node.first as usize..(node.first + node.count) as usize];
-            return;
-        }
-        let squared = |index: u32| (index, self.squared(&self.bvh.nodes[index as usize]));
-        let (left, right) = (squared(node.first), squared(node.first + 1));
-        let [near, far] = if right.1 < left.1 {
-            [right, left]
-        } else {
-            [left, right]
-        };
-        for child in [far, near] {
-            if child.1 <= limit {
-                stack.push(child);
+    /// Lower bounds of the squares of the distances to a node's boxes, infinity where there is none. Where one is NaN or leaves float64,
+    /// zero.
+    fn squared(&self, node: &Node) -> [f64; WIDTH] {
+        let mut squared = [0.0; WIDTH];
+        for (planes, at) in node.planes.chunks_exact(2).zip(self.at.to_array()) {
+            let [low, high] = [&planes[0], &planes[1]];
+            for k in 0..WIDTH {
+                let gap = (f64::from(low[k]) - at).max(at - f64::from(high[k]));
+                let gap = ((gap - self.margin) / self.bvh.space.scale).max(0.0);
+                squared[k] += gap * gap;
             }
         }
-    }
-
-    /// A lower bound of the square of the distance to a box. Where it is NaN or leaves float64, zero.
-    fn squared(&self, node: &Node) -> f64 {
-        let low = DVec3::from(node.low.map(f64::from)) - self.at;
-        let high = self.at - DVec3::from(node.high.map(f64::from));
-        let gap = (low.max(high) - self.margin).max(DVec3::ZERO);
-        let squared = gap.length_squared() * (1.0 - 8.0 * f64::EPSILON);
-        if squared < f64::INFINITY {
-            squared
-        } else {
-            0.0
+        for k in 0..WIDTH {
+            let below = squared[k] * (1.0 - 8.0 * f64::EPSILON);
+            squared[k] = if below < f64::INFINITY { below } else { 0.0 };
+            if node.is_vacant(k) {
+                squared[k] = f64::INFINITY;
+            }
         }
+        squared
     }
 }

@@ -32,4 +32,10 @@ impl Node {
         ],
         children: [LEAF; WIDTH],
     };
+
+    /// Whether a child is not there.
+    #[inline(always)]
+    pub(super) fn is_vacant(&self, child: usize) -> bool {
+        self.planes[0][child] > self.planes[1][child]
+    }
 }

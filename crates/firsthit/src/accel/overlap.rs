@@ -1,6 +1,7 @@
 //! Which boxes of a [`Bvh`] may overlap a box?
 
-use super::bvh::{Bvh, Node, outwards};
+use super::bvh::Bvh;
+use super::node::{LEAF, Node, WIDTH};
 use crate::geometry::Bounds;
 
 impl Bvh {
@@ -13,25 +14,29 @@ impl Bvh {
         mut visit: impl FnMut(u32) -> bool,
     ) -> bool {
         // Rounded as the boxes are: rounding keeps the order of numbers, so that what overlaps does so still.
-        let [low, high] = outwards(bounds, self.origin);
-        let overlaps = |node: &Node| {
-            (0..3).all(|axis| node.low[axis] <= high[axis] && low[axis] <= node.high[axis])
+        let [low, high] = self.space.outwards(bounds);
+        let overlapping = |node: &Node| {
+            let mut overlaps = [true; WIDTH];
+            for (axis, planes) in node.planes.chunks_exact(2).enumerate() {
+                for k in 0..WIDTH {
+                    overlaps[k] &= planes[0][k] <= high[axis] && low[axis] <= planes[1][k];
+                }
+            }
+            overlaps
         };
         stack.clear();
         if !self.nodes.is_empty() {
             stack.push(0);
         }
-        while let Some(index) = stack.pop() {
-            let node = &self.nodes[index as usize];
-            if !overlaps(node) {
-                continue;
-            }
-            if node.count == 0 {
-                stack.extend([node.first + 1, node.first]);
-                continue;
-            }
-            let boxes = node.first as usize..(node.first + node.count) as usize;
-            if self.order[boxes].iter().any(|&index| visit(index)) {
+        while let Some(child) = stack.pop() {
+            if child & LEAF == 0 {
+                let node = &self.nodes[child as usize];
+                let all = node.children.iter().zip(overlapping(node)).rev();
+                stack.extend(
+                    all.filter(|(_, overlaps)| *overlaps)
+                        .map(|(child, _)| child),
+                );
+            } else if visit(child & !LEAF) {
                 return true;
             }
         }

@@ -4,6 +4,7 @@ use super::Object;
 use super::duplicates::Duplicates;
 use crate::accel::{Bvh, Nearby, Walk, WalkStack};
 use crate::geometry::{Beam, Bounds, DVec3, Ray};
+use crate::simd::Lanes;
 
 /// With at most this many objects no tree is walked: the box of each is tested.
 const FEW: usize = 4;
@@ -196,10 +197,7 @@ impl TopTree {
             }
             return loose.is_some() && is_loose;
         }
-        let boxes = &self.boxes;
-        let padded = |k: u32| objects[k as usize].padded(boxes[k as usize], slack);
-        self.tree.refit(moved, padded);
-        true
+        self.tree.refit(moved, object.padded(bounds, slack))
     }
 
     /// A box around each object.
@@ -346,7 +344,12 @@ impl OnTheWay<'_> {
     /// The next object that `ray` may meet at a parameter of at most `t_max`. From call to call `t_max` must not
     /// grow, and `ray` and `stack` must be the same.
     #[inline(always)]
-    pub(crate) fn next(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
+    pub(crate) fn next<L: Lanes>(
+        &mut self,
+        l: L,
+        (ray, t_max): (&Ray, f64),
+        stack: &mut WalkStack,
+    ) -> Option<u32> {
         while let Some(first) = self.listed.get(self.left.trailing_zeros() as usize) {
             self.left &= self.left.wrapping_sub(1);
             if first.may_be_met(ray, t_max) {
@@ -359,16 +362,9 @@ impl OnTheWay<'_> {
                 return Some(first.object);
             }
         }
-        self.tree
-            .is_some()
-            .then(|| self.next_in_tree(ray, t_max, stack))?
-    }
-
-    #[inline(never)]
-    fn next_in_tree(&mut self, ray: &Ray, t_max: f64, stack: &mut WalkStack) -> Option<u32> {
         let tree = self.tree?;
         let walk = self.walk.get_or_insert_with(|| tree.walk(ray, stack));
-        walk.next(t_max, stack)
+        walk.next(l, t_max, stack)
     }
 }
 
@@ -396,6 +392,11 @@ mod tests {
 
     fn tree(objects: &[Object]) -> TopTree {
         TopTree::new(objects, objects.iter().map(Object::box_around).collect())
+    }
+
+    /// The order of the tree's nodes and boxes.
+    fn order(top: &TopTree) -> Vec<(u32, u32)> {
+        top.tree.children().collect()
     }
 
     #[test]
@@ -426,13 +427,13 @@ mod tests {
     #[test]
     fn a_tree_that_is_as_good_as_new_is_not_built_anew() {
         let mut fitted = tree(&balls(1, 0.0));
-        let (visits, order) = (fitted.tree.expected_visits(), fitted.tree.order.clone());
+        let (visits, before) = (fitted.tree.expected_visits(), order(&fitted));
         let all: Vec<u32> = (0..200).collect();
         for step in 0..300 {
             let objects = balls(1, 1e-6 * f64::from(step));
             fitted.moved(&objects, &all, |k| objects[k].box_around());
         }
         assert!((fitted.tree.expected_visits() / visits - 1.0).abs() < 1e-3);
-        assert_eq!(fitted.tree.order, order);
+        assert_eq!(order(&fitted), before);
     }
 }

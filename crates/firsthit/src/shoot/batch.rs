@@ -296,6 +296,9 @@ impl<S: Sink> Batch<'_, S> {
         let mut left: Vec<usize> = (0..walks.len()).collect();
         loop {
             instances.clear();
+            for &index in &left {
+                walks[index].look_ahead(l, scene, &mut memory.walk_stacks[index]);
+            }
             for index in left.drain(..) {
                 let in_mesh = if S::Query::IS_FILTERED { index } else { 0 };
                 let for_mesh = (&mut memory.scratch, &mut memory.in_meshes[in_mesh]);

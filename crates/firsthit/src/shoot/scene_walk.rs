@@ -33,6 +33,8 @@ pub(super) struct SceneWalk<'a, Q> {
     /// The last object, and those in the same place that are still to come.
     object: u32,
     duplicates: &'a [u32],
+    /// The next object, where it is [known](Self::look_ahead).
+    ahead: Option<u32>,
 }
 
 impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
@@ -44,6 +46,19 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             objects,
             object: 0,
             duplicates: &[],
+            ahead: None,
+        }
+    }
+
+    /// Finds the next object, and asks memory for it. [`next`](Self::next) comes to it after other rays have done as much.
+    #[inline(always)]
+    pub(super) fn look_ahead<L: Lanes>(&mut self, l: L, scene: &'a Scene, stack: &mut WalkStack) {
+        self.ahead = self.next_object(l, scene, stack);
+        if let Some(index) = self.ahead {
+            l.prefetch(&scene.objects()[index as usize]);
+            if let Some(tree) = scene.mesh_tree(index as usize) {
+                l.prefetch(tree);
+            }
         }
     }
 
@@ -58,7 +73,8 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         is_wanted: impl Fn(u32) -> bool,
     ) -> Option<Instance<'a>> {
         while self.state.is_open() {
-            let index = self.next_object(scene, stack)?;
+            let ahead = self.ahead.take();
+            let index = ahead.or_else(|| self.next_object(l, scene, stack))?;
             if !is_wanted(index) {
                 continue;
             }
@@ -118,14 +134,18 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
 
     /// The next object that may be met.
     #[inline(always)]
-    fn next_object(&mut self, scene: &'a Scene, stack: &mut WalkStack) -> Option<u32> {
+    fn next_object<L: Lanes>(
+        &mut self,
+        l: L,
+        scene: &'a Scene,
+        stack: &mut WalkStack,
+    ) -> Option<u32> {
         if let Some((&copy, rest)) = self.duplicates.split_first() {
             self.duplicates = rest;
             return Some(copy);
         }
-        let index = self
-            .objects
-            .next(self.state.ray()?, self.state.t_max, stack)?;
+        let ray = (self.state.ray()?, self.state.t_max);
+        let index = self.objects.next(l, ray, stack)?;
         let object = &scene.objects()[index as usize];
         let filter = self.state.query.filter();
         if Q::ALL || (Q::IS_FILTERED && filter::tells_copies_apart(filter, index, object)) {

@@ -61,8 +61,7 @@ impl Node {
     /// The box of a child; `None` where there is none, whose low end is above the high one.
     pub(super) fn child_box(&self, child: usize) -> Option<Box32> {
         let end = |side: usize| arrays::from_fn::<_, 3>(|axis| self.planes[2 * axis + side][child]);
-        let (low, high) = (end(0), end(1));
-        (low[0] <= high[0]).then(|| Box32::new(low, high))
+        (!self.is_vacant(child)).then(|| Box32::new(end(0), end(1)))
     }
 
     pub(super) fn set_child_box(&mut self, child: usize, bounds: Box32) {

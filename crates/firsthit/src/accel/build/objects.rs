@@ -1,17 +1,17 @@
 //! Makes the top-level tree over boxes, and fits it to boxes that move.
 
-use super::binary::{Binary, BinaryNode, Primitives, binary};
+use super::binary::{Binary, Primitives, binary};
 use super::binned_sah::{Block, Box32, Item};
-use crate::accel::bvh::{Bvh, Node, Places, outwards};
+use super::collapse::{Wide, collapse};
+use super::refit::{boxes, expected_visits};
+use crate::accel::bvh::{BoxSpace, Bvh, FARTHEST, Places};
+use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::accel::space::CHUNK;
 use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
 
-/// Leaves have up to this many boxes. A ray comes to all boxes of a leaf, and to enter the mesh of one takes longer than to test two more
-/// boxes of the tree.
-const MOST_IN_LEAF: usize = 1;
-
-/// Boxes without anything in them that the builder must know.
+/// Boxes without anything in them that the builder must know. A ray comes to all boxes of a leaf, and to enter the mesh of one takes
+/// longer than to test more boxes of the tree: so a leaf is one box.
 struct Boxes;
 
 impl Primitives for Boxes {
@@ -20,7 +20,7 @@ impl Primitives for Boxes {
     }
 
     fn is_leaf(&self, items: &[Item]) -> bool {
-        items.len() <= MOST_IN_LEAF
+        items.len() <= 1
     }
 }
 
@@ -37,85 +37,104 @@ impl Bvh {
             indices.iter().copied().map(&bounds).collect()
         });
         let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
-        if all.is_empty() {
-            return Self {
-                origin: DVec3::ZERO,
-                extent: 0.0,
-                slack,
-                nodes: Vec::new(),
-                order: Vec::new(),
-                places: None,
-            };
-        }
-        let origin = middle(&boxes);
+        let origin = if all.is_empty() {
+            DVec3::ZERO
+        } else {
+            middle(&boxes)
+        };
+        let extent = (all.high - origin).max(origin - all.low).max_element();
+        let mut tree = Self {
+            space: BoxSpace::new(origin, extent),
+            extent: extent.max(0.0),
+            slack,
+            nodes: Vec::new(),
+            places: None,
+        };
         let filled = (0..count)
             .zip(boxes)
             .filter(|(_, bounds)| !bounds.is_empty());
         let mut items: Vec<Item> = filled
-            .map(|(index, bounds)| Item::new(rounded_outwards(bounds, origin), index))
+            .map(|(index, bounds)| Item::new(tree.rounded_outwards(bounds), index))
             .collect();
-        let Binary { nodes, order } = binary(&mut items, &Boxes);
-        Self {
-            origin,
-            extent: (all.high - origin).max(origin - all.low).max_element(),
-            slack,
-            nodes: nodes.into_iter().map(Node::from).collect(),
-            order,
-            places: None,
+        if items.is_empty() {
+            return tree;
         }
+        let Binary { nodes, order } = binary(&mut items, &Boxes);
+        let Wide { mut nodes, ranges } = collapse(&nodes);
+        for child in nodes.iter_mut().flat_map(|node| &mut node.children) {
+            if let Some(&(first, _)) = ranges.get((*child ^ LEAF) as usize) {
+                *child = LEAF | order[first as usize];
+            }
+        }
+        tree.nodes = nodes;
+        tree
     }
 
-    /// Fits the tree to one box that has moved, to a finite place. `bounds` is as for [`Bvh::build`]. The boxes around
-    /// it change, from its leaf up to the root.
-    pub(crate) fn refit(&mut self, moved: u32, bounds: impl Fn(u32) -> Bounds) {
+    /// Fits the tree to one box that has moved, to a finite place: from its leaf up to the root, the boxes around it change. `false` where
+    /// it is so far away that the tree must be built anew.
+    pub(crate) fn refit(&mut self, moved: u32, bounds: Bounds) -> bool {
+        let origin = self.space.origin;
+        let reach = (bounds.high - origin).max(origin - bounds.low);
+        let extent = self.extent.max(reach.max_element());
+        if extent * self.space.scale > FARTHEST {
+            return false;
+        }
+        self.extent = extent;
+        let mut around = self.rounded_outwards(bounds);
         let places = self.places.take().unwrap_or_else(|| self.find_places());
-        let new = bounds(moved);
-        let reach = (new.high - self.origin).max(self.origin - new.low);
-        self.extent = self.extent.max(reach.max_element());
-        let mut index = places.leaves[moved as usize] as usize;
+        let mut place = places.boxes[moved as usize] as usize;
         loop {
-            let node = self.nodes[index];
-            let around = if node.count > 0 {
-                let first = node.first as usize;
-                let members = &self.order[first..first + node.count as usize];
-                let boxes = members
-                    .iter()
-                    .map(|&k| rounded_outwards(bounds(k), self.origin));
-                boxes.reduce(Box32::union)
-            } else {
-                let child = |k: usize| self.nodes[node.first as usize + k];
-                let [left, right] =
-                    [child(0), child(1)].map(|node| Box32::new(node.low, node.high));
-                Some(left.union(right))
-            };
-            let Some(around) = around else { break };
+            let index = place / WIDTH;
             let node = &mut self.nodes[index];
-            (node.low, node.high) = (around.low(), around.high());
-            if index == 0 {
+            node.set_child_box(place % WIDTH, around);
+            let all = boxes(node).reduce(Box32::union);
+            let Some(all) = all.filter(|_| index > 0) else {
                 break;
-            }
-            index = places.parents[index] as usize;
+            };
+            around = all;
+            place = places.nodes[index] as usize;
         }
         self.places = Some(places);
+        true
     }
 
     fn find_places(&self) -> Places {
-        let last = self.order.iter().max().map_or(0, |&last| last as usize + 1);
+        let boxes = self.children().filter(|(_, child)| child & LEAF != 0);
+        let last = boxes.map(|(_, child)| child & !LEAF).max();
         let mut places = Places {
-            leaves: vec![0; last],
-            parents: vec![0; self.nodes.len()],
+            boxes: vec![0; last.map_or(0, |last| last as usize + 1)],
+            nodes: vec![0; self.nodes.len()],
         };
-        for (index, node) in (0..).zip(&self.nodes) {
-            let first = node.first as usize;
-            if node.count > 0 {
-                for &member in &self.order[first..first + node.count as usize] {
-                    places.leaves[member as usize] = index;
-                }
+        for (place, child) in self.children() {
+            if child & LEAF == 0 {
+                places.nodes[child as usize] = place;
             } else {
-                places.parents[first..first + 2].fill(index);
+                places.boxes[(child & !LEAF) as usize] = place;
             }
         }
         places
+    }
+
+    /// The children of all nodes, each with its [place](Places).
+    pub(crate) fn children(&self) -> impl Iterator<Item = (u32, u32)> {
+        let of_node = |(first, node): (u32, &Node)| {
+            let children = (first..).zip(node.children).zip(0..WIDTH);
+            let node = *node;
+            children
+                .filter(move |&(_, k)| !node.is_vacant(k))
+                .map(|(child, _)| child)
+        };
+        (0..).step_by(WIDTH).zip(&self.nodes).flat_map(of_node)
+    }
+
+    /// See [`expected_visits`].
+    pub(crate) fn expected_visits(&self) -> f64 {
+        expected_visits(&self.nodes)
+    }
+
+    fn rounded_outwards(&self, bounds: Bounds) -> Box32 {
+        let [low, high] = self.space.outwards(bounds);
+        Box32::new(low, high)
     }
 }
 
@@ -136,46 +155,54 @@ fn middle(boxes: &[Bounds]) -> DVec3 {
     DVec3::new(median(0), median(1), median(2))
 }
 
-fn rounded_outwards(bounds: Bounds, origin: DVec3) -> Box32 {
-    let [low, high] = outwards(bounds, origin);
-    Box32::new(low, high)
-}
-
-impl From<BinaryNode> for Node {
-    fn from(node: BinaryNode) -> Self {
-        Self {
-            low: node.bounds.low(),
-            high: node.bounds.high(),
-            first: node.first,
-            count: node.count,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::accel::build::binary::SAH_DEPTH;
     use crate::geometry::Ray;
+    use crate::simd::{self, InstructionSet, Kernel, Lanes};
 
     fn depth(bvh: &Bvh) -> usize {
         let mut deepest = 0;
         let mut stack = vec![(0_u32, 1_usize)];
         while let Some((index, depth)) = stack.pop() {
-            let node = bvh.nodes[index as usize];
+            let node = &bvh.nodes[index as usize];
             deepest = deepest.max(depth);
-            if node.count == 0 {
-                stack.extend([(node.first, depth + 1), (node.first + 1, depth + 1)]);
-            }
+            let below = node.children.iter().filter(|&child| child & LEAF == 0);
+            stack.extend(below.map(|&child| (child, depth + 1)));
         }
         deepest
+    }
+
+    fn indices(bvh: &Bvh) -> Vec<u32> {
+        let mut all: Vec<u32> = bvh.children().map(|(_, child)| child).collect();
+        all.retain(|child| child & LEAF != 0);
+        all.iter_mut().for_each(|child| *child &= !LEAF);
+        all.sort_unstable();
+        all
+    }
+
+    /// The boxes that a ray may meet.
+    fn met(bvh: &Bvh, ray: &Ray) -> Vec<u32> {
+        struct Met<'r>(&'r Bvh, &'r Ray);
+        impl Kernel for Met<'_> {
+            type Output = Vec<u32>;
+
+            #[inline(always)]
+            fn run<L: Lanes>(self, l: L) -> Vec<u32> {
+                let mut stack = Vec::new();
+                let walk = self.0.walk(self.1, &mut stack);
+                std::iter::from_fn(|| walk.next(l, f64::INFINITY, &mut stack)).collect()
+            }
+        }
+        simd::run(InstructionSet::current().unwrap(), Met(bvh, ray))
     }
 
     #[test]
     fn identical_boxes_make_a_balanced_tree() {
         let bounds = Bounds::of([DVec3::ZERO, DVec3::ONE]);
         let bvh = Bvh::build(20_000, |_| bounds, Bvh::OBJECTS);
-        assert_eq!(bvh.order.len(), 20_000);
+        assert_eq!(indices(&bvh), (0..20_000).collect::<Vec<_>>());
         assert!(depth(&bvh) <= 16, "{}", depth(&bvh));
     }
 
@@ -205,7 +232,6 @@ mod tests {
         });
         for tree in &trees[1..] {
             assert_eq!(tree.nodes, trees[0].nodes);
-            assert_eq!(tree.order, trees[0].order);
         }
     }
 
@@ -221,28 +247,90 @@ mod tests {
             Bounds::of([low, low + 0.9])
         };
         let bvh = Bvh::build(10_000, bounds, Bvh::OBJECTS);
-        let mut stack = Vec::new();
         for k in (1..10_000).step_by(37).filter(|&k| k != 5000) {
             let start = bounds(k).centre() + DVec3::new(0.0, 0.0, 9.0);
-            let mut walk = bvh.walk(&Ray::new(start, DVec3::NEG_Z), &mut stack);
-            let met: Vec<u32> =
-                std::iter::from_fn(|| walk.next(f64::INFINITY, &mut stack)).collect();
-            assert!(
-                met.contains(&k) && met.len() <= MOST_IN_LEAF,
-                "{k}: {met:?}"
-            );
+            let met = met(&bvh, &Ray::new(start, DVec3::NEG_Z));
+            assert_eq!(met, [k]);
             let mut candidates = 0;
             bvh.any_overlapping(bounds(k), &mut Vec::new(), |_| {
                 candidates += 1;
                 false
             });
-            assert!(candidates <= 4 * MOST_IN_LEAF, "{k}: {candidates}");
+            assert!(candidates <= 4, "{k}: {candidates}");
         }
-        let mut walk = bvh.walk(
-            &Ray::new(bounds(5000).centre() + 9.0, -DVec3::ONE),
-            &mut stack,
+        let towards = Ray::new(bounds(5000).centre() + 9.0, -DVec3::ONE);
+        assert!(met(&bvh, &towards).contains(&5000));
+    }
+
+    /// Whether a ray meets a box in float64, between a `t_min` of its own or its origin and infinity.
+    fn meets(ray: &Ray, bounds: &Bounds) -> bool {
+        let inverse = ray.direction.recip();
+        let (a, b) = (
+            (bounds.low - ray.origin) * inverse,
+            (bounds.high - ray.origin) * inverse,
         );
-        assert!(std::iter::from_fn(|| walk.next(f64::INFINITY, &mut stack)).any(|k| k == 5000));
+        let entry = a.min(b).max_element().max(ray.t_min.min(0.0));
+        entry <= a.max(b).min_element()
+    }
+
+    #[test]
+    fn no_box_that_a_ray_meets_is_missed() {
+        let mut state = 1_u64;
+        let mut number = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let mut point = || DVec3::new(number(), number(), number());
+        let (mut found, mut exact) = (0, 0);
+        for (scale, away, outlier) in [
+            (1.0, 0.0, 1.0),
+            (1e-40, 1e3, 1e6),
+            (1e3, 5e6, 1e9),
+            (1e140, 0.0, 1.0),
+            (1.0, 0.0, 1e200),
+        ] {
+            let middle = scale * away * DVec3::new(0.3, -1.0, 0.1);
+            let mut boxes: Vec<Bounds> = (0..400)
+                .map(|_| {
+                    let corner = middle + scale * point();
+                    Bounds::of([corner, corner + 0.1 * scale * point()])
+                })
+                .collect();
+            boxes.push(Bounds::of([middle, middle + scale * outlier]));
+            let bvh = Bvh::build(401, |k| boxes[k as usize], Bvh::OBJECTS);
+            for k in 0..600 {
+                let target = boxes[k % 401].centre() + 0.02 * scale * point();
+                let distance = [0.5, 0.0, 2.0, 1e3, 1e7][k % 5];
+                let start = middle + scale * distance * point();
+                let mut direction = (target - start) / scale;
+                if k % 3 == 0 {
+                    direction[k % 2] = [0.0, -0.0, 1e-33, -1e-300][k % 4];
+                }
+                if direction == DVec3::ZERO || !start.is_finite() {
+                    continue;
+                }
+                let t_min = if k % 7 == 0 { -3.0 } else { 0.0 };
+                let ray = Ray {
+                    t_min,
+                    ..Ray::new(start, direction)
+                };
+                let met = met(&bvh, &ray);
+                for (k, bounds) in (0..).zip(&boxes) {
+                    assert!(
+                        met.contains(&k) || !meets(&ray, bounds),
+                        "{ray:?} {bounds:?}"
+                    );
+                }
+                // Beside a box of 1e200 float64 cannot tell the others apart.
+                if outlier < 1e100 {
+                    found += met.len();
+                    exact += boxes.iter().filter(|bounds| meets(&ray, bounds)).count();
+                }
+            }
+        }
+        assert!(found < exact + exact / 4, "{found}, {exact} in float64");
     }
 
     /// Wherever the origin is, also where float32 has no digit left for a box, or the distance leaves its range.
@@ -254,12 +342,16 @@ mod tests {
                 let low = DVec3::new(x, -x, x / 3.0);
                 let bounds = Bounds::of([low, low + 0.01 * f64::from(k % 3)]);
                 for origin in [DVec3::ZERO, DVec3::splat(0.1), -low, DVec3::splat(-1e20)] {
-                    let [a, b] = outwards(bounds, origin).map(|end| end.map(f64::from));
-                    // The difference is rounded here too.
-                    let low = (bounds.low - origin).map(f64::next_down);
-                    let high = (bounds.high - origin).map(f64::next_up);
-                    assert!(DVec3::from(a).cmple(low).all(), "{bounds:?} {origin}");
-                    assert!(high.cmple(DVec3::from(b)).all(), "{bounds:?} {origin}");
+                    let reach = (low - origin).abs().max_element() + 0.02;
+                    for extent in [reach, 0.5 * reach / FARTHEST] {
+                        let space = BoxSpace::new(origin, extent);
+                        let [a, b] = space.outwards(bounds).map(|end| end.map(f64::from));
+                        // The difference is rounded here too.
+                        let low = space.point(bounds.low).map(f64::next_down);
+                        let high = space.point(bounds.high).map(f64::next_up);
+                        assert!(DVec3::from(a).cmple(low).all(), "{bounds:?} {origin}");
+                        assert!(high.cmple(DVec3::from(b)).all(), "{bounds:?} {origin}");
+                    }
                 }
             }
         }
@@ -278,7 +370,7 @@ mod tests {
             },
             0.0,
         );
-        assert_eq!(bvh.order, [1]);
+        assert_eq!(indices(&bvh), [1]);
         assert!(Bvh::build(0, |_| Bounds::EMPTY, 0.0).nodes.is_empty());
     }
 }

@@ -81,20 +81,26 @@ impl MeshTree {
         (tree.expected_cost() <= WORST * self.cost).then_some(tree)
     }
 
-    /// How many nodes and leaves a ray through the root's box meets on average: the sum of the surfaces of their boxes,
-    /// as shares of the root's.
+    /// See [`expected_visits`].
     pub(super) fn expected_cost(&self) -> f64 {
-        let Some(root) = self.nodes.first() else {
-            return 0.0;
-        };
-        let sum: f64 = self.nodes.iter().map(half_areas).sum();
-        let all = boxes(root).reduce(Box32::union);
-        sum / all.map_or(1.0, Box32::half_area).max(f64::MIN_POSITIVE)
+        expected_visits(&self.nodes)
     }
 }
 
+/// How many nodes and leaves a ray through the root's box is expected to meet: the sum of the surfaces of their boxes, as shares of the
+/// root's. Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", IEEE Computer Graphics and Applications 7(5),
+/// 1987.
+pub(super) fn expected_visits(nodes: &[Node]) -> f64 {
+    let Some(root) = nodes.first() else {
+        return 0.0;
+    };
+    let sum: f64 = nodes.iter().map(half_areas).sum();
+    let all = boxes(root).reduce(Box32::union);
+    sum / all.map_or(1.0, Box32::half_area).max(f64::MIN_POSITIVE)
+}
+
 /// The boxes of the children that a node has.
-fn boxes(node: &Node) -> impl Iterator<Item = Box32> {
+pub(super) fn boxes(node: &Node) -> impl Iterator<Item = Box32> {
     (0..WIDTH).filter_map(|child| node.child_box(child))
 }
 

@@ -4,5 +4,6 @@ pub(super) mod enter;
 pub(super) mod limits;
 pub(super) mod packet;
 mod prepare;
+pub(super) mod slabs;
 pub(super) mod tree_ray;
 pub(super) mod trees;

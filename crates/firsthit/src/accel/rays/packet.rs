@@ -5,6 +5,7 @@
 
 use std::ops::Index;
 
+use super::slabs::Slabs;
 use super::tree_ray::TreeRay;
 use crate::geometry::{DVec3, Ray, arrays};
 use crate::shape::triangle::MeshFilter;
@@ -143,16 +144,18 @@ impl Packet {
             slope: pair(&self.slope),
             forwards: self.forwards[lane],
             blur: self.blur[lane],
-            inverse: [
-                self.inverse[0][lane],
-                self.inverse[1][lane],
-                self.inverse[2][lane],
-            ],
-            ends: [
-                pair(&self.ends[0]),
-                pair(&self.ends[1]),
-                pair(&self.ends[2]),
-            ],
+            slabs: Slabs {
+                inverse: [
+                    self.inverse[0][lane],
+                    self.inverse[1][lane],
+                    self.inverse[2][lane],
+                ],
+                ends: [
+                    pair(&self.ends[0]),
+                    pair(&self.ends[1]),
+                    pair(&self.ends[2]),
+                ],
+            },
         }
     }
 }

@@ -27,6 +27,7 @@
 )]
 
 use super::packet::{Packet, RAYS, largest_of, of_mut, vector};
+use super::slabs::SMALLEST;
 use super::trees::Trees;
 use crate::accel::bounds::{BLUR, BOX, DISTANT, FAR};
 use crate::simd::{Lanes, WIDE};
@@ -272,11 +273,9 @@ fn nearer<L: Lanes>(
     (out, moved, blur)
 }
 
-/// One over a component of the direction, but finite. Where the component is so small that the ray moves by less than
-/// every margin, a huge number of its sign still tells inside from outside.
+/// One over a component of the direction, but finite: see [`SMALLEST`].
 #[inline(always)]
 fn reciprocal<L: Lanes>(l: L, x: L::Doubles, back: u8) -> L::Doubles {
-    const SMALLEST: f64 = 1e-30;
     let huge = l.splat64(1.0 / SMALLEST);
     let huge = l.select64(back, l.sub64(l.splat64(0.0), huge), huge);
     let is_small = l.lt64(l.abs64(x), l.splat64(SMALLEST));
