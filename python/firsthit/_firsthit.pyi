@@ -132,7 +132,7 @@ _Ends = tuple[npt.NDArray[np.float64], _Surfaces | None]
 _Label = tuple[int, str]
 _Labels = tuple[_Label | None, _Label | None]
 _Seen = tuple[bool, bool]
-_Object = tuple[Shape, str, list[list[float]] | None, list[_Material], int, _Seen, _Labels]
+_Object = tuple[Shape, str, npt.NDArray[np.float64] | None, list[_Material], int, _Seen, _Labels]
 #: What has it, name, components, whether it is a label, numbers.
 _Property = tuple[str, str, int, bool, npt.NDArray[Any]]
 _Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
@@ -220,19 +220,24 @@ _PolylineOut = tuple[
 ]
 _Report = Callable[[int], object]
 
+#: A list for each property of objects, but for those that many share: these are there once.
+class _Objects(TypedDict):
+    names: list[str]
+    shapes: list[int | tuple[str, list[float]]]
+    transforms: npt.NDArray[np.float64] | None
+    is_moved: list[bool]
+    materials: list[list[_MaterialOut]]
+    looks: list[int]
+    masks: list[int]
+    hidden: list[bool]
+    removed: list[bool]
+    labels: list[_Labels]
+    labelled: list[int]
+
 class _Model(TypedDict):
     meshes: list[Mesh]
     textures: list[Texels]
-    objects: list[
-        tuple[
-            str,
-            int | tuple[str, list[float]],
-            list[list[float]] | None,
-            list[_MaterialOut],
-            tuple[int, bool, bool],
-            _Labels,
-        ]
-    ]
+    objects: _Objects
     cameras: list[_CameraOut]
     lights: list[_Light]
     environment: _Environment | None

@@ -16,13 +16,14 @@ from ._errors import FileFormatError, warn
 from ._lights import Sky, light_of
 from ._log import timed
 from ._material import Material, Texture
+from ._object import Object, materials_of, refuse
 from ._scene import Scene
 from ._shading import Shader, Shading
 from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Shape, Sphere
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from ._lint import LintReport
     from ._types import Build, Unit
@@ -190,14 +191,7 @@ def _filled(scene: Scene, model: _firsthit._Model, path: str | PathLike[str]) ->
 def _fill(scene: Scene, model: _firsthit._Model) -> None:
     scene.up = model["up"]
     scene._up_is_guessed = model["up_is_guessed"]
-    meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
-    materials = _Materials(model["textures"])
-    for name, shape, rows, looks, (mask, is_hidden, is_removed), labels in model["objects"]:
-        made = meshes[shape] if isinstance(shape, int) else _analytic(*shape)
-        looked = [materials.made(look) for look in looks]
-        identifier = scene.add(made, name=name, transform=rows, material=looked or None, mask=mask)
-        seen = {"_is_hidden": is_hidden, "_is_removed": is_removed}
-        scene._objects[identifier] = scene._objects[identifier]._but(_labels=labels, **seen)
+    scene._objects = list(_objects(model))
     for light in model["lights"]:
         scene.add_light(light_of(*light))
     if model["environment"] is not None:
@@ -295,6 +289,36 @@ def _analytic(kind: str, numbers: Sequence[float]) -> Shape:
     }
     make, vectors = kinds[kind]
     return make(*(numbers[3 * k : 3 * k + 3] for k in range(vectors)), *numbers[3 * vectors :])
+
+
+def _objects(model: _firsthit._Model) -> Iterator[Object]:
+    """Make a file's objects. There may be a million: they share what they can."""
+    given = model["objects"]
+    materials = _Materials(model["textures"])
+    looks = [tuple(map(materials.made, each)) for each in given["materials"]]
+    meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
+    without_look = [materials_of(mesh, None, None) for mesh in meshes]
+    transforms = given["transforms"]
+    if transforms is not None:
+        refuse(transforms, lambda k: f"the transform of object {k}")
+    for k, (name, shape) in enumerate(zip(given["names"], given["shapes"], strict=True)):
+        look = looks[given["looks"][k]]
+        if isinstance(shape, int):
+            made: Shape = meshes[shape]
+            look = look or without_look[shape]
+        else:
+            made = _analytic(*shape)
+        where = None if transforms is None or not given["is_moved"][k] else transforms[k]
+        yield Object(
+            made,
+            name,
+            where,
+            look,
+            mask=given["masks"][k],
+            is_hidden=given["hidden"][k],
+            is_removed=given["removed"][k],
+            labels=given["labels"][given["labelled"][k]],
+        )
 
 
 class _Materials:

@@ -32,6 +32,19 @@ _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 class Object:
     """A shape with its name, transform and materials, as `Scene.add` made it. Read-only."""
 
+    # Without a dictionary for each: a scene may have a million.
+    __slots__ = (
+        "_is_hidden",
+        "_is_removed",
+        "_labels",
+        "_mark",
+        "_mask",
+        "_materials",
+        "_name",
+        "_shape",
+        "_transform",
+    )
+
     def __init__(
         self,
         shape: Shape,
@@ -42,11 +55,12 @@ class Object:
         mask: int = ALL,
         *,
         is_hidden: bool = False,
+        is_removed: bool = False,
         labels: Labels = (None, None),
     ) -> None:
         self._shape, self._name, self._transform = shape, name, transform
         self._materials, self._mask, self._is_hidden = materials, mask, is_hidden
-        self._is_removed = False
+        self._is_removed = is_removed
         #: What node and what mesh of a file it comes from.
         self._labels = labels
         #: By which it is known wherever it moves.
@@ -110,7 +124,8 @@ class Object:
     def _but(self, **others: Any) -> Object:
         """Return the same object with other attributes."""
         made = Object.__new__(Object)
-        made.__dict__.update(self.__dict__, **others)
+        for name in Object.__slots__:
+            setattr(made, name, others.get(name, getattr(self, name)))
         return made
 
     def _is_made_of(self, other: Object) -> bool:
@@ -122,12 +137,15 @@ class Object:
     def __repr__(self) -> str:
         return f"Object({self._name!r}, {self._shape!r})"
 
-    def _native(self) -> _firsthit._Object:
-        rows = None if self._transform is None else self._transform.tolist()
-        materials = [material._native() for material in self._materials]
-        shape = self._shape._native()
+    def _native(self, looks: dict[int, list[_firsthit._Material]]) -> _firsthit._Object:
+        """Return what it is made from; objects with the same materials share those of ``looks``."""
+        materials = looks.get(id(self._materials))
+        if materials is None:
+            materials = [material._native() for material in self._materials]
+            looks[id(self._materials)] = materials
         seen = self._is_hidden, self._is_removed
-        return shape, self._name, rows, materials, self._mask, seen, self._labels
+        shape, labels = self._shape._native(), self._labels
+        return shape, self._name, self._transform, materials, self._mask, seen, labels
 
 
 def placed(
@@ -143,7 +161,7 @@ def placed(
     where = part.transform
     if where is not None:
         where = affine(where if matrix is None else matrix @ where)
-    looks = _materials(part.shape, color, material)
+    looks = materials_of(part.shape, color, material)
     return Object(part.shape, part.name, matrix if where is None else where, looks, mask=mask)
 
 
@@ -209,7 +227,7 @@ def affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
         matrix = np.vstack([matrix, [0.0, 0.0, 0.0, 1.0]])
     if matrix.shape != (4, 4):
         raise ValueError(f"transform must have the shape (4, 4) or (3, 4), got {matrix.shape}")
-    _refuse(matrix[None], lambda _: "transform")
+    refuse(matrix[None], lambda _: "transform")
     return matrix
 
 
@@ -224,11 +242,11 @@ def affines(transforms: npt.ArrayLike, count: int) -> npt.NDArray[np.float64]:
     if matrices.shape[1] == 3:
         last = np.broadcast_to(_LAST_ROW, (count, 1, 4))
         matrices = np.concatenate([matrices, last], axis=1)
-    _refuse(matrices, lambda k: "transform" if one_for_all else f"transform {k}")
+    refuse(matrices, lambda k: "transform" if one_for_all else f"transform {k}")
     return matrices
 
 
-def _refuse(matrices: npt.NDArray[np.float64], named: Callable[[int], str]) -> None:
+def refuse(matrices: npt.NDArray[np.float64], named: Callable[[int], str]) -> None:
     """Refuse transforms, (n, 4, 4), that cannot be undone: here, and not at the first shot."""
     if not np.isfinite(matrices).all():
         k = int(np.argmin(np.isfinite(matrices).all(axis=(1, 2))))
@@ -243,9 +261,10 @@ def _refuse(matrices: npt.NDArray[np.float64], named: Callable[[int], str]) -> N
         raise ValueError(why.replace("transform", named(k), 1))
 
 
-def _materials(
+def materials_of(
     shape: Shape, color: npt.ArrayLike | None, material: Material | Sequence[Material] | None
 ) -> tuple[Material, ...]:
+    """Return an object's materials, where it is given a colour, one or several of them, or none."""
     if material is not None:
         if color is not None:
             raise ValueError("color must be left out with a material, which has its own")

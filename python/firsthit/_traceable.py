@@ -53,8 +53,9 @@ class Built:
         #: The environment that it was last lit by, which way is up there, and what that is.
         self._lit: tuple[Environment, Vector, _firsthit.Scene] | None = None
         environment, up, is_guessed = around
+        looks: dict[int, list[_firsthit._Material]] = {}
         self.native = native or _firsthit.Scene(
-            [made._native() for made in objects],
+            [made._native(looks) for made in objects],
             [light_native(light) for light in lights],
             None if environment is None else environment._native(),
             (up, is_guessed),
@@ -69,10 +70,11 @@ class Built:
         """
         objects = list(self.objects)
         replaced, moved, hidden = [], [], []
+        looks: dict[int, list[_firsthit._Material]] = {}
         for identifier, made in changed.items():
             old, objects[identifier] = objects[identifier], made
             if not made._is_made_of(old):
-                replaced.append((identifier, made._native()))
+                replaced.append((identifier, made._native(looks)))
                 continue
             if made._transform is not old._transform:
                 moved.append(identifier)

@@ -1,5 +1,6 @@
 //! Files that hold scenes, taken apart into what Python makes a scene from.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -7,7 +8,8 @@ use firsthit::fhs;
 use firsthit::load::{LoadSettings, Loaded, UNITS};
 use firsthit::scene::Label;
 use firsthit::world::{NamedCamera, World};
-use firsthit::{Background, DAffine3, Object, Shape};
+use firsthit::{Background, DAffine3, Object, Shape, Texture};
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::camera::{Camera, ViewOut, view_out};
@@ -28,16 +30,27 @@ enum ShapeOut {
     Analytic(&'static str, Vec<f64>),
 }
 
-/// Name, shape, the rows of the transform, materials, mask, whether it is hidden and whether it was removed, the labels of its node
-/// and its mesh.
-type ObjectOut = (
-    String,
-    ShapeOut,
-    Option<[[f64; 4]; 4]>,
-    Vec<MaterialOut>,
-    (u32, bool, bool),
-    (Option<LabelTuple>, Option<LabelTuple>),
-);
+/// The labels of an object's node and of its mesh.
+type LabelsOut = (Option<LabelTuple>, Option<LabelTuple>);
+
+/// All objects, a list for each of their properties: to make Python objects of one by one takes most of the time of a scene of many.
+#[derive(Default, IntoPyObject)]
+struct ObjectsOut {
+    names: Vec<String>,
+    shapes: Vec<ShapeOut>,
+    /// (n, 4, 4); empty where no object was moved.
+    transforms: Option<Py<PyArray3<f64>>>,
+    is_moved: Vec<bool>,
+    /// The materials that objects have, and which of them each has.
+    materials: Vec<Vec<MaterialOut>>,
+    looks: Vec<usize>,
+    masks: Vec<u32>,
+    hidden: Vec<bool>,
+    removed: Vec<bool>,
+    /// The labels that objects have, and which of them each has.
+    labels: Vec<LabelsOut>,
+    labelled: Vec<usize>,
+}
 
 /// Name; what it is made from; whether rows, columns and width are the file's own.
 type CameraOut = (String, ViewOut, bool);
@@ -47,7 +60,7 @@ type CameraOut = (String, ViewOut, bool);
 pub(crate) struct ModelOut {
     meshes: Vec<Mesh>,
     textures: Vec<Texels>,
-    objects: Vec<ObjectOut>,
+    objects: ObjectsOut,
     cameras: Vec<CameraOut>,
     lights: Vec<LightOut>,
     environment: Option<EnvironmentOut>,
@@ -89,7 +102,8 @@ pub(crate) fn load(
         variant,
     };
     let load = || firsthit::load::load(&path, &settings);
-    run(py, 0, |_| load().and_then(with_lit_scene)).map(taken_apart)
+    let loaded = run(py, 0, |_| load().and_then(with_lit_scene))?;
+    Ok(taken_apart(py, loaded))
 }
 
 /// The units of lengths by name, as metres.
@@ -102,7 +116,8 @@ pub(crate) fn units() -> Vec<(&'static str, f64)> {
 #[pyfunction]
 pub(crate) fn open(py: Python<'_>, path: PathBuf, verify: bool) -> PyResult<ModelOut> {
     let open = || fhs::open(&path, verify);
-    run(py, 0, |_| open().and_then(with_lit_scene)).map(taken_apart)
+    let loaded = run(py, 0, |_| open().and_then(with_lit_scene))?;
+    Ok(taken_apart(py, loaded))
 }
 
 /// Makes the scene of a file that holds one built that of all its objects, lights and its environment.
@@ -176,7 +191,7 @@ impl CameraIn<'_> {
     }
 }
 
-fn taken_apart(loaded: Loaded) -> ModelOut {
+fn taken_apart(py: Python<'_>, loaded: Loaded) -> ModelOut {
     let Loaded {
         world,
         warnings,
@@ -185,26 +200,7 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
     } = loaded;
     let model = &world;
     let (mut meshes, mut textures) = (Shared::default(), Shared::default());
-    let mut object_out = |object: &Object| {
-        let materials = object.materials().iter();
-        let materials = materials
-            .map(|material| material_out(material, |texture| textures.number(texture)))
-            .collect();
-        let transform = object.transform();
-        let rows = (!transform.is_identity()).then(|| rows(transform.world_from_object()));
-        let shape = shape_out(object.shape(), |mesh| meshes.number(mesh));
-        let seen = (object.mask(), object.is_hidden(), object.is_removed());
-        let labels = (label_out(object.node()), label_out(object.mesh_label()));
-        (
-            object.name().to_owned(),
-            shape,
-            rows,
-            materials,
-            seen,
-            labels,
-        )
-    };
-    let objects = model.objects.iter().map(&mut object_out).collect();
+    let objects = objects_out(py, &world.objects, &mut meshes, &mut textures);
     ModelOut {
         objects,
         meshes: meshes.list.into_iter().map(Mesh).collect(),
@@ -224,6 +220,48 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
     }
 }
 
+fn objects_out(
+    py: Python<'_>,
+    objects: &[Object],
+    meshes: &mut Shared<firsthit::Mesh>,
+    textures: &mut Shared<Texture>,
+) -> ObjectsOut {
+    let mut out = ObjectsOut::default();
+    let (mut looks, mut labels) = (HashMap::new(), HashMap::new());
+    let mut transforms = Vec::with_capacity(16 * objects.len());
+    for object in objects {
+        out.names.push(object.name().to_owned());
+        out.shapes
+            .push(shape_out(object.shape(), |mesh| meshes.number(mesh)));
+        let transform = object.transform();
+        let rows = rows(transform.world_from_object());
+        transforms.extend_from_slice(rows.as_flattened());
+        out.is_moved.push(!transform.is_identity());
+        let look = *looks.entry(object.materials().as_ptr()).or_insert_with(|| {
+            let made = object.materials().iter();
+            let made = made.map(|it| material_out(it, |texture| textures.number(texture)));
+            out.materials.push(made.collect());
+            out.materials.len() - 1
+        });
+        out.looks.push(look);
+        out.masks.push(object.mask());
+        out.hidden.push(object.is_hidden());
+        out.removed.push(object.is_removed());
+        let both = (label_out(object.node()), label_out(object.mesh_label()));
+        let labelled = *labels.entry(both).or_insert_with_key(|both| {
+            out.labels.push(both.clone());
+            out.labels.len() - 1
+        });
+        out.labelled.push(labelled);
+    }
+    if out.is_moved.contains(&true) {
+        let shape = [objects.len(), 4, 4];
+        let array = PyArray1::from_vec(py, transforms).reshape(shape);
+        out.transforms = array.ok().map(Bound::unbind);
+    }
+    out
+}
+
 fn label_out(label: Option<&Label>) -> Option<LabelTuple> {
     label.map(|label| (label.number, label.name.to_string()))
 }
@@ -231,14 +269,14 @@ fn label_out(label: Option<&Label>) -> Option<LabelTuple> {
 /// Things that many share, each once, by number.
 struct Shared<T> {
     list: Vec<Arc<T>>,
-    numbers: std::collections::HashMap<*const T, usize>,
+    numbers: HashMap<*const T, usize>,
 }
 
 impl<T> Default for Shared<T> {
     fn default() -> Self {
         Self {
             list: Vec::new(),
-            numbers: std::collections::HashMap::new(),
+            numbers: HashMap::new(),
         }
     }
 }

@@ -1,11 +1,15 @@
 //! Scenes.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use firsthit::scene::{Build, BuildSettings, Label};
 use firsthit::{DAffine3, DMat3, DVec3, Material, Object, Transform};
-use numpy::{PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
+use pyo3::types::PyList;
 
 use crate::arrays::not_contiguous;
 use crate::environment::{EnvironmentIn, environment_in};
@@ -23,18 +27,33 @@ const FEW_OBJECTS: usize = 4096;
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Scene(pub(crate) firsthit::Scene);
 
-/// An object: shape, name, the rows of its transform if it has one, its materials, its mask, whether it is hidden and whether it was
+/// An object: shape, name, its transform, (4, 4), if it has one, its materials, its mask, whether it is hidden and whether it was
 /// removed, and what node and what mesh of a file it comes from.
 #[derive(FromPyObject)]
 struct ObjectIn<'py>(
     PyRef<'py, Shape>,
     String,
-    Option<[[f64; 4]; 4]>,
-    Vec<MaterialIn<'py>>,
+    Option<Rows>,
+    Bound<'py, PyList>,
     u32,
     (bool, bool),
     [Option<LabelTuple>; 2],
 );
+
+/// The rows of a transform, copied from an array, (4, 4). To borrow the arrays of all objects takes time in proportion to the square of
+/// their number where they are parts of one.
+struct Rows([[f64; 4]; 4]);
+
+impl<'py> FromPyObject<'_, 'py> for Rows {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let array: PyReadonlyArray2<'_, f64> = given.extract()?;
+        let rows = transforms(array.as_slice().map_err(not_contiguous)?);
+        let rows = rows.first().copied().map(Self);
+        rows.ok_or_else(|| not_contiguous(()))
+    }
+}
 
 /// A label: its number and its name.
 pub(crate) type LabelTuple = (u64, String);
@@ -68,9 +87,10 @@ impl Scene {
             build: trees.map_err(|error| raise(py, &error))?,
             rays: None,
         };
+        let mut known = Materials::default();
         let objects: Vec<Object> = objects
             .iter()
-            .map(|object| object_in(py, object))
+            .map(|object| object_in(py, object, &mut known))
             .collect::<PyResult<_>>()?;
         let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
         let lights = lights.map_err(|error| raise(py, &error))?;
@@ -102,9 +122,10 @@ impl Scene {
         places: Places<'_>,
         hidden: Vec<(usize, bool)>,
     ) -> PyResult<Self> {
+        let mut known = Materials::default();
         let replaced: Vec<(usize, Object)> = replaced
             .iter()
-            .map(|(identifier, object)| Ok((*identifier, object_in(py, object)?)))
+            .map(|(identifier, object)| Ok((*identifier, object_in(py, object, &mut known)?)))
             .collect::<PyResult<_>>()?;
         let (moved, rows) = places;
         let moved = moved.as_slice().map_err(not_contiguous)?;
@@ -257,14 +278,24 @@ fn checked(rows: &[[f64; 4]; 4]) -> firsthit::Result<Transform> {
     Transform::new(DAffine3::from_mat3_translation(matrix, column(3)))
 }
 
-fn object_in(py: Python<'_>, object: &ObjectIn<'_>) -> PyResult<Object> {
+/// The materials of objects, by the list that they come from: objects that share that share them.
+type Materials = HashMap<*mut PyObject, Arc<[Material]>>;
+
+fn object_in(py: Python<'_>, object: &ObjectIn<'_>, known: &mut Materials) -> PyResult<Object> {
     let ObjectIn(shape, name, rows, materials, mask, seen, [node, mesh]) = object;
     let (is_hidden, is_removed) = *seen;
     let mut object = Object::new(shape.0.clone()).named(name.clone());
     if let Some(rows) = rows {
-        object = object.placed(transform(py, rows)?);
+        object = object.placed(transform(py, &rows.0)?);
     }
-    let materials: Vec<Material> = materials.iter().map(material).collect::<PyResult<_>>()?;
+    let materials = match known.entry(materials.as_ptr()) {
+        Entry::Occupied(known) => Arc::clone(known.get()),
+        Entry::Vacant(new) => {
+            let all: Vec<MaterialIn<'_>> = materials.extract()?;
+            let all: Vec<Material> = all.iter().map(material).collect::<PyResult<_>>()?;
+            Arc::clone(new.insert(all.into()))
+        }
+    };
     let object = object.masked(*mask).hidden(is_hidden).removed(is_removed);
     let object = object.from_node(label(node.as_ref()));
     let object = object.from_mesh(label(mesh.as_ref()));
