@@ -237,7 +237,7 @@ BENCH_MACHINE = $(shell lscpu | sed -n 's/^Model name: *//p' | tr 'A-Z' 'a-z' | 
 bench: .venv-bench/ready target/scenes/ready
 	$(CARGO) build --release --package firsthit-bench
 	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); scenes=$(SCENES); \
-	[ -f target/scenes/ready ] || [ ! -f target/scenes/terrain.cam ] || scenes=$${scenes:-boulder,room,terrain}; \
+	[ -f target/scenes/ready ] || [ ! -f target/scenes/terrain.cam ] || scenes=$${scenes:-boulder,room,terrain,tiles,assembly}; \
 	target/release/firsthit-bench $${embree:+--embree "$$embree"} $${scenes:+--scenes "$$scenes"} \
 	    $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
 	    $(if $(ISA),--isa $(ISA)) $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)$(if $(ISA),-$(ISA)).md)
@@ -284,10 +284,10 @@ bench-light: .venv-bench-light/ready target/scenes/ready
 	.venv-bench/bin/pip install --quiet --requirement benches/requirements.txt && touch $@ || \
 	    echo "bench: embreex cannot be installed here; firsthit is measured alone"
 
-# The scenes that are measured. The models are not ours to copy: without them only the terrain is made, and two small
-# scenes of the bench's own join it.
+# The scenes that are measured. The models are not ours to copy: without them only three are made, and two small ones of
+# the bench's own join them.
 MODELS ?= ../shared/scenes/models
-target/scenes/ready: benches/scenes.py | .venv-bench/ready
+target/scenes/ready: benches/scenes.py benches/glb.py | .venv-bench/ready
 	.venv-bench/bin/python benches/scenes.py target/scenes --models $(MODELS) && touch $@ || \
 	    echo "bench: not all scenes could be made; see benches/scenes.py"
 

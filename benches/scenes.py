@@ -1,12 +1,15 @@
 """Make the scenes that `make bench` measures: python benches/scenes.py target/scenes.
 
-For each scene there are three files: ``NAME.ply`` (binary, float32, triangles), ``NAME.npz`` (the
-same arrays and the camera) and ``NAME.cam``, a text with eye, target, up and light, then the
-vertical field of view in degrees, the orthographic camera's height and the reach of ambient
-occlusion. The bytes are the same at every run. World space has z up.
+For each scene of one mesh there are three files: ``NAME.ply`` (binary, float32, triangles),
+``NAME.npz`` (the same arrays and the camera) and ``NAME.cam``, a text with eye, target, up and
+light, then the vertical field of view in degrees, the orthographic camera's height and the reach of
+ambient occlusion. A scene of many objects has ``NAME.glb``, or ``NAME.toml`` with a GLB file's
+objects and spheres, in place of the first two. The bytes are the same at every run. World space has
+z up, in GLB files too.
 
 The models come from the collection alecjacobson/common-3d-test-models. They have mixed research
-licences: they are for measuring and are not to be committed. Only the terrain needs none.
+licences: they are for measuring and are not to be committed. ``terrain``, ``tiles`` and
+``assembly`` need none.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from glb import Placed, save_objects
 
 MODELS = Path(__file__).resolve().parents[2] / "shared" / "scenes" / "models"
 UP = (0.0, 0.0, 1.0)
@@ -176,6 +180,88 @@ def terrain() -> tuple[Mesh, Look]:
     return Mesh(vertices, pairs.reshape(-1, 3)), look
 
 
+#: Tiles along an edge of the terrain.
+TILES = 64
+
+
+def tiles(mesh: Mesh) -> list[Mesh]:
+    """Cut the terrain into ``TILES`` x ``TILES`` meshes, each with vertices of its own."""
+    places = mesh.vertices[:, :2][mesh.triangles].mean(1) / 100 * TILES
+    column, row = np.clip(places.astype(int), 0, TILES - 1).T
+    tile = column * TILES + row
+    order = np.argsort(tile, kind="stable")
+    parts = np.split(mesh.triangles[order], np.searchsorted(tile[order], np.arange(1, TILES**2)))
+    used = [np.unique(part, return_inverse=True) for part in parts]
+    return [Mesh(mesh.vertices[vertices], local.reshape(-1, 3)) for vertices, local in used]
+
+
+def turned(source: np.random.Generator, place: np.ndarray) -> np.ndarray:
+    """Make the matrix of a random rotation and a move."""
+    w, x, y, z = (q := source.standard_normal(4)) / np.linalg.norm(q)
+    matrix = np.eye(4, dtype=np.float32)
+    matrix[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    matrix[:3, 3] = place
+    return matrix
+
+
+def forest(bunny: Mesh) -> tuple[Mesh, list[Placed], Look]:
+    """Turn 10,000 instances of a bunny of size one, a little closer than side by side in a cube."""
+    source = np.random.default_rng(2)
+    count = 10_000
+    half = 0.6 * count ** (1 / 3)
+    tree = standing(bunny)
+    tree = Mesh(tree.vertices - tree.vertices.mean(0), tree.triangles)
+    placed = [Placed(0, turned(source, source.uniform(-half, half, 3))) for _ in range(count)]
+    look = looking_at(Mesh(np.array([[-half] * 3, [half] * 3]), np.empty((0, 3), int)))
+    look.ao = 1.0
+    return tree, placed, look
+
+
+def lathe(source: np.random.Generator) -> Mesh:
+    """Turn a random profile around an axis of random direction: prisms, cones, bolts, rings."""
+    sides, rings = int(source.integers(3, 40)), int(source.integers(2, 9))
+    radii, heights = source.uniform(0.1, 1.0, rings), np.sort(source.uniform(-1, 1, rings))
+    if source.random() < 0.7:
+        radii[[0, -1]] = 0  # closed
+    heights *= np.exp(source.uniform(-2, 1.5))
+    angle = np.arange(sides) * 2 * np.pi / sides
+    round_ = np.stack([np.cos(angle), np.sin(angle)], -1)
+    flat = radii[:, None, None] * round_
+    vertices = np.concatenate(
+        [flat, np.broadcast_to(heights[:, None, None], (*flat.shape[:2], 1))], 2
+    )
+    a = np.arange((rings - 1) * sides).reshape(-1, sides)
+    b = np.roll(a, -1, 1)
+    quads = np.stack([a, b, b + sides, a, b + sides, a + sides], -1)
+    spin = turned(source, np.zeros(3))[:3, :3]
+    return Mesh(vertices.reshape(-1, 3) @ spin.T, quads.reshape(-1, 3))
+
+
+def assembly() -> tuple[list[Mesh], list[Placed], np.ndarray, Look]:
+    """Heap up 5,000 different things: every tenth a sphere, half of the others moved by a matrix.
+
+    Also returns the spheres (n, 4): centre and radius. No other shape is the same in Embree.
+    """
+    source = np.random.default_rng(11)
+    meshes, placed, spheres = [], [], []
+    size = np.array([12.0, 10.0, 4.0])
+    for k in range(5000):
+        place, scale = source.random(3) * size, 0.04 * np.exp(source.uniform(0, 2))
+        if k % 10 == 9:
+            spheres.append([*place, scale])
+            continue
+        part = lathe(source)
+        is_moved = k % 2 == 1
+        placed.append(Placed(len(meshes), turned(source, place) if is_moved else None))
+        meshes.append(Mesh(part.vertices * scale + (0 if is_moved else place), part.triangles))
+    look = Look(eye=(-4, -7, 6), at=size / 2, up=UP, light=(-6, -8, 14), fov=50, ortho=11.0, ao=0.5)
+    return meshes, placed, np.array(spheres, np.float32), look
+
+
 @dataclass
 class Room:
     """A mesh put together from boxes and from models, each turned by a random angle."""
@@ -211,6 +297,10 @@ class Room:
         cosine, sine = np.cos(angle), np.sin(angle)
         turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
         self.add(vertices @ turn.T * size + np.array([x, y, z]), triangles)
+
+    def mesh(self) -> Mesh:
+        """Return all of it."""
+        return Mesh(*(np.concatenate(arrays) for arrays in zip(*self.parts, strict=True)))
 
 
 def standing(mesh: Mesh) -> Mesh:
@@ -261,15 +351,95 @@ def interior(models: dict[str, Mesh]) -> tuple[Mesh, Look]:
             room.put(name, 0.4, 0.4 + 0.52 * place, 9.74, z)
     for slat in range(40):
         room.box([0.3 * slat, 9.97, 0], [0.3 * slat + 0.02, 10, 3.4])
-    vertices, triangles = (np.concatenate(arrays) for arrays in zip(*room.parts, strict=True))
     look = Look(
         eye=(5.6, 0.35, 1.7), at=(6.2, 6, 1.1), up=UP, light=(6, 5, 3.7), fov=75, ortho=9.0, ao=0.6
     )
-    return Mesh(vertices, triangles), look
+    return room.mesh(), look
+
+
+#: A storey's rooms along the corridor, on each side of it; their width, depth and height.
+ALONG, WIDTH, DEPTH, HEIGHT = 20, 4.0, 5.0, 3.0
+#: Half of the corridor's width and of a wall's thickness.
+HALF, THIN = 1.0, 0.08
+
+
+def furnish(room: Room, x: float, y: float) -> None:
+    """Put a table, a shelf and small things into the room whose first corner is at x and y."""
+    room.table(x + 0.5, y + 1.2)
+    for name, size in (("teapot", 0.3), ("suzanne", 0.3), ("fandisk", 0.2)):
+        room.put(
+            name, size, x + room.source.uniform(0.8, 2.6), y + room.source.uniform(1.4, 2.2), 0.8
+        )
+    for k in range(4):
+        a, b = x + 0.6 + 0.8 * (k % 2), y + 0.6 + 2.0 * (k // 2)
+        room.box([a, b, 0.42], [a + 0.42, b + 0.42, 0.46])
+        room.box([a, b, 0.46], [a + 0.42, b + 0.03, 0.95])
+        for c, d in ((0, 0), (0.39, 0), (0, 0.39), (0.39, 0.39)):
+            room.box([a + c, b + d, 0], [a + c + 0.03, b + d + 0.03, 0.42])
+    for shelf in range(4):
+        z = 0.4 + 0.6 * shelf
+        room.box([x + 3.5, y + 0.6, z - 0.03], [x + 3.85, y + 4.4, z])
+        for k in range(40):
+            b = y + 0.65 + 0.09 * k
+            high, deep = room.source.uniform(0.2, 0.5), room.source.uniform(0.15, 0.3)
+            room.box([x + 3.5, b, z], [x + 3.5 + deep, b + 0.06, z + high])
+    room.put("spot", 0.7, x + 2.0, y + 3.9)
+
+
+def floor(models: dict[str, Mesh]) -> tuple[Mesh, Look]:
+    """Make a storey of 40 rooms with furniture along a corridor, as one mesh, seen from a room."""
+    room = Room({name: standing(mesh) for name, mesh in models.items()}, np.random.default_rng(6))
+    length, edge = ALONG * WIDTH, HALF + DEPTH
+    room.box([-THIN, -edge - THIN, -0.3], [length + THIN, edge + THIN, 0])
+    room.box([-THIN, -edge - THIN, HEIGHT], [length + THIN, edge + THIN, HEIGHT + 0.3])
+    for x in (0, length):
+        room.box([x - THIN, -edge, 0], [x + THIN, edge, HEIGHT])
+    for side in (-1, 1):
+        wall, outside = side * HALF, side * edge
+        room.box([0, outside - THIN, 0], [length, outside + THIN, HEIGHT])
+        inner, outer = sorted((wall, outside))
+        for k in range(ALONG):
+            x = k * WIDTH
+            if k > 0:
+                room.box([x - THIN, inner, 0], [x + THIN, outer, HEIGHT])
+            # A door, one wide and two high.
+            for a, b, z in ((0, 2.2, 0), (2.2, 3.2, 2.0), (3.2, WIDTH, 0)):
+                room.box([x + a, wall - THIN, z], [x + b, wall + THIN, HEIGHT])
+            furnish(room, x, inner)
+    return room.mesh(), Look(
+        eye=(41.0, 5.6, 1.7),
+        at=(43.2, 0, 1.0),
+        up=UP,
+        light=(42, 3, 2.8),
+        fov=75,
+        ortho=6.0,
+        ao=0.6,
+    )
+
+
+def save_look(folder: Path, name: str, look: Look, what: str) -> None:
+    """Write where a scene is looked at from, and say that it is ready."""
+    rows = [look.eye, look.at, look.up, look.light, (look.fov, look.ortho, look.ao)]
+    text = "".join(" ".join(f"{x:.9g}" for x in row) + "\n" for row in rows)
+    (folder / f"{name}.cam").write_text(text)
+    print(f"{name}: {what}", flush=True)
+
+
+def save_assembly(folder: Path) -> None:
+    """Write the files of the assembly: its meshes, and the scene with the spheres beside them."""
+    meshes, placed, spheres, look = assembly()
+    save_objects(folder / "assembly-meshes.glb", meshes, placed)
+    objects = ['[[objects]]\nfile = "assembly-meshes.glb"\n']
+    for x, y, z, radius in spheres.tolist():
+        objects.append(
+            f'[[objects]]\nshape = "sphere"\ncenter = [{x}, {y}, {z}]\nradius = {radius}\n'
+        )
+    (folder / "assembly.toml").write_text("\n".join(objects))
+    save_look(folder, "assembly", look, f"{len(placed)} meshes, {len(spheres)} spheres")
 
 
 def save(folder: Path, name: str, mesh: Mesh, look: Look) -> None:
-    """Write the three files of a scene."""
+    """Write the three files of a scene of one mesh."""
     vertices = np.ascontiguousarray(mesh.vertices, np.float32)
     triangles = np.ascontiguousarray(mesh.triangles, np.uint32)
     camera = {key: np.array(value, np.float64) for key, value in vars(look).items()}
@@ -285,20 +455,22 @@ def save(folder: Path, name: str, mesh: Mesh, look: Look) -> None:
         vertices.tofile(file)
         faces.tofile(file)
 
-    rows = [*(camera[key] for key in ("eye", "at", "up", "light")), (look.fov, look.ortho, look.ao)]
-    text = "".join(" ".join(f"{x:.9g}" for x in row) + "\n" for row in rows)
-    (folder / f"{name}.cam").write_text(text)
-    print(f"{name}: {len(triangles):,} triangles", flush=True)
+    save_look(folder, name, look, f"{len(triangles):,} triangles")
 
 
 def main() -> int:
-    """Make all scenes; return 1 if only the terrain could be made."""
+    """Make all scenes; return 1 if only those without models could be made."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, help="where the scenes go")
     parser.add_argument("--models", type=Path, default=MODELS, help="the folder with the models")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
-    save(given.folder, "terrain", *terrain())
+    ground, look = terrain()
+    save(given.folder, "terrain", ground, look)
+    parts = tiles(ground)
+    save_objects(given.folder / "tiles.glb", parts, [Placed(k) for k in range(len(parts))])
+    save_look(given.folder, "tiles", look, f"the terrain in {len(parts):,} objects")
+    save_assembly(given.folder)
     missing = [file for file in FILES.values() if not (given.models / file).is_file()]
     if missing:
         print(f"The other scenes need these files in {given.models}: {', '.join(missing)}")
@@ -308,6 +480,10 @@ def main() -> int:
     for name in ALONE:
         save(given.folder, name, models[name], looking_at(models[name]))
     save(given.folder, "interior", *interior(models))
+    save(given.folder, "floor", *floor(models))
+    bunny, placed, look = forest(models["bunny"])
+    save_objects(given.folder / "forest.glb", [bunny], placed)
+    save_look(given.folder, "forest", look, f"{len(placed):,} instances of the bunny")
     return 0
 
 

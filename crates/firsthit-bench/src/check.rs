@@ -1,7 +1,7 @@
 //! A time counts only for right answers: every run is compared with Embree's and, in a sample, with the judge's.
 
 use firsthit::shoot::AllHits;
-use firsthit::{Hit, Hits, Ray, Rays};
+use firsthit::{Bounds, Hit, Hits, Object, Ray, Rays, Scene};
 use rayon::prelude::*;
 
 use crate::embree::{Answers, Gathered};
@@ -27,14 +27,79 @@ pub(crate) struct Checked {
 const DISPUTED: usize = 16;
 
 /// The judge and its budget.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(crate) struct Judge<'a> {
-    pub(crate) scene: &'a firsthit::Scene,
+    scene: &'a Scene,
     /// Triangle tests for one sample.
-    pub(crate) budget: u64,
+    budget: u64,
+    /// A box around each of many objects, wide enough for every rounding; empty for one object.
+    boxes: Vec<Bounds>,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    pub(crate) fn new(scene: &'a Scene, budget: u64) -> Self {
+        let around = |object: &Object| {
+            let bounds = object.mesh().map_or_else(
+                || object.bounds(),
+                |mesh| {
+                    mesh.bounds()
+                        .transformed(object.transform().world_from_object())
+                },
+            );
+            let margin = 1e-9 * bounds.low.abs().max(bounds.high.abs()).max_element();
+            Bounds {
+                low: bounds.low - margin,
+                high: bounds.high + margin,
+            }
+        };
+        let objects = scene.objects();
+        let boxes = if objects.len() > 1 {
+            objects.iter().map(around).collect()
+        } else {
+            Vec::new()
+        };
+        Self {
+            scene,
+            budget,
+            boxes,
+        }
+    }
+
+    /// The first hit by brute force.
+    pub(crate) fn first_hit(&self, ray: &Ray) -> Hit {
+        let Some((few, objects)) = self.few(ray) else {
+            return firsthit_side::judge(self.scene, ray);
+        };
+        named(firsthit_side::judge(&few, ray), &objects)
+    }
+
+    /// All hits by brute force.
+    fn all_hits_of(&self, ray: &Ray) -> Vec<Hit> {
+        let hits = |hits: &Hits| (0..hits.len()).map(|k| hits.get(k)).collect::<Vec<_>>();
+        let Some((few, objects)) = self.few(ray) else {
+            return hits(&firsthit_side::judge_all(self.scene, ray));
+        };
+        let all = hits(&firsthit_side::judge_all(&few, ray));
+        all.into_iter().map(|hit| named(hit, &objects)).collect()
+    }
+
+    /// Those of many objects whose boxes the ray passes, and their numbers: a forest has too many triangles to ask each.
+    fn few(&self, ray: &Ray) -> Option<(Scene, Vec<usize>)> {
+        if self.boxes.is_empty() {
+            return None;
+        }
+        let is_near = |bounds: &Bounds| {
+            let (a, b) = (bounds.low - ray.origin, bounds.high - ray.origin);
+            let (a, b) = (a / ray.direction, b / ray.direction);
+            a.min(b).max_element() <= a.max(b).min_element()
+        };
+        let near = |&k: &usize| is_near(&self.boxes[k]);
+        let objects: Vec<usize> = (0..self.boxes.len()).filter(near).collect();
+        let few = objects.iter().map(|&k| self.scene.objects()[k].clone());
+        let few = self.scene.with_objects(few.collect());
+        Some((few.expect("they were in a scene"), objects))
+    }
+
     /// Compares first hits.
     pub(crate) fn first_hits(
         &self,
@@ -68,12 +133,7 @@ impl Judge<'_> {
             }
         }
         let sample = self.sample(hits.len(), disputed);
-        let differs = |&index: &usize| {
-            !equal(
-                &firsthit_side::judge(self.scene, &rays.ray(index)),
-                &hits.get(index),
-            )
-        };
+        let differs = |&index: &usize| !equal(&self.first_hit(&rays.ray(index)), &hits.get(index));
         checked.judged = sample.len();
         checked.wrong = sample.par_iter().filter(|index| differs(index)).count();
         checked
@@ -92,9 +152,7 @@ impl Judge<'_> {
         });
         let other_outcome = disputed.len();
         let sample = self.sample(found.len(), disputed);
-        let differs = |&&index: &&usize| {
-            firsthit_side::judge(self.scene, &rays[index]).is_miss() == found[index]
-        };
+        let differs = |&&index: &&usize| self.first_hit(&rays[index]).is_miss() == found[index];
         Checked {
             judged: sample.len(),
             wrong: sample.par_iter().filter(differs).count(),
@@ -133,12 +191,9 @@ impl Judge<'_> {
         }
         let sample = self.sample(rays.len(), disputed);
         let differs = |&&ray: &&usize| {
-            let expected = firsthit_side::judge_all(self.scene, &rays[ray]);
+            let expected = self.all_hits_of(&rays[ray]);
             let hits = ends(ray).map(|k| all.hits.get(k));
-            expected.len() != hits.len()
-                || hits
-                    .enumerate()
-                    .any(|(k, hit)| !equal(&expected.get(k), &hit))
+            expected.len() != hits.len() || expected.iter().zip(hits).any(|(a, b)| !equal(a, &b))
         };
         checked.judged = sample.len();
         checked.wrong = sample.par_iter().filter(differs).count();
@@ -150,7 +205,7 @@ impl Judge<'_> {
         let sample = self.sample(picture.pixels(), Vec::new());
         let bits = |color: &[f32]| color.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         let differs = |&&pixel: &&usize| {
-            bits(&picture.judged(pixel)) != bits(&colors[3 * pixel..3 * pixel + 3])
+            bits(&picture.judged(pixel, self)) != bits(&colors[3 * pixel..3 * pixel + 3])
         };
         Checked {
             judged: sample.len(),
@@ -161,13 +216,24 @@ impl Judge<'_> {
 
     /// Rays evenly over all, and the first disputed ones.
     fn sample(&self, rays: usize, mut disputed: Vec<usize>) -> Vec<usize> {
-        let count = (self.budget / self.scene.triangles().max(1)).clamp(8, 4096) as usize;
+        // A ray passes few of many boxes.
+        let share = if self.boxes.is_empty() { 1 } else { 100 };
+        let count = share * self.budget / self.scene.triangles().max(1);
+        let count = count.clamp(8, 4096) as usize;
         // An odd step, so that pixels of all columns come up.
         let step = (rays / count).max(1) | 1;
         disputed.truncate(DISPUTED);
         disputed.extend((step / 2..rays).step_by(step));
         disputed
     }
+}
+
+/// A hit in a scene of some `objects`, in the scene that they are from.
+fn named(mut hit: Hit, objects: &[usize]) -> Hit {
+    if !hit.is_miss() {
+        hit.object = objects[hit.object as usize] as i32;
+    }
+    hit
 }
 
 /// Equal to the last bit; misses have NaN for weights.
@@ -178,7 +244,7 @@ fn equal(a: &Hit, b: &Hit) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use firsthit::{DVec3, Object, Scene, Sphere};
+    use firsthit::{DVec3, Sphere};
 
     use super::*;
 
@@ -195,10 +261,7 @@ mod tests {
     #[test]
     fn a_hit_that_is_wrong_in_the_last_bit_is_found() {
         let (scene, rays) = (scene(), rays());
-        let judge = Judge {
-            scene: &scene,
-            budget: 1000,
-        };
+        let judge = Judge::new(&scene, 1000);
         let mut hits = Hits::default();
         firsthit_side::first_hits(&scene, rays.as_slice(), &mut hits);
         assert_eq!(judge.first_hits(&hits, rays.as_slice(), None).wrong, 0);
@@ -208,12 +271,30 @@ mod tests {
     }
 
     #[test]
+    fn of_many_objects_the_judge_asks_those_that_the_ray_passes_and_says_the_same() {
+        let ball = |k: i32| Sphere::new(DVec3::new(0.4 * f64::from(k), 0.0, 0.0), 0.7).unwrap();
+        let scene = Scene::new((-4..4).map(|k| Object::new(ball(k))).collect()).unwrap();
+        let judge = Judge::new(&scene, 1000);
+        assert_eq!(judge.few(&rays()[0]).unwrap().1, [3, 4, 5]);
+        for ray in rays() {
+            let expected = firsthit_side::judge(&scene, &ray);
+            assert!(equal(&judge.first_hit(&ray), &expected), "{ray:?}");
+            let all = firsthit_side::judge_all(&scene, &ray);
+            let found = judge.all_hits_of(&ray);
+            assert_eq!(found.len(), all.len());
+            assert!(
+                found
+                    .iter()
+                    .enumerate()
+                    .all(|(k, hit)| equal(hit, &all.get(k)))
+            );
+        }
+    }
+
+    #[test]
     fn a_wrong_shadow_is_found() {
         let (scene, rays) = (scene(), rays());
-        let judge = Judge {
-            scene: &scene,
-            budget: 1000,
-        };
+        let judge = Judge::new(&scene, 1000);
         let mut found = firsthit_side::any_hits(&scene, &rays);
         assert_eq!(judge.any_hits(&found, &rays, None).wrong, 0);
         found[19] = !found[19];
@@ -223,10 +304,7 @@ mod tests {
     #[test]
     fn a_crossing_that_is_missing_is_found() {
         let (scene, rays) = (scene(), rays());
-        let judge = Judge {
-            scene: &scene,
-            budget: 1000,
-        };
+        let judge = Judge::new(&scene, 1000);
         let mut all = AllHits::default();
         firsthit_side::all_hits(&scene, &rays, &mut all);
         assert_eq!(judge.all_hits(&all, &rays, None).wrong, 0);

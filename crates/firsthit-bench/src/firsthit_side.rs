@@ -1,5 +1,6 @@
 //! Everything the bench asks of firsthit, in one place: its public functions as a user would call them.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,12 +25,17 @@ pub(crate) fn build(objects: &[Object]) -> Result<Scene, String> {
     Scene::new(objects.to_vec()).map_err(|error| error.to_string())
 }
 
-/// The same objects, with the vertices of their meshes moved a little.
+/// The same objects, with the vertices of their meshes moved a little; what was shared is shared.
 pub(crate) fn moved(objects: &[Object]) -> Result<Vec<Object>, String> {
+    let mut known: HashMap<*const Mesh, Arc<Mesh>> = HashMap::new();
     let moved = |object: &Object| {
         let Some(mesh) = object.mesh() else {
             return Ok(object.clone());
         };
+        let place = |mesh: &Arc<Mesh>| Object::new(Arc::clone(mesh)).placed(*object.transform());
+        if let Some(moved) = known.get(&Arc::as_ptr(mesh)) {
+            return Ok(place(moved));
+        }
         let positions = match &**mesh.positions() {
             Positions::Single(points) => {
                 Positions::Single(points.iter().map(|p| p.map(|x| 1.001 * x)).collect())
@@ -38,8 +44,9 @@ pub(crate) fn moved(objects: &[Object]) -> Result<Vec<Object>, String> {
                 Positions::Double(points.iter().map(|p| p.map(|x| 1.001 * x)).collect())
             }
         };
-        let mesh = Mesh::new(positions, mesh.triangles().to_vec()).map_err(|e| e.to_string())?;
-        Ok(Object::new(Arc::new(mesh)).placed(*object.transform()))
+        let moved = Mesh::new(positions, mesh.triangles().to_vec()).map_err(|e| e.to_string())?;
+        let moved = known.entry(Arc::as_ptr(mesh)).or_insert(Arc::new(moved));
+        Ok(place(moved))
     };
     objects.iter().map(moved).collect()
 }

@@ -10,6 +10,7 @@ mod check;
 mod embree;
 mod firsthit_side;
 mod measure;
+mod memory;
 mod pairs;
 mod picture;
 mod report;

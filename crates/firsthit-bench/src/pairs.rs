@@ -23,7 +23,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
         let built = firsthit_side::build(&scene.objects)?;
         let mut build = || drop(black_box(firsthit_side::build(&scene.objects)));
         client
-            .time(&name, "build", built.triangles() as usize, &mut build)
+            .time(&name, "build", scene.model.triangles(), &mut build)
             .map_err(failed)?;
         let shots = Shots::new(&built, &scene.look, settings.side)?;
         let (mut hits, mut all) = (Hits::default(), AllHits::default());

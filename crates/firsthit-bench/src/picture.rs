@@ -5,6 +5,7 @@ use firsthit::scene::PointLight;
 use firsthit::shade::Shade as _;
 use firsthit::{Background, Camera, Color, DVec3, Light, Ray, Scene, Shader, Shading};
 
+use crate::check::Judge;
 use crate::embree::{self, Answers, Columns, Door, Pixels, Source as _};
 use crate::firsthit_side;
 
@@ -78,11 +79,11 @@ impl Picture {
     }
 
     /// The colour of a pixel, its hits found by the judge.
-    pub(crate) fn judged(&self, pixel: usize) -> [f32; 3] {
+    pub(crate) fn judged(&self, pixel: usize, judge: &Judge<'_>) -> [f32; 3] {
         let shading = self.shading();
         let point = |k| {
             let ray = Sample::new(&self.camera, k).ray(pixel);
-            let hit = firsthit_side::judge(&self.scene, &ray);
+            let hit = judge.first_hit(&ray);
             shading.shade(hit.t, ray.origin, ray.direction, &hit)
         };
         let sum = (0..self.samples).map(point).fold(Color::ZERO, |a, b| a + b);

@@ -4,14 +4,14 @@ use std::fmt::Write as _;
 use std::fs;
 use std::process::Command;
 
-use firsthit::{InstructionSet, Scene};
+use firsthit::InstructionSet;
 
 use crate::embree::Device;
 use crate::measure::{Timing, geometric_mean};
 use crate::row::{DOORS, Measured, Row};
 use crate::scenes::BenchScene;
 use crate::settings::Settings;
-use crate::tree::Trees;
+use crate::tree::{EmbreeTrees, Trees};
 
 /// What the ratios are taken against.
 #[derive(Debug, Clone, Copy)]
@@ -81,7 +81,7 @@ impl<'a> Report<'a> {
 
     /// A scene begins: its trees.
     pub(crate) fn tree(&mut self, scene: &BenchScene, trees: &Trees<'_>) {
-        let triangles = Scene::triangles(&trees.firsthit);
+        let triangles = scene.model.triangles();
         let mut line = format!(
             "\n{}: {triangles} triangles; build ns/triangle: firsthit {:.0} (refit {:.0})",
             scene.name, trees.firsthit_build.min, trees.firsthit_refit.min
@@ -99,6 +99,10 @@ impl<'a> Report<'a> {
             let _ = write!(line, ", Embree {:.1}", embree.bytes);
         }
         self.line(&line);
+        let objects = scene.objects.len();
+        if objects > 1 {
+            self.line(&of_objects(objects, triangles as f64, trees));
+        }
         self.line(HEAD);
     }
 
@@ -179,6 +183,22 @@ impl<'a> Report<'a> {
         self.text += line;
         self.text.push('\n');
     }
+}
+
+/// What many objects take: the time until the first ray, and memory.
+fn of_objects(objects: usize, triangles: f64, trees: &Trees<'_>) -> String {
+    let ready = |build: Timing| build.min * triangles / 1e6;
+    let each = |bytes: isize| bytes as f64 / objects as f64;
+    let embree = |text: &dyn Fn(&EmbreeTrees<'_>) -> String| {
+        trees.embree.as_ref().map_or_else(String::new, text)
+    };
+    format!(
+        "{objects} objects; ready in ms: firsthit {:.1}{}; bytes/object, trees of meshes among them: firsthit {:.0}{}",
+        ready(trees.firsthit_build),
+        embree(&|embree| format!(", Embree {:.1}", ready(embree.build))),
+        each(trees.firsthit_held),
+        embree(&|embree| format!(", Embree {:.0}", each(embree.plain.bytes))),
+    )
 }
 
 fn number(number: Option<f64>, width: usize, digits: usize) -> String {

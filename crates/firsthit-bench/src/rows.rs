@@ -32,10 +32,7 @@ pub(crate) fn measure(
 ) -> Result<(), String> {
     let run = Run {
         trees,
-        judge: Judge {
-            scene: &trees.firsthit,
-            budget: settings.judge,
-        },
+        judge: Judge::new(&trees.firsthit, settings.judge),
         rounds: settings.rounds,
         pool,
     };
@@ -165,7 +162,7 @@ impl Run<'_> {
         // What Embree answers at its most careful.
         theirs((true, Door::Single), &mut answers);
         let answers = self.trees.embree.is_some().then_some(&answers);
-        let judge = self.judge;
+        let judge = &self.judge;
         let check = || judge.first_hits(&hits.lock().expect(POISONED), rays, answers);
         Measured {
             row,
@@ -191,7 +188,7 @@ impl Run<'_> {
         let found = firsthit_side::any_hits(scene, rays);
         theirs((true, Door::Single), &mut answers);
         let answers = self.trees.embree.is_some().then_some(&answers);
-        let judge = self.judge;
+        let judge = &self.judge;
         let check = || judge.any_hits(&found, rays, answers);
         Measured {
             row,
@@ -221,7 +218,7 @@ impl Run<'_> {
         shoot();
         theirs((true, Door::Single), &mut gathered);
         let gathered = self.trees.embree.is_some().then_some(&gathered);
-        let judge = self.judge;
+        let judge = &self.judge;
         let check = || judge.all_hits(&all.lock().expect(POISONED), rays, gathered);
         Measured {
             row,
@@ -245,7 +242,7 @@ impl Run<'_> {
         let mut answers = Answers::new(count);
         let mut ours = render;
         let times = self.in_turns(count, &mut ours, &theirs, &mut answers);
-        let judge = self.judge;
+        let judge = &self.judge;
         let check = || judge.colors(&picture.render(), picture);
         Measured {
             row,

@@ -15,7 +15,7 @@ pub(crate) struct Settings {
     /// Embree 4's shared library [default: firsthit is measured alone]
     #[arg(long, value_name = "FILE")]
     pub(crate) embree: Option<PathBuf>,
-    /// The folder with the scenes: NAME.ply beside NAME.cam
+    /// The folder with the scenes: NAME.ply, .glb or .toml beside NAME.cam
     #[arg(long, value_name = "FOLDER", default_value = "target/scenes")]
     pub(crate) folder: PathBuf,
     /// The scenes, by name [default: all of the folder; the built-in ones where it is empty]

@@ -5,6 +5,7 @@ use rayon::ThreadPool;
 use crate::embree::{self, Device};
 use crate::firsthit_side;
 use crate::measure::{self, Timing};
+use crate::memory;
 use crate::row::Row;
 use crate::scenes::BenchScene;
 use crate::settings::Settings;
@@ -18,7 +19,10 @@ pub(crate) struct Trees<'a> {
     pub(crate) firsthit_build: Timing,
     /// The same for the tree of the same triangles with their vertices moved a little.
     pub(crate) firsthit_refit: Timing,
+    /// Of the trees, for each triangle.
     pub(crate) firsthit_bytes: f64,
+    /// Of all that the scene holds beside the meshes it was made from.
+    pub(crate) firsthit_held: isize,
     /// How many times faster two threads build.
     pub(crate) speedup: f64,
 }
@@ -58,32 +62,30 @@ pub(crate) fn measure<'a>(
     settings: &Settings,
     pool: &ThreadPool,
 ) -> Result<Trees<'a>, String> {
+    let before = memory::held();
     let firsthit = firsthit_side::build(&scene.objects)?;
-    let triangles = firsthit.triangles() as f64;
+    let firsthit_held = memory::held() - before;
+    let triangles = scene.model.triangles();
     let rounds = settings.rounds.min(MOST_ROUNDS);
     let mut ours = || drop(firsthit_side::build(&scene.objects));
     let moved = firsthit_side::moved(&scene.objects)?;
     let mut refit = || drop(firsthit.with_objects(moved.clone()));
-    let mut theirs = || drop(device.map(|device| device.scene(&scene.triangles, false, false)));
-    let times = measure::in_turns(
-        rounds,
-        triangles as usize,
-        &mut [&mut ours, &mut theirs, &mut refit],
-    );
+    let mut theirs = || drop(device.map(|device| device.scene(&scene.model, false, false)));
+    let times = measure::in_turns(rounds, triangles, &mut [&mut ours, &mut theirs, &mut refit]);
     let speedup = measure::speedup(rounds, pool, &|| {
         drop(firsthit_side::build(&scene.objects));
     });
     let embree = match device {
         None => None,
         Some(device) => {
-            let tree = |robust, filters| device.scene(&scene.triangles, robust, filters);
+            let tree = |robust, filters| device.scene(&scene.model, robust, filters);
             let (plain, robust) = (tree(false, false)?, tree(true, false)?);
             let gathering = if settings.rows().contains(&Row::AllHits) {
                 Some([tree(false, true)?, tree(true, true)?])
             } else {
                 None
             };
-            let bytes = plain.bytes as f64 / triangles;
+            let bytes = plain.bytes as f64 / triangles as f64;
             Some(EmbreeTrees {
                 plain,
                 robust,
@@ -94,7 +96,8 @@ pub(crate) fn measure<'a>(
         }
     };
     Ok(Trees {
-        firsthit_bytes: firsthit.tree_bytes() as f64 / triangles,
+        firsthit_bytes: firsthit.tree_bytes() as f64 / triangles as f64,
+        firsthit_held,
         firsthit,
         embree,
         firsthit_build: times[0],

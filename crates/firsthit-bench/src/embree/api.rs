@@ -49,10 +49,14 @@ const QUERY_COHERENT: c_uint = 1 << 16;
 pub(super) const PROPERTY_VERSION: c_int = 0;
 pub(super) const PROPERTY_NATIVE_RAY16: c_int = 34;
 pub(super) const GEOMETRY_TRIANGLE: c_int = 0;
+pub(super) const GEOMETRY_SPHERE: c_int = 50;
+pub(super) const GEOMETRY_INSTANCE: c_int = 121;
 pub(super) const BUFFER_INDEX: c_int = 0;
 pub(super) const BUFFER_VERTEX: c_int = 1;
 pub(super) const FORMAT_UINT3: c_int = 0x5003;
 pub(super) const FORMAT_FLOAT3: c_int = 0x9003;
+pub(super) const FORMAT_FLOAT4: c_int = 0x9004;
+pub(super) const FORMAT_COLUMNS: c_int = 0x9234;
 pub(super) const QUALITY_MEDIUM: c_int = 1;
 pub(super) const SCENE_ROBUST: c_int = 1 << 2;
 pub(super) const SCENE_FILTERS: c_int = 1 << 3;
@@ -98,6 +102,9 @@ functions! {
     new_geometry = b"rtcNewGeometry": unsafe extern "C" fn(Handle, c_int) -> Handle;
     set_shared_buffer = b"rtcSetSharedGeometryBuffer":
         unsafe extern "C" fn(Handle, c_int, c_uint, c_int, *const c_void, usize, usize, usize);
+    set_instanced_scene = b"rtcSetGeometryInstancedScene": unsafe extern "C" fn(Handle, Handle);
+    set_transform = b"rtcSetGeometryTransform":
+        unsafe extern "C" fn(Handle, c_uint, c_int, *const c_void);
     commit_geometry = b"rtcCommitGeometry": unsafe extern "C" fn(Handle);
     release_geometry = b"rtcReleaseGeometry": unsafe extern "C" fn(Handle);
     new_scene = b"rtcNewScene": unsafe extern "C" fn(Handle) -> Handle;

@@ -1,4 +1,4 @@
-//! Embree's library, its devices and its scenes of triangles.
+//! Embree's library, its devices and its scenes.
 
 use std::error::Error;
 use std::ffi::{CString, c_void};
@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicIsize, Ordering};
 
 use super::api::{self, Api};
+use super::model::Model;
 
 /// Embree's code.
 #[derive(Debug)]
@@ -76,59 +77,18 @@ impl<'a> Device<'a> {
         unsafe { (self.api.device_property)(self.handle, property) }
     }
 
-    /// Builds the tree over `meshes` at medium quality, Embree's default. With `filters`, rays can bring a filter function.
+    /// Builds the trees over `model` at medium quality, Embree's default. With `filters`, rays can bring a filter function.
     pub(crate) fn scene<'s>(
         &'s self,
-        meshes: &'s [Triangles],
+        model: &'s Model,
         robust: bool,
         filters: bool,
     ) -> Result<Scene<'s>, String> {
         let before = BYTES.load(Ordering::Relaxed);
-        // SAFETY: the device is alive, and so is everything made here; the buffers live for 's, longer
-        // than the scene that reads them, their sizes are those of the vectors, and the vertices are
-        // followed by one more, so that the last one may be read as 16 bytes.
-        let handle = unsafe {
-            let api = self.api;
-            let scene = (api.new_scene)(self.handle);
-            let flag = |is_on: bool, flag| if is_on { flag } else { 0 };
-            let flags = flag(robust, api::SCENE_ROBUST) | flag(filters, api::SCENE_FILTERS);
-            (api.set_scene_flags)(scene, flags);
-            (api.set_build_quality)(scene, api::QUALITY_MEDIUM);
-            for mesh in meshes {
-                let geometry = (api.new_geometry)(self.handle, api::GEOMETRY_TRIANGLE);
-                let corners = mesh.corners.as_ptr().cast();
-                let indices = mesh.indices.as_ptr().cast();
-                let (vertices, triangles) = (mesh.corners.len() - 1, mesh.indices.len());
-                let share = api.set_shared_buffer;
-                let float3 = api::FORMAT_FLOAT3;
-                let uint3 = api::FORMAT_UINT3;
-                share(
-                    geometry,
-                    api::BUFFER_VERTEX,
-                    0,
-                    float3,
-                    corners,
-                    0,
-                    12,
-                    vertices,
-                );
-                share(
-                    geometry,
-                    api::BUFFER_INDEX,
-                    0,
-                    uint3,
-                    indices,
-                    0,
-                    12,
-                    triangles,
-                );
-                (api.commit_geometry)(geometry);
-                (api.attach_geometry)(scene, geometry);
-                (api.release_geometry)(geometry);
-            }
-            (api.commit_scene)(scene);
-            scene
-        };
+        let flag = |is_on: bool, flag| if is_on { flag } else { 0 };
+        let flags = flag(robust, api::SCENE_ROBUST) | flag(filters, api::SCENE_FILTERS);
+        // SAFETY: the device is alive; the model lives for 's, longer than the scene that reads its buffers.
+        let handle = unsafe { model.commit(self.api, self.handle, flags) };
         // SAFETY: the device is alive.
         let error = unsafe { (self.api.device_error)(self.handle) };
         let scene = Scene {
@@ -136,7 +96,7 @@ impl<'a> Device<'a> {
             handle,
             width: self.width(),
             bytes: BYTES.load(Ordering::Relaxed) - before,
-            meshes: PhantomData,
+            model: PhantomData,
         };
         if error == 0 {
             Ok(scene)
@@ -153,26 +113,7 @@ impl Drop for Device<'_> {
     }
 }
 
-/// A mesh in Embree's types.
-#[derive(Debug)]
-pub(crate) struct Triangles {
-    /// The vertices, and one more.
-    corners: Vec<[f32; 3]>,
-    indices: Vec<[u32; 3]>,
-}
-
-impl Triangles {
-    /// The triangles that index `vertices`.
-    pub(crate) fn new(mut vertices: Vec<[f32; 3]>, indices: Vec<[u32; 3]>) -> Self {
-        vertices.push([0.0; 3]);
-        Self {
-            corners: vertices,
-            indices,
-        }
-    }
-}
-
-/// Triangles with Embree's tree over them.
+/// A model with Embree's trees over it.
 #[derive(Debug)]
 pub(crate) struct Scene<'s> {
     pub(super) api: &'s Api,
@@ -181,7 +122,7 @@ pub(crate) struct Scene<'s> {
     pub(super) width: usize,
     /// What Embree allocated to build and keep it, and did not give back.
     pub(crate) bytes: isize,
-    meshes: PhantomData<&'s [Triangles]>,
+    model: PhantomData<&'s Model>,
 }
 
 impl Drop for Scene<'_> {

@@ -5,7 +5,7 @@ use std::ffi::{c_int, c_uint, c_void};
 
 use super::api::Arguments;
 use super::device::Scene;
-use super::packet::{INVALID, RayHits};
+use super::packet::{self, INVALID, RayHits};
 use super::source::{BLOCK, Source};
 use super::trace::{Door, Valid};
 
@@ -14,7 +14,7 @@ use super::trace::{Door, Valid};
 struct Found {
     /// The ray's number in the block, then the bits of `t`, which is not negative: it sorts by both.
     order: u64,
-    /// Geometry, primitive, and the bits of u and v, as firsthit gives them.
+    /// Object, primitive, and the bits of u and v, as firsthit gives them.
     surface: [u32; 4],
 }
 
@@ -77,6 +77,7 @@ mod field {
     pub(super) const V: usize = 4;
     pub(super) const PRIMITIVE: usize = 5;
     pub(super) const GEOMETRY: usize = 6;
+    pub(super) const INSTANCE: usize = 7;
 }
 
 /// Keeps every hit, and refuses it.
@@ -102,7 +103,12 @@ unsafe extern "C" fn keep(arguments: *const FilterArguments) {
             let hit = |field: usize| *hits.add(field * lanes + lane);
             context.found.push(Found {
                 order: u64::from(ray(field::ID)) << 32 | u64::from(ray(field::T_FAR)),
-                surface: [field::GEOMETRY, field::PRIMITIVE, field::U, field::V].map(hit),
+                surface: [
+                    packet::object(hit(field::INSTANCE), hit(field::GEOMETRY)),
+                    hit(field::PRIMITIVE),
+                    hit(field::U),
+                    hit(field::V),
+                ],
             });
             *valid.add(lane) = 0;
         }

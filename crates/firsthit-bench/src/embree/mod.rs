@@ -1,4 +1,4 @@
-//! Embree 4, opened at run time: devices, scenes of triangles, and its doors for rays.
+//! Embree 4, opened at run time: devices, scenes, and its doors for rays.
 #![expect(
     unsafe_code,
     reason = "Embree is a C library; every block says what it rests on"
@@ -12,13 +12,15 @@ mod api;
 mod control;
 mod device;
 mod gather;
+mod model;
 mod packet;
 mod plane;
 mod source;
 mod trace;
 
 pub(crate) use control::FlushToZero;
-pub(crate) use device::{Device, Library, Scene, Triangles};
+pub(crate) use device::{Device, Library, Scene};
 pub(crate) use gather::Gathered;
+pub(crate) use model::Model;
 pub(crate) use source::{Columns, Pixels, Source};
 pub(crate) use trace::{Answers, Door};

@@ -26,7 +26,25 @@ pub(super) struct Hits<const N: usize> {
     pub(super) v: [f32; N],
     pub(super) primitive: [u32; N],
     pub(super) geometry: [u32; N],
-    instance: [[u32; N]; 2],
+    pub(super) instance: [[u32; N]; 2],
+}
+
+impl<const N: usize> Hits<N> {
+    /// The objects: instances, and geometries that are in none.
+    #[inline(always)]
+    pub(super) fn objects(&self) -> [u32; N] {
+        std::array::from_fn(|k| object(self.instance[0][k], self.geometry[k]))
+    }
+}
+
+/// Which object a hit is of.
+#[inline(always)]
+pub(super) fn object(instance: u32, geometry: u32) -> u32 {
+    if instance == INVALID {
+        geometry
+    } else {
+        instance
+    }
 }
 
 /// `RTCRayHitN`.
@@ -66,6 +84,7 @@ impl<const N: usize> RayHits<N> {
         self.rays.t_near = [0.0; N];
         self.hits.primitive = [INVALID; N];
         self.hits.geometry = [INVALID; N];
+        self.hits.instance[0] = [INVALID; N];
     }
 }
 
@@ -73,6 +92,16 @@ impl<const N: usize> RayHits<N> {
 mod tests {
     use super::*;
     use std::mem::{offset_of, size_of};
+
+    #[test]
+    fn a_hit_in_an_instance_is_a_hit_of_that_object() {
+        let mut packet = RayHits::<8>::EMPTY;
+        packet.hits.geometry[..2].fill(0);
+        packet.hits.instance[0][1] = 7;
+        assert_eq!(packet.hits.objects()[..3], [0, 7, INVALID]);
+        packet.reset();
+        assert_eq!(packet.hits.objects(), [INVALID; 8]);
+    }
 
     #[test]
     fn packets_are_laid_out_as_in_the_headers() {

@@ -19,7 +19,7 @@ pub(crate) enum Door {
     Coherent,
 }
 
-/// What Embree found for each ray: `t`, geometry, primitive, u, v.
+/// What Embree found for each ray: `t`, object, primitive, u, v.
 #[derive(Debug)]
 pub(crate) struct Answers([Plane; 5]);
 
@@ -33,8 +33,8 @@ impl Answers {
 
     /// `t`, object and primitive of the first hit of ray `index`, if any.
     pub(crate) fn hit(&self, index: usize) -> Option<(f32, u32, u32)> {
-        let [t, geometry, primitive, ..] = &self.0;
-        let object = geometry.get(index);
+        let [t, object, primitive, ..] = &self.0;
+        let object = object.get(index);
         (object != INVALID).then(|| (f32::from_bits(t.get(index)), object, primitive.get(index)))
     }
 
@@ -171,7 +171,7 @@ fn first_hits_of_blocks<const N: usize, S: Source>(
             call(&Valid::below(rays - first), &mut packet);
             let hits = &packet.hits;
             S::place(first, &packet.rays.t_far.map(f32::to_bits), &mut local[0]);
-            S::place(first, &hits.geometry, &mut local[1]);
+            S::place(first, &hits.objects(), &mut local[1]);
             S::place(first, &hits.primitive, &mut local[2]);
             S::place(first, &hits.u.map(f32::to_bits), &mut local[3]);
             S::place(first, &hits.v.map(f32::to_bits), &mut local[4]);
