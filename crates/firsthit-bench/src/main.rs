@@ -19,6 +19,7 @@ mod rows;
 mod scenes;
 mod settings;
 mod tree;
+mod visits;
 
 use std::process::ExitCode;
 

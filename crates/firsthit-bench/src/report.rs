@@ -12,6 +12,7 @@ use crate::row::{DOORS, Measured, Row};
 use crate::scenes::BenchScene;
 use crate::settings::Settings;
 use crate::tree::{EmbreeTrees, Trees};
+use crate::visits::{Visits, fit};
 
 /// What the ratios are taken against.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +43,8 @@ pub(crate) struct Report<'a> {
     settings: &'a Settings,
     text: String,
     rows: Vec<Measured>,
+    /// Scene and row, visits and time.
+    counted: Vec<(String, (Visits, f64))>,
 }
 
 const HEAD: &str = "\
@@ -53,6 +56,7 @@ impl<'a> Report<'a> {
             settings,
             text: String::new(),
             rows: Vec::new(),
+            counted: Vec::new(),
         };
         report.line(&machine());
         let set = settings.instruction_set();
@@ -131,6 +135,20 @@ impl<'a> Report<'a> {
             checked.other_triangle,
             checked.largest_difference
         );
+        if let Some(visits) = measured.visits {
+            let name = format!("{scene} {}", measured.row.name());
+            self.counted.push((name, (visits, min)));
+            let Visits {
+                nodes,
+                leaves,
+                hits,
+                ..
+            } = visits;
+            let _ = write!(
+                line,
+                "  {nodes:.2} nodes, {leaves:.2} leaves, {hits:.2} hits a ray"
+            );
+        }
         self.line(&line);
         self.rows.push(measured);
     }
@@ -166,6 +184,7 @@ impl<'a> Report<'a> {
             );
             self.line(&line);
         }
+        self.costs();
         if let Some(path) = &self.settings.record {
             let heading = path.file_stem().unwrap_or_default().to_string_lossy();
             let text = format!(
@@ -176,6 +195,23 @@ impl<'a> Report<'a> {
             fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))?;
         }
         Ok(self.rows.iter().all(|measured| measured.checked.wrong == 0))
+    }
+
+    /// What nodes, leaves and hits cost in the rows where they were counted.
+    fn costs(&mut self) {
+        let rows: Vec<_> = self.counted.iter().map(|(_, counted)| *counted).collect();
+        let Some(([ray, node, leaf, hit], off)) = fit(&rows) else {
+            return;
+        };
+        self.line(&format!(
+            "\nbounce and random, ns a ray = {ray:.1} + {node:.1} nodes + {leaf:.1} leaves + {hit:.1} hits; beyond that, rows took"
+        ));
+        let names = self.counted.iter().map(|(name, _)| name);
+        let named: Vec<String> = names
+            .zip(off)
+            .map(|(name, off)| format!("{name} {off:+.1}"))
+            .collect();
+        self.line(&named.join(", "));
     }
 
     fn line(&mut self, line: &str) {

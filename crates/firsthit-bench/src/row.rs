@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use crate::check::Checked;
 use crate::embree::Door;
 use crate::measure::Timing;
+use crate::visits::Visits;
 
 /// A kind of rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -80,4 +81,6 @@ pub(crate) struct Measured {
     /// How many times faster firsthit is with two threads.
     pub(crate) speedup: f64,
     pub(crate) checked: Checked,
+    /// Of rows whose rays go through one tree one by one.
+    pub(crate) visits: Option<Visits>,
 }

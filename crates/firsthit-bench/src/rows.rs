@@ -20,6 +20,7 @@ use crate::row::{DOORS, Measured, Row};
 use crate::scenes::{BenchScene, Look};
 use crate::settings::Settings;
 use crate::tree::Trees;
+use crate::visits::Tree;
 use rays::Surface;
 
 /// Measures all rows that were asked for.
@@ -36,19 +37,24 @@ pub(crate) fn measure(
         rounds: settings.rounds,
         pool,
     };
+    let tree = Tree::of(&trees.firsthit);
     let shots = Shots::new(&trees.firsthit, &scene.look, settings.side)?;
     for &row in settings.rows() {
-        let measured = match shots.of(row)? {
-            Shot::Pixels(camera) => run.first_hits(row, &camera, &Pixels::new(&camera)),
+        let shot = shots.of(row)?;
+        let mut measured = match &shot {
+            Shot::Pixels(camera) => run.first_hits(row, camera, &Pixels::new(camera)),
             Shot::Curved(camera) => {
-                let rays: Vec<Ray> = (0..camera.len()).map(|k| Rays::ray(&camera, k)).collect();
-                run.first_hits(row, &camera, &Columns::new(&rays))
+                let rays: Vec<Ray> = (0..camera.len()).map(|k| Rays::ray(camera, k)).collect();
+                run.first_hits(row, camera, &Columns::new(&rays))
             }
-            Shot::First(rays) => run.first_hits(row, &*rays, &Columns::new(&rays)),
-            Shot::Any(rays) => run.any_hits(row, &rays),
-            Shot::All(rays) => run.all_hits(row, &rays),
-            Shot::Picture(picture) => run.picture(row, &picture),
+            Shot::First(rays) => run.first_hits(row, &**rays, &Columns::new(rays)),
+            Shot::Any(rays) => run.any_hits(row, rays),
+            Shot::All(rays) => run.all_hits(row, rays),
+            Shot::Picture(picture) => run.picture(row, picture),
         };
+        if let (Row::Bounce | Row::Random, Shot::First(rays)) = (row, &shot) {
+            measured.visits = tree.as_ref().map(|tree| tree.count(rays));
+        }
         report.row(&scene.name, measured);
     }
     Ok(())
@@ -167,6 +173,7 @@ impl Run<'_> {
         Measured {
             row,
             rays: source.len(),
+            visits: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
@@ -193,6 +200,7 @@ impl Run<'_> {
         Measured {
             row,
             rays: rays.len(),
+            visits: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
@@ -223,6 +231,7 @@ impl Run<'_> {
         Measured {
             row,
             rays: rays.len(),
+            visits: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
@@ -247,6 +256,7 @@ impl Run<'_> {
         Measured {
             row,
             rays: count,
+            visits: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
