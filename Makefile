@@ -232,13 +232,15 @@ docs: .venv-docs/ready
 
 # firsthit beside Embree in one table, see docs/performance.md. For every day:
 # make bench SCENES=bunny ROWS=primary ROUNDS=3. ISA=avx2 measures both sides as on a machine without AVX-512. With
-# RECORD=1 the table is kept in benches/record/.
+# RECORD=1 the table is kept in benches/record/. With TINYBVH=PATH/tiny_bvh.h, from github.com/jbikker/tinybvh, it is measured beside, too.
 BENCH_MACHINE = $(shell lscpu | sed -n 's/^Model name: *//p' | tr 'A-Z' 'a-z' | tr -cs 'a-z0-9\n' '-')
+TINYBVH_LIBRARY := target/release/libtinybvh.so
 bench: .venv-bench/ready target/scenes/ready
 	$(CARGO) build --release --package firsthit-bench
+	$(if $(TINYBVH),$(CXX) -O3 -march=haswell -std=c++20 -shared -fPIC -w -I$(dir $(TINYBVH)) -o $(TINYBVH_LIBRARY) benches/tinybvh.cpp)
 	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); scenes=$(SCENES); \
 	[ -f target/scenes/ready ] || [ ! -f target/scenes/terrain.cam ] || scenes=$${scenes:-boulder,room,terrain,tiles,assembly}; \
-	target/release/firsthit-bench $${embree:+--embree "$$embree"} $${scenes:+--scenes "$$scenes"} \
+	target/release/firsthit-bench $${embree:+--embree "$$embree"} $(if $(TINYBVH),--tinybvh $(TINYBVH_LIBRARY)) $${scenes:+--scenes "$$scenes"} \
 	    $(if $(ROWS),--rows $(ROWS)) $(if $(ROUNDS),--rounds $(ROUNDS)) $(if $(JUDGE),--judge $(JUDGE)) \
 	    $(if $(ISA),--isa $(ISA)) $(if $(RECORD),--record benches/record/$$(date +%F)-$(BENCH_MACHINE)$(if $(ISA),-$(ISA)).md)
 

@@ -18,6 +18,7 @@ mod row;
 mod rows;
 mod scenes;
 mod settings;
+mod tinybvh;
 mod tree;
 mod visits;
 
@@ -65,6 +66,12 @@ fn run(settings: &Settings) -> Result<bool, String> {
         .map_err(|error| format!("--embree: {error}"))?;
     let device = |library| embree::Device::new(library, settings.embree_isa());
     let device = library.as_ref().map(device).transpose()?;
+    let tinybvh = settings
+        .tinybvh
+        .as_deref()
+        .map(tinybvh::Library::open)
+        .transpose()
+        .map_err(|error| format!("--tinybvh: {error}"))?;
     if let Some(set) = settings.isa {
         choose(set);
     }
@@ -83,8 +90,17 @@ fn run(settings: &Settings) -> Result<bool, String> {
     for name in settings.scenes()? {
         let scene = scenes::find(&name, &settings.folder)?;
         let trees = tree::measure(&scene, device.as_ref(), settings, &pool)?;
+        let tinybvh = tinybvh
+            .as_ref()
+            .and_then(|library| tinybvh::Tree::new(library, &trees.firsthit));
         report.tree(&scene, &trees);
-        rows::measure(&scene, &trees, settings, &pool, &mut report)?;
+        rows::measure(
+            &scene,
+            (&trees, tinybvh.as_ref()),
+            settings,
+            &pool,
+            &mut report,
+        )?;
     }
     report.finish()
 }

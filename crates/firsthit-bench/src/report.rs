@@ -11,6 +11,7 @@ use crate::measure::{Timing, geometric_mean};
 use crate::row::{DOORS, Measured, Row};
 use crate::scenes::BenchScene;
 use crate::settings::Settings;
+use crate::tinybvh::Beside;
 use crate::tree::{EmbreeTrees, Trees};
 use crate::visits::{Visits, fit};
 
@@ -135,6 +136,17 @@ impl<'a> Report<'a> {
             checked.other_triangle,
             checked.largest_difference
         );
+        if let Some(tinybvh) = measured.tinybvh {
+            let Beside {
+                nanoseconds,
+                ratio,
+                other,
+            } = tinybvh;
+            let _ = write!(
+                line,
+                "  tinybvh {nanoseconds:.1} (x {ratio:.2}, {other} other)"
+            );
+        }
         if let Some(visits) = measured.visits {
             let name = format!("{scene} {}", measured.row.name());
             self.counted.push((name, (visits, min)));
@@ -182,7 +194,9 @@ impl<'a> Report<'a> {
                 row.name(),
                 ratios(all)
             );
-            self.line(&line);
+            let beside: Option<Vec<f64>> = rows.iter().map(|m| Some(m.tinybvh?.ratio)).collect();
+            let beside = beside.map(|all| format!("  tinybvh x {:.2}", geometric_mean(&all)));
+            self.line(&(line + &beside.unwrap_or_default()));
         }
         self.costs();
         if let Some(path) = &self.settings.record {

@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use crate::check::Checked;
 use crate::embree::Door;
 use crate::measure::Timing;
+use crate::tinybvh::Beside;
 use crate::visits::Visits;
 
 /// A kind of rays.
@@ -83,4 +84,6 @@ pub(crate) struct Measured {
     pub(crate) checked: Checked,
     /// Of rows whose rays go through one tree one by one.
     pub(crate) visits: Option<Visits>,
+    /// None without tinybvh.
+    pub(crate) tinybvh: Option<Beside>,
 }

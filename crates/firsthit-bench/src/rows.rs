@@ -19,6 +19,7 @@ use crate::report::Report;
 use crate::row::{DOORS, Measured, Row};
 use crate::scenes::{BenchScene, Look};
 use crate::settings::Settings;
+use crate::tinybvh;
 use crate::tree::Trees;
 use crate::visits::Tree;
 use rays::Surface;
@@ -26,7 +27,7 @@ use rays::Surface;
 /// Measures all rows that were asked for.
 pub(crate) fn measure(
     scene: &BenchScene,
-    trees: &Trees<'_>,
+    (trees, tinybvh): (&Trees<'_>, Option<&tinybvh::Tree<'_>>),
     settings: &Settings,
     pool: &ThreadPool,
     report: &mut Report<'_>,
@@ -55,6 +56,7 @@ pub(crate) fn measure(
         if let (Row::Bounce | Row::Random, Shot::First(rays)) = (row, &shot) {
             measured.visits = tree.as_ref().map(|tree| tree.count(rays));
         }
+        measured.tinybvh = tinybvh.and_then(|tree| tree.beside(&trees.firsthit, &shot, run.rounds));
         report.row(&scene.name, measured);
     }
     Ok(())
@@ -174,6 +176,7 @@ impl Run<'_> {
             row,
             rays: source.len(),
             visits: None,
+            tinybvh: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
@@ -201,6 +204,7 @@ impl Run<'_> {
             row,
             rays: rays.len(),
             visits: None,
+            tinybvh: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
@@ -232,6 +236,7 @@ impl Run<'_> {
             row,
             rays: rays.len(),
             visits: None,
+            tinybvh: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),
@@ -257,6 +262,7 @@ impl Run<'_> {
             row,
             rays: count,
             visits: None,
+            tinybvh: None,
             firsthit: times[0],
             embree: times[1..].to_vec(),
             checked: self.pool.install(check),

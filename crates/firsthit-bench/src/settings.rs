@@ -15,6 +15,9 @@ pub(crate) struct Settings {
     /// Embree 4's shared library [default: firsthit is measured alone]
     #[arg(long, value_name = "FILE")]
     pub(crate) embree: Option<PathBuf>,
+    /// tinybvh, as benches/tinybvh.cpp is compiled [default: it is left out]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) tinybvh: Option<PathBuf>,
     /// The folder with the scenes: NAME.ply, .glb or .toml beside NAME.cam
     #[arg(long, value_name = "FOLDER", default_value = "target/scenes")]
     pub(crate) folder: PathBuf,
@@ -92,6 +95,9 @@ impl Settings {
         }
         if let Some(set) = self.isa {
             words.push(format!("ISA={}", set.name()));
+        }
+        if self.tinybvh.is_some() {
+            words.push("TINYBVH=tiny_bvh.h".into());
         }
         words.push(format!("JUDGE={}", self.judge));
         words.join(" ")
