@@ -492,6 +492,26 @@ def test_a_matrix_of_sights_is_that_of_visible(tmp_path):
     assert len(digests) == 1
 
 
+@pytest.mark.parametrize("how", [{"tolerance": 0.4}, {"blend_below": 0.5}])
+def test_a_matrix_of_sights_takes_what_visible_takes(how, tmp_path):
+    looked = fh.Scene()
+    # A wall of blended glass, and a solid one.
+    corners = [(-9, -9), (9, -9), (9, 9), (-9, 9)]
+    glass = fh.Material(alpha=0.25, alpha_mode="blend")
+    for z, material in ((1, glass), (3, None)):
+        wall = fh.Mesh([(*corner, z) for corner in corners], [(0, 1, 2), (0, 2, 3)])
+        looked.add(wall, material=material)
+    a, b = [(0, 0, 0), (0, 0, 2), (0, 0, 2.9)], [(1, 0, 0.7), (1, 0, 2.8), (1, 0, 3.3)]
+    seen = looked.visible(np.array(a)[:, None], b, **how)
+    assert (seen != looked.visible(np.array(a)[:, None], b)).any()
+    made = fh.visible_many(looked, a, b, tmp_path / "how", block=(2, 8), **how)
+    np.testing.assert_array_equal(fh.many.bits(tmp_path / "how"), seen)
+    with pytest.raises(fh.FileWriteError, match="another"):
+        fh.visible_many(looked, a, b, tmp_path / "how", block=(2, 8))
+    plain = fh.visible_many(looked, a, b, tmp_path / "plain", block=(2, 8))
+    assert plain.digest != made.digest
+
+
 def test_a_matrix_is_zarr(tmp_path):
     zarr = pytest.importorskip("zarr")
     a, b = rays(100)[0], rays(77, seed=5)[0]
@@ -670,6 +690,8 @@ def test_bits_of_parts_of_any_size(sizes, tmp_path):
         lambda out: fh.render_many(scene(), cameras(1), out, shade="x"),
         lambda out: fh.render_many(scene(), cameras(1), out, samples=0),
         lambda out: fh.visible_many(scene(), *rays(9), out, objects=[99]),
+        lambda out: fh.visible_many(scene(), *rays(9), out, tolerance=-1),
+        lambda out: fh.visible_many(scene(), *rays(9), out, blend_below=2),
     ],
 )
 def test_what_the_scene_refuses_makes_no_folder(wrong, tmp_path):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from firsthit._arrays import count, vectors
+from firsthit._arrays import count, number, vectors
 from firsthit._errors import FileFormatError, FileReadError, FileWriteError
 from firsthit._parts._digest import of_arrays
 from firsthit._parts._drive import is_here
@@ -46,7 +46,9 @@ def visible_many(
     out: str | os.PathLike[str],
     *,
     block: tuple[int, int] = (4096, 32768),
+    tolerance: float = 0.0,
     objects: Selection | None = None,
+    blend_below: float | None = None,
     on: On = None,
     part: tuple[int, int] | None = None,
     threads: int | None = None,
@@ -70,7 +72,7 @@ def visible_many(
     block : pair of int
         The rows and columns of a block; the columns are a multiple of eight. A block should take a
         second or more.
-    objects
+    tolerance, objects, blend_below
         As for `Scene.visible`.
     on, part, threads, verify, progress
         As for `render_many`.
@@ -115,6 +117,8 @@ def visible_many(
     if columns % 8:
         raise ValueError(f"block must have a multiple of 8 columns, got {columns}")
     share, objects = shared(scene), settled(objects)
+    near = number("tolerance", tolerance)
+    looking: dict[str, Any] = {"tolerance": near, "objects": objects, "blend_below": blend_below}
     points = SharedArrays(
         {name: np.ascontiguousarray(array, np.float64) for name, array in ends.items()}
     )
@@ -126,13 +130,16 @@ def visible_many(
         "block": [rows, columns],
         "points": points.digest(),
         "objects": listed(objects),
+        # Jobs from before these were there keep their folders.
+        **({} if near == 0 else {"tolerance": near}),
+        **({} if blend_below is None else {"blend_below": float(blend_below)}),
     }
-    share.get().visible(ends["a"][:0], ends["b"][:0], objects=objects)
+    share.get().visible(ends["a"][:1], ends["b"][:1], **looking)
     job = Job(out, share, said, math.ceil(shape[0] / rows) * across)
     job.claim()
     if not is_here(on):
         points.share(job.out)
-    maker = _Blocks(job.scene, job.digest, points, (rows, columns), across, objects, how.threads)
+    maker = _Blocks(job.scene, job.digest, points, (rows, columns), across, looking, how.threads)
     made = job.made(job.do(maker, how, "blocks"))
     if made.digest is not None:
         _join(job, shape, (rows, columns), across)
@@ -147,14 +154,14 @@ class _Blocks(NamedTuple):
     points: SharedArrays
     block: tuple[int, int]
     across: int
-    objects: Any
+    looking: dict[str, Any]
     threads: int | None
 
     def make(self, folder: Path, task: Task) -> dict[str, Any]:
         (rows, columns), (down, right) = self.block, divmod(task.number, self.across)
         a = self.points["a"][down * rows : (down + 1) * rows]
         b = self.points["b"][right * columns : (right + 1) * columns]
-        seen = self.scene.get().visible(a[:, None], b, objects=self.objects, threads=self.threads)
+        seen = self.scene.get().visible(a[:, None], b, **self.looking, threads=self.threads)
         # A chunk has its full size at the matrix's ends too.
         bits = np.zeros((rows, columns // 8), np.uint8)
         packed = np.packbits(seen, axis=1, bitorder="little")
@@ -238,12 +245,12 @@ def _join(job: Job, shape: tuple[int, int], block: tuple[int, int], across: int)
     into = job.out / MATRIX
     if into.is_symlink():
         raise FileWriteError(f"{into}: a link, not a folder of the job", os.fspath(into))
-    for number in range(job.count):
-        if BLOCK not in job.parts.whole_record(number)["files"]:
-            path = os.fspath(job.parts.path(number))
+    for part in range(job.count):
+        if BLOCK not in job.parts.whole_record(part)["files"]:
+            path = os.fspath(job.parts.path(part))
             raise FileFormatError(f"{path}: its record has no {BLOCK}", path)
-        down, right = divmod(number, across)
-        link(job.parts.path(number) / BLOCK, into / "c" / str(down) / str(right))
+        down, right = divmod(part, across)
+        link(job.parts.path(part) / BLOCK, into / "c" / str(down) / str(right))
     said = {
         "zarr_format": 3,
         "node_type": "array",
