@@ -49,6 +49,11 @@ impl MeshTree {
         self.is_quick
     }
 
+    /// Whether there are triangles in one place, to the last bit.
+    pub(crate) fn has_copies(&self) -> bool {
+        !self.copies.is_empty()
+    }
+
     /// The copies of a triangle of a leaf: the second of each pair.
     #[inline(always)]
     pub(super) fn copies_of(&self, triangle: u32) -> &[[u32; 2]] {

@@ -1,6 +1,7 @@
 //! Triangles over shared vertices: the mesh itself. What else it knows is in `mesh/attributes.rs`, how rays meet it in
 //! `mesh/crossing.rs`.
 
+mod asked;
 mod attributes;
 mod closed;
 mod crossing;
@@ -11,6 +12,7 @@ mod facing;
 mod named;
 mod parts;
 mod reach;
+mod rings;
 #[cfg(feature = "fhs")]
 mod stored;
 mod surface;

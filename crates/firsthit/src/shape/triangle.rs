@@ -37,7 +37,7 @@ mod filter;
 mod place;
 
 pub(crate) use departure::DeparturePoint;
-pub(crate) use fan::Around;
+pub(crate) use fan::Fan;
 pub(crate) use filter::MeshFilter;
 pub(crate) use place::{Meeting, Place, Plain, PlainStart, Plane, Start};
 

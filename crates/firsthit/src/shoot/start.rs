@@ -5,7 +5,7 @@ use std::cell::Cell;
 use crate::accel::{EachCandidate, InstructionSet, MeshTree, Scratch};
 use crate::geometry::{DVec3, Ray, RayFilter};
 use crate::scene::Scene;
-use crate::shape::triangle::{Around, DeparturePoint, MeshFilter};
+use crate::shape::triangle::{DeparturePoint, Fan, MeshFilter};
 use crate::shape::{Crossing, Mesh};
 use crate::simd;
 
@@ -42,8 +42,12 @@ fn search(
     if departure.surface.object != index.cast_signed() || mesh.is_closed().unwrap_or(true) {
         return None;
     }
-    let around = around(scene.mesh_tree(index as usize), mesh, point);
-    let triangle = point.stopped_by(ray.direction, side, &around)?;
+    let left = departure.surface.primitive.cast_unsigned();
+    let fan = Fan {
+        triangles: around(scene.mesh_tree(index as usize), mesh, (left, point)),
+        is_of_one_way: mesh.edges_are_of_one_way().unwrap_or(false),
+    };
+    let triangle = point.stopped_by(ray.direction, side, &fan)?;
     let corners = mesh.corners(triangle as usize);
     let crossing = Crossing {
         t: f64::MIN_POSITIVE,
@@ -60,16 +64,28 @@ thread_local! {
     static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
 }
 
-/// The triangles that hold a point, of those in one place the lowest.
-fn around(tree: Option<&MeshTree>, mesh: &Mesh, point: &DeparturePoint) -> Vec<Around> {
-    let mut around = Vec::new();
+/// The triangles that hold a point of one, of those in one place the lowest.
+fn around(
+    tree: Option<&MeshTree>,
+    mesh: &Mesh,
+    (left, point): (u32, &DeparturePoint),
+) -> Vec<(u32, [DVec3; 3])> {
+    let mut around = Vec::with_capacity(8);
     let mut look_at = |triangle: u32| {
         let corners = mesh.corners(triangle as usize);
         if point.is_held_by(&corners) {
             around.push((triangle, corners));
         }
     };
-    if let Some(tree) = tree {
+    // The tree leaves out copies, and rings have them.
+    let rings = if tree.is_some_and(MeshTree::has_copies) {
+        None
+    } else {
+        mesh.around(left, point.first_corner())
+    };
+    if let Some(ring) = rings {
+        ring.for_each(look_at);
+    } else if let Some(tree) = tree {
         // Any ray from there comes to all of them.
         let ray = Ray::new(point.rounded, DVec3::new(7.0, 10.0, 10.5)).up_to(f64::MIN_POSITIVE);
         let mut scratch = SCRATCH.take().unwrap_or_else(Scratch::new);

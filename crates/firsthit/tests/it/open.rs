@@ -1,5 +1,7 @@
 //! Rays that leave edges and vertices of open meshes: what a ray from a little above meets at once stops them.
 
+use std::sync::Arc;
+
 use firsthit::measure::thickness;
 use firsthit::shoot::{Any, BruteForce, Count, Cpu, First, trace, trace_with};
 use firsthit::{DVec3, Filtered, InstructionSet, Object, Ray, Scene, Transform};
@@ -160,6 +162,39 @@ fn a_terrain_is_seen_from_its_vertices_as_from_a_little_above_them() {
         stopped > cases(300) && free > cases(300),
         "{stopped} {free}"
     );
+}
+
+/// Once many rays have left vertices, what is around each is known, and the answers stay.
+#[test]
+fn rays_from_vertices_of_a_terrain_are_stopped_alike_however_many_there_were() {
+    let mut numbers = Numbers::new(6);
+    let side = 9;
+    let scene = terrain(side, &mut numbers);
+    let (mut rays, mut filters) = (Vec::new(), Vec::new());
+    for x in 0..side {
+        for y in 0..side {
+            let down = Ray::new(DVec3::new(x.into(), y.into(), 9.0), DVec3::NEG_Z);
+            let hit = trace(&scene, &[down], First, &()).unwrap().get(0);
+            let surface = scene.interaction(&down, &hit).unwrap();
+            for _ in 0..4 {
+                let (ray, filter) = surface.leave(numbers.point());
+                rays.push(ray);
+                filters.push(filter);
+            }
+        }
+    }
+    let mesh = scene.objects()[0].mesh().unwrap();
+    let alone = |k: usize| {
+        // It knows nothing yet.
+        let fresh = Scene::new(vec![Object::new(Arc::new((**mesh).clone()))]).unwrap();
+        let ray = Filtered::new(&rays[k..=k], filters[k]);
+        trace(&fresh, &ray, Any, &()).unwrap()[0]
+    };
+    let alone: Vec<bool> = (0..rays.len()).map(alone).collect();
+    for _ in 0..2 {
+        let all = Filtered::each(&rays, &filters);
+        assert_eq!(trace(&scene, &all, Any, &()).unwrap(), alone);
+    }
 }
 
 #[test]

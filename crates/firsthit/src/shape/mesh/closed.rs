@@ -11,17 +11,20 @@
 use std::sync::OnceLock;
 
 use super::Mesh;
+use super::asked::WhenAsked;
 use super::facing::Facing;
 use super::weld::{Welded, sort};
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::parallel;
 
-/// What [`Mesh::edges`] and [`Mesh::facing`] found out; equal to any other, since it follows from the triangles.
+/// What was found out about the triangles, here, in `facing.rs` and `rings.rs`; equal to any other, since it follows from
+/// them.
 #[derive(Clone, Default)]
 pub(super) struct Closed {
     edges: OnceLock<Edges>,
     pub(super) facing: OnceLock<Facing>,
+    pub(super) rings: WhenAsked<Vec<u32>>,
 }
 
 /// An edge and its way are one number.
@@ -34,6 +37,8 @@ pub(super) struct Edges {
     pub(super) odd: usize,
     /// Whether as many triangles go along each edge one way as the other.
     pub(super) is_balanced: bool,
+    /// Whether no two triangles go along an edge in one direction, and every edge has a length.
+    pub(super) are_of_one_way: bool,
 }
 
 impl PartialEq for Closed {
@@ -68,6 +73,11 @@ impl Mesh {
         Ok(self.edges()?.odd)
     }
 
+    /// Whether no two triangles go along an edge in one direction, and every edge has a length. Remembered likewise.
+    pub(crate) fn edges_are_of_one_way(&self) -> Result<bool> {
+        Ok(self.edges()?.are_of_one_way)
+    }
+
     pub(super) fn edges(&self) -> Result<Edges> {
         let known = &self.closed.edges;
         if let Some(&edges) = known.get() {
@@ -100,9 +110,11 @@ impl Mesh {
             uses.extend(sides.map(|(p, q)| p.min(q) << 33 | p.max(q) << 1 | u64::from(p < q)));
         }
         sort(&mut uses, Ord::cmp);
+        let is_once = uses.windows(2).all(|two| two[0] != two[1]);
         let mut edges = Edges {
             odd: 0,
             is_balanced: true,
+            are_of_one_way: is_once && uses.len() == 3 * self.triangles.len(),
         };
         for uses in uses.chunk_by(|one, other| one >> 1 == other >> 1) {
             let up = uses.iter().filter(|&use_| use_ & 1 == 1).count();

@@ -99,6 +99,15 @@ impl DeparturePoint {
         }
     }
 
+    /// A corner of the triangle that the point is made from.
+    pub(crate) fn first_corner(&self) -> u32 {
+        match self.has_weight {
+            [true, ..] => 0,
+            [_, true, _] => 1,
+            _ => 2,
+        }
+    }
+
     /// Whether the point is a corner or on an edge.
     #[inline(always)]
     pub(crate) fn is_at_edge(&self) -> bool {
@@ -108,11 +117,11 @@ impl DeparturePoint {
     /// Whether a triangle has all corners that the point is made from, so that it holds the point.
     #[inline(always)]
     pub(crate) fn is_held_by(&self, corners: &[DVec3; 3]) -> bool {
+        let [p, q, r] = corners;
         let [a, b, c] = &self.corners;
         let [has_a, has_b, has_c] = self.has_weight;
-        (!has_a || corners.contains(a))
-            && (!has_b || corners.contains(b))
-            && (!has_c || corners.contains(c))
+        let has = |own: &DVec3| p == own || q == own || r == own;
+        (!has_a || has(a)) && (!has_b || has(b)) && (!has_c || has(c))
     }
 
     /// The point's weights of the corners 1 and 2 of a triangle that [holds](Self::is_held_by) it.

@@ -15,84 +15,102 @@
 //! The signs of determinants decide, without rounding. Where one is zero, the way ends a little beside the end of T's arc, and then the
 //! direction is moved a little to the side where the ray starts.
 //!
+//! Plain float64 is sure of all signs for most rays (`fan/plain.rs`).
+//!
 //! At the mesh's boundary the arcs do not close, and the answer is that of the shortest way.
+
+mod plain;
 
 use super::DeparturePoint;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, DoubleVector, between};
 use crate::geometry::exact::{Scaled, determinant};
-use crate::geometry::{DVec3, Side};
+use crate::geometry::{DVec3, Side, arrays};
 
 /// With more triangles around a corner nobody asks which of them the ray is in front of.
 const MANY: usize = 64;
 
 /// A part of a triangle as seen from the point, from one direction to another, counter-clockwise in front of the triangle.
 struct Arc {
-    ends: [Scaled; 2],
+    ends: [DoubleVector<f64>; 2],
 }
 
-/// A triangle that holds the point: its number and its corners.
-pub(crate) type Around = (u32, [DVec3; 3]);
+/// The triangles that hold a point.
+pub(crate) struct Fan {
+    /// Their numbers and corners.
+    pub(crate) triangles: Vec<(u32, [DVec3; 3])>,
+    /// Whether no two triangles of the mesh go along an edge in one direction, and every edge has a length.
+    pub(crate) is_of_one_way: bool,
+}
 
 impl DeparturePoint {
-    /// The triangle that stops a ray at its start, the one with the lowest number, of those `around` the point. The ray starts on a side of
-    /// the triangle that it leaves.
-    pub(crate) fn stopped_by(
-        &self,
-        direction: DVec3,
-        side: Side,
-        around: &[Around],
-    ) -> Option<u32> {
+    /// The triangle that stops a ray at its start, the one with the lowest number, of the `fan` around the point. The ray starts on a side
+    /// of the triangle that it leaves.
+    pub(crate) fn stopped_by(&self, direction: DVec3, side: Side, fan: &Fan) -> Option<u32> {
         let outwards = if side == Side::Front { 1.0 } else { -1.0 };
-        if self.is_plainly_free(outwards * direction, around) {
+        if let Some(found) = self.plainly_stopped_by(direction, outwards, fan) {
+            return found;
+        }
+        if self.is_plainly_free(outwards * direction, fan) {
             return None;
         }
-        let d = scaled(direction);
+        self.exactly_stopped_by(direction, outwards, fan)
+    }
+
+    /// The same by exact signs.
+    #[cold]
+    #[inline(never)]
+    fn exactly_stopped_by(&self, direction: DVec3, outwards: f64, fan: &Fan) -> Option<u32> {
+        let d = plain(direction);
         let height = |arc: &Arc| outwards * sign(&arc.ends[0], &arc.ends[1], &d);
-        let is_other =
-            |(_, corners): &&Around| !self.corners.iter().all(|own| corners.contains(own));
+        let around = &fan.triangles;
+        let is_other = |(_, corners): &&(u32, [DVec3; 3])| !self.has_corners_of(corners);
         let own = self.arcs(self.corners);
-        let others = around.iter().filter(is_other);
-        let others: Vec<Arc> = others
-            .flat_map(|&(_, corners)| self.arcs(corners))
-            .flatten()
-            .collect();
+        let mut others = Vec::with_capacity(2 * around.len());
+        let mut heights = Vec::with_capacity(2 * around.len());
+        for &(_, corners) in around.iter().filter(is_other) {
+            for arc in self.arcs(corners).into_iter().flatten() {
+                heights.push(height(&arc));
+                others.push(arc);
+            }
+        }
         let own_height = height(own[0].as_ref()?);
-        let heights: Vec<f64> = others.iter().map(height).collect();
         let own: Vec<&Arc> = own.iter().flatten().collect();
         let is_any_above = heights.iter().any(|&height| height > 0.0);
         let is_above_all = own_height > 0.0 && heights.iter().all(|&height| height > 0.0);
-        if (own_height < 0.0 && !is_any_above) || (is_above_all && self.face_one_way(around)) {
+        if (own_height < 0.0 && !is_any_above) || (is_above_all && self.face_one_way(fan)) {
             return None;
         }
-        let mut all = own.iter().copied().chain(&others);
-        if all.any(|arc| arc.has(&d, direction)) {
+        let level = heights.iter().zip(&others);
+        let level = level.filter(|(height, _)| **height == 0.0);
+        let mut level = level.map(|(_, arc)| arc).chain(own.iter().copied());
+        if level.any(|arc| arc.has(&d, direction)) {
             return None;
         }
         let [from, to] = &own[0].ends;
         let way = Way {
             direction: &d,
             ends: [from, to],
-            upwards: &scaled(outwards * high(from).cross(high(to))),
+            upwards: &plain(outwards * around_one(from).cross(around_one(to))),
         };
         let crossed = others.iter().filter(|arc| way.crosses(arc)).count();
         let is_under_own = own_height < 0.0;
         let is_inside = is_under_own != (crossed % 2 == 1);
-        if !is_inside || (is_under_own && !self.face_one_way(around)) {
+        if !is_inside || (is_under_own && !self.face_one_way(fan)) {
             return None;
         }
-        let is_under = |&&(_, corners): &&Around| {
+        let is_under = |&&(_, corners): &&(u32, [DVec3; 3])| {
             let [arc, _] = self.arcs(corners);
             arc.is_some_and(|arc| height(&arc) < 0.0)
         };
-        let number = |&(number, _): &Around| number;
+        let number = |&(number, _): &(u32, _)| number;
         let under = around.iter().filter(is_under).map(number).min();
         under.or_else(|| around.iter().map(number).min())
     }
 
-    /// Whether plain float64 says that a ray goes against all of the triangles, or is in front of all and they face one way. Most do.
-    fn is_plainly_free(&self, direction: DVec3, around: &[Around]) -> bool {
-        let mut heights = around.iter().map(|(_, corners)| {
+    /// Whether plain float64 says that a ray goes against all of the triangles, or is in front of all and they face one way.
+    fn is_plainly_free(&self, direction: DVec3, fan: &Fan) -> bool {
+        let mut heights = fan.triangles.iter().map(|(_, corners)| {
             let [a, b, c] = *corners;
             let (e, f) = (b - a, c - a);
             let height = e.cross(f).dot(direction);
@@ -106,23 +124,35 @@ impl DeparturePoint {
         if !heights.all(|other| other == Some(is_above)) {
             return false;
         }
-        !is_above || self.face_one_way(around)
+        !is_above || self.face_one_way(fan)
+    }
+
+    /// Whether a triangle has the same corners as the one that is left, in any order.
+    fn has_corners_of(&self, corners: &[DVec3; 3]) -> bool {
+        let [p, q, r] = corners;
+        let mut own = self.corners.iter();
+        own.all(|own| p == own || q == own || r == own)
     }
 
     /// Whether neighbours face the same side: no two triangles have an edge at the point in one direction. Of too many nobody asks.
-    fn face_one_way(&self, around: &[Around]) -> bool {
+    fn face_one_way(&self, fan: &Fan) -> bool {
+        let around = &fan.triangles;
+        if around.len() > MANY || fan.is_of_one_way {
+            return around.len() <= MANY;
+        }
         let is_here = |corner: DVec3| {
             let mut own = self.corners.iter().zip(self.has_weight);
             own.any(|(own, has_weight)| has_weight && *own == corner)
         };
         let edges = |k: usize| {
             let (_, corners) = around[k];
-            let edges = (0..3).map(move |k| (corners[k], corners[(k + 1) % 3]));
-            edges.filter(|&(p, q)| is_here(p) || is_here(q))
+            (0..3).map(move |k| (corners[k], corners[(k + 1) % 3]))
         };
-        let is_again =
-            |k: usize| edges(k).any(|edge| (0..k).any(|l| edges(l).any(|other| other == edge)));
-        around.len() <= MANY && !(1..around.len()).any(is_again)
+        let is_again = |k: usize| {
+            let mut here = edges(k).filter(|&(p, q)| is_here(p) || is_here(q));
+            here.any(|edge| (0..k).any(|l| edges(l).any(|other| other == edge)))
+        };
+        !(1..around.len()).any(is_again)
     }
 
     /// A triangle that holds the point, as seen from there.
@@ -135,7 +165,7 @@ impl DeparturePoint {
         };
         let [a, b, c] = [0, 1, 2].map(|k| corners[(first + k) % 3]);
         let arc = |from: &DoubleVector<f64>, to: &DoubleVector<f64>| {
-            let ends = [from, to].map(Scaled::new);
+            let ends = [*from, *to];
             Some(Arc { ends })
         };
         let from_a = |corner: DVec3| between(Scalar, &corner.to_array(), &a.to_array());
@@ -160,12 +190,12 @@ impl DeparturePoint {
 
 impl Arc {
     /// Whether a direction is on it.
-    fn has(&self, d: &Scaled, direction: DVec3) -> bool {
+    fn has(&self, d: &DoubleVector<f64>, direction: DVec3) -> bool {
         let [from, to] = &self.ends;
         if sign(from, to, d) != 0.0 {
             return false;
         }
-        let (from, to) = (high(from), high(to));
+        let (from, to) = (around_one(from), around_one(to));
         let normal = from.cross(to);
         normal.dot(from.cross(direction)) >= 0.0 && normal.dot(direction.cross(to)) >= 0.0
     }
@@ -173,41 +203,43 @@ impl Arc {
 
 /// The shortest way from a direction to a point of an arc that is next to its beginning.
 struct Way<'a> {
-    direction: &'a Scaled,
-    ends: [&'a Scaled; 2],
+    direction: &'a DoubleVector<f64>,
+    ends: [&'a DoubleVector<f64>; 2],
     /// Where the direction is moved a little.
-    upwards: &'a Scaled,
+    upwards: &'a DoubleVector<f64>,
 }
 
 impl Way<'_> {
     fn crosses(&self, arc: &Arc) -> bool {
         let [from, to] = &arc.ends;
-        let [p, q] = [self.side(from), self.side(to)];
+        let p = self.side(from);
+        if p == 0.0 || p * self.side(to) >= 0.0 {
+            return false;
+        }
         let [begin, next] = self.ends;
-        let start = not_zero([sign(from, to, self.direction), sign(from, to, self.upwards)]);
-        let end = not_zero([sign(from, to, begin), sign(from, to, next)]);
-        p * q < 0.0 && start * end < 0.0 && p * start < 0.0
+        let start = not_zero([self.direction, self.upwards].map(|of| move || sign(from, to, of)));
+        p * start < 0.0
+            && start * not_zero([begin, next].map(|of| move || sign(from, to, of))) < 0.0
     }
 
     /// On which side of the way a direction is.
-    fn side(&self, of: &Scaled) -> f64 {
+    fn side(&self, of: &DoubleVector<f64>) -> f64 {
         let [begin, next] = self.ends;
         let [d, up] = [self.direction, self.upwards];
         not_zero(
-            [sign(d, begin, of), sign(d, next, of)]
-                .into_iter()
-                .chain([sign(up, begin, of), sign(up, next, of)]),
+            [(d, begin), (d, next), (up, begin), (up, next)].map(|(p, q)| move || sign(p, q, of)),
         )
     }
 }
 
-/// The first that is not zero, if any is not.
-fn not_zero(signs: impl IntoIterator<Item = f64>) -> f64 {
-    signs.into_iter().find(|&sign| sign != 0.0).unwrap_or(0.0)
+/// The first that is not zero, if any is not; those after it are not computed.
+fn not_zero<const N: usize>(signs: [impl Fn() -> f64; N]) -> f64 {
+    let mut signs = signs.iter().map(|sign| sign());
+    signs.find(|&sign| sign != 0.0).unwrap_or(0.0)
 }
 
 /// The sign of a determinant: in float64 where that is sure of it.
-fn sign(p: &Scaled, q: &Scaled, r: &Scaled) -> f64 {
+fn sign(p: &DoubleVector<f64>, q: &DoubleVector<f64>, r: &DoubleVector<f64>) -> f64 {
     let (a, b, c) = (high(p), high(q), high(r));
     let value = a.dot(b.cross(c));
     // Each of six products is rounded at most eight times, and so are its factors.
@@ -216,20 +248,37 @@ fn sign(p: &Scaled, q: &Scaled, r: &Scaled) -> f64 {
     let size = a
         .abs()
         .dot(DVec3::new(v * z + w * y, w * x + u * z, u * y + v * x));
-    let value = if value.abs() > 16.0 * f64::EPSILON * size {
-        value
-    } else {
-        determinant(p, q, r).high
-    };
+    // Within these nothing that is too small for float64 matters.
+    let is_moderate = size > 1e-200 && a.abs().max_element() < 1e90;
+    if is_moderate && value.abs() > 16.0 * f64::EPSILON * size {
+        return value.signum();
+    }
+    // Neighbours share an edge, which exact arithmetic would take long for.
+    if are_along(p, q) || are_along(q, r) || are_along(p, r) {
+        return 0.0;
+    }
+    let value = determinant(&Scaled::new(p), &Scaled::new(q), &Scaled::new(r)).high;
     if value == 0.0 { 0.0 } else { value.signum() }
 }
 
-fn scaled(v: DVec3) -> Scaled {
-    Scaled::new(&v.to_array().map(|high| Double { high, low: 0.0 }))
+/// Whether two vectors are the same, or opposite.
+fn are_along(p: &DoubleVector<f64>, q: &DoubleVector<f64>) -> bool {
+    let low = |v: &DoubleVector<f64>| DVec3::new(v[0].low, v[1].low, v[2].low);
+    let (one, other) = ((high(p), low(p)), (high(q), low(q)));
+    one == other || one == (-other.0, -other.1)
 }
 
-fn high(v: &Scaled) -> DVec3 {
-    DVec3::from(v.vector.map(|part| part.high))
+fn plain(v: DVec3) -> DoubleVector<f64> {
+    arrays::map(v.to_array(), |high| Double { high, low: 0.0 })
+}
+
+fn high(v: &DoubleVector<f64>) -> DVec3 {
+    DVec3::new(v[0].high, v[1].high, v[2].high)
+}
+
+/// Of a length around 1, so that no product is too small.
+fn around_one(v: &DoubleVector<f64>) -> DVec3 {
+    high(&Scaled::new(v).vector)
 }
 
 fn minus(x: Double<f64>) -> Double<f64> {
