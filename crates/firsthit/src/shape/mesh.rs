@@ -11,6 +11,7 @@ mod disjoint_sets;
 mod facing;
 mod named;
 mod parts;
+mod planes;
 mod reach;
 mod rings;
 #[cfg(feature = "fhs")]

@@ -343,6 +343,8 @@ fn set_filters(
             // It leaves no triangle of this mesh.
             None => whole.departure.is_none(),
         };
+        let is_behind = is_easy && (object.mesh()).is_some_and(|mesh| filter.leaves_all_of(mesh));
+        unseen |= u16::from(is_behind) << lane;
         let start = departure.map(|point| point.rounded);
         if !is_easy {
             // What is unsure of one ray widens the bounds of all.

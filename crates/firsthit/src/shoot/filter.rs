@@ -47,7 +47,7 @@ pub(super) fn set_mesh_filter(
     if let Some(departure) = &filter.departure
         && let Some(corners) = corners_left(scene, departure.surface, index)
     {
-        of_mesh.leave(corners, departure.barycentric);
+        of_mesh.leave(of_object(departure.surface), corners, departure.barycentric);
     }
 }
 

@@ -106,6 +106,9 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                     {
                         state.cross(scene, index, met);
                     }
+                    if Q::IS_FILTERED && in_mesh.leaves_all_of(mesh) {
+                        continue;
+                    }
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
                     let is_near = is_near && (!Q::IS_FILTERED || is_sharp(tree, in_mesh));
                     if is_plain && is_near && tree.has_nodes() {

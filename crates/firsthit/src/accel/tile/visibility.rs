@@ -58,8 +58,8 @@ impl Displacements {
 
 /// The exact test, for pixels that float32 cannot decide.
 pub(crate) trait ExactTest {
-    /// Which of `old` and `new` the ray of a pixel meets first, and at which depth; `None` when it does not meet `new`.
-    /// It meets `old`, if there is one.
+    /// Which of `old` and `new` the ray of a pixel meets first, and at which depth; `None` when it does not meet `new`, or not
+    /// before `old`. It meets `old`, if there is one.
     fn nearer<L: Lanes>(
         &mut self,
         l: L,

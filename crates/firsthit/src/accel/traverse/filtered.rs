@@ -46,8 +46,11 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
             return;
         }
         let tree = ray.tree;
+        let triangle = tree.triangle(&tree.leaves[leaf as usize], lane);
+        if ray.filter().is_in_plane_left(ray.mesh, triangle) {
+            return;
+        }
         let here = || {
-            let triangle = tree.triangle(&tree.leaves[leaf as usize], lane);
             let copies = tree.copies_of(triangle).iter().map(|&[_, copy]| copy);
             std::iter::once(triangle).chain(copies)
         };

@@ -3,7 +3,8 @@
 //! 1. Drop a candidate that is beyond the best so far, by its depths.
 //! 2. A candidate that is certain to be met, and certainly nearer than the best so far, becomes the best. Where it is
 //!    met is computed only if it is still the best when the traversal ends.
-//! 3. For any other candidate the exact test decides, and compares it with the best so far.
+//! 3. For any other candidate the exact test decides, and compares it with the best so far; unless it is known to lie in the plane
+//!    of that (`shape/mesh/planes.rs`), and then the lower one is the first.
 
 use super::mesh_packet::MeshRay;
 use super::query::{MeshQuery, Visitor};
@@ -32,6 +33,17 @@ enum Best {
 
 impl Best {
     #[inline(always)]
+    fn triangle(&self, ray: &MeshRay<'_>) -> Option<u32> {
+        match *self {
+            Self::None => None,
+            Self::Located { crossing, .. } => Some(crossing.primitive.cast_unsigned()),
+            Self::Deferred { leaf, lane, .. } => {
+                Some(ray.tree.triangle(&ray.tree.leaves[leaf as usize], lane))
+            }
+        }
+    }
+
+    #[inline(always)]
     fn located<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Option<Crossing> {
         match *self {
             Self::None => None,
@@ -53,6 +65,11 @@ impl First {
     #[inline(always)]
     fn compare<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, lane: usize) {
         let leaf = &ray.tree.leaves[leaf as usize];
+        if let Some(best) = self.best.triangle(ray)
+            && ray.is_known_to_follow(ray.tree.triangle(leaf, lane), best)
+        {
+            return;
+        }
         if let Some(new) = ray.intersect(l, Self::EDGES, leaf, lane) {
             self.see(l, ray, new);
         }

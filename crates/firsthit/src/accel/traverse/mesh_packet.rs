@@ -155,15 +155,28 @@ impl MeshRay<'_> {
     #[inline(always)]
     pub(super) fn precedes<L: Lanes>(&self, l: L, new: &Crossing, old: &Crossing) -> bool {
         if triangle::are_close(new.t, old.t) {
-            if self.packet.departing >> (self.lane % RAYS) & 1 == 1 {
+            if self.is_departing() {
                 return (new.t, new.primitive) < (old.t, old.primitive);
             }
+            self.mesh.ask_for_planes();
             let ray = self.packet.ray(self.lane);
             let nearest = |crossing| l.call(NearestT(self.mesh, &ray, crossing));
             (nearest(new), new.primitive) < (nearest(old), old.primitive)
         } else {
             new.t < old.t
         }
+    }
+
+    /// Whether a triangle is known to come after another, which the ray meets: the exact `t` are one in one plane.
+    #[inline(always)]
+    pub(super) fn is_known_to_follow(&self, new: u32, old: u32) -> bool {
+        old < new && self.mesh.are_in_one_plane(old, new) && !self.is_departing()
+    }
+
+    /// Whether the ray leaves a surface.
+    #[inline(always)]
+    fn is_departing(&self) -> bool {
+        self.packet.departing >> (self.lane % RAYS) & 1 == 1
     }
 
     #[inline(always)]

@@ -13,18 +13,20 @@ use std::sync::OnceLock;
 use super::Mesh;
 use super::asked::WhenAsked;
 use super::facing::Facing;
+use super::planes::Planes;
 use super::weld::{Welded, sort};
 use crate::error::{Error, Result};
 use crate::memory;
 use crate::parallel;
 
-/// What was found out about the triangles, here, in `facing.rs` and `rings.rs`; equal to any other, since it follows from
+/// What was found out about the triangles, here, in `facing.rs`, `rings.rs` and `planes.rs`; equal to any other, since it follows from
 /// them.
 #[derive(Clone, Default)]
 pub(super) struct Closed {
     edges: OnceLock<Edges>,
     pub(super) facing: OnceLock<Facing>,
     pub(super) rings: WhenAsked<Vec<u32>>,
+    pub(super) planes: WhenAsked<Planes>,
 }
 
 /// An edge and its way are one number.

@@ -26,7 +26,9 @@ use super::crossed::perturbed_side;
 use super::place::Meeting;
 use super::{Doubtful, EdgeRule, Shear, TriangleHit};
 use crate::geometry::arithmetic::Scalar;
-use crate::geometry::double::{Double, between, difference, sum};
+use crate::geometry::double::{
+    Double, DoubleVector, between, cross, difference, dot, product, sum, sum_of_smaller,
+};
 use crate::geometry::exact::{Expansion, Scaled, determinant, power};
 use crate::geometry::{DVec2, DVec3, Ray};
 
@@ -189,11 +191,11 @@ impl DeparturePoint {
     #[cold]
     #[inline(never)]
     fn settle(&self, doubtful: Doubtful, corners: [DVec3; 3]) -> Option<TriangleHit> {
-        if self.is_in_plane(corners) {
-            return None;
-        }
         let Doubtful { meeting, edges, .. } = doubtful;
         let direction = DVec3::from(meeting.direction);
+        if self.is_plainly_ahead_of(direction, corners) || self.is_in_plane(corners) {
+            return None;
+        }
         let exact = Exact::new(self, direction, corners)?;
         if !exact.meets(edges, &meeting) {
             return None;
@@ -216,6 +218,38 @@ impl DeparturePoint {
         (is_level & a.cmpeq(p) & a.cmpeq(q) & a.cmpeq(r)).any()
     }
 
+    /// Whether twice the digits say that a ray from the point goes away from a triangle's plane. This is some fifty times as fast as
+    /// [`Exact`].
+    ///
+    /// With e and f the edges from the first corner and r the vector from the point to that, `t` is `(e x f).r / (e x f).d`. Every part of
+    /// r is off by some 2^-102 of what it is computed from, and the dot product by as much of `6 |e| |f| |r|`; 2^-95 are taken.
+    fn is_plainly_ahead_of(&self, direction: DVec3, corners: [DVec3; 3]) -> bool {
+        let [first, second, third] = corners.map(|corner| corner.to_array());
+        let [a, b, c] = self.corners.map(|corner| corner.to_array());
+        let from = |p: &[f64; 3], q: &[f64; 3]| between(Scalar, p, q);
+        let (mut r, along_b, along_c) = (from(&first, &a), from(&b, &a), from(&c, &a));
+        let [v, w] = self.weights.map(|[high, low]| Double { high, low });
+        let mut size: f64 = 0.0;
+        for k in 0..3 {
+            let parts = [r[k], times(along_b[k], v), times(along_c[k], w)];
+            size = size.max(parts.iter().map(|part| part.high.abs()).sum());
+            r[k] = less(less(parts[0], parts[1]), parts[2]);
+        }
+        let (e, f) = (from(&second, &first), from(&third, &first));
+        let largest = |v: &DoubleVector<f64>| high(v).abs().max_element();
+        let area = largest(&e) * largest(&f);
+        let normal = cross(Scalar, &e, &f);
+        let (slope, height) = (high(&normal).dot(direction), dot(Scalar, &normal, &r).high);
+        let off_slope = 64.0 * f64::EPSILON * area * direction.abs().max_element();
+        let off_height = power(-95) * area * size;
+        let is_moderate = area > 1e-90 && size > 1e-90 && off_slope > 1e-200;
+        // Written so that a NaN settles nothing.
+        is_moderate
+            && slope.abs() > off_slope
+            && height.abs() > off_height
+            && (slope > 0.0) != (height > 0.0)
+    }
+
     /// Whether the triangle that is left lies in the plane of another, and the point with it. This is some fifty times as fast as
     /// [`Exact`].
     fn is_in_plane(&self, corners: [DVec3; 3]) -> bool {
@@ -231,6 +265,22 @@ impl DeparturePoint {
             determinant(&relative, &edges[0], &edges[1]).high == 0.0
         })
     }
+}
+
+/// `x * y`, off by a few 2^-106 of itself.
+fn times(x: Double<f64>, y: Double<f64>) -> Double<f64> {
+    let Double { high, low } = product(Scalar, x.high, y.high);
+    sum_of_smaller(Scalar, high, low + (x.high * y.low + x.low * y.high))
+}
+
+/// `x - y`, off by a few 2^-106 of both.
+fn less(x: Double<f64>, y: Double<f64>) -> Double<f64> {
+    let Double { high, low } = difference(Scalar, x.high, y.high);
+    sum_of_smaller(Scalar, high, low + (x.low - y.low))
+}
+
+fn high(v: &DoubleVector<f64>) -> DVec3 {
+    DVec3::from(v.map(|part| part.high))
 }
 
 /// A vector without rounding.

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use super::{DeparturePoint, Doubtful, EdgeRule, Shear, TriangleHit};
 use crate::geometry::orientation::along_normal;
 use crate::geometry::{DVec2, DVec3, Ray, Side, arrays};
+use crate::shape::Mesh;
 
 /// No triangle has this number.
 const NO_TRIANGLE: u32 = u32::MAX;
@@ -17,6 +18,8 @@ pub(crate) struct MeshFilter {
     cull: Option<Side>,
     /// Where the ray starts, if it leaves a triangle of this mesh, or of another in its space.
     departure: Option<DeparturePoint>,
+    /// The triangle that it leaves, if that is one of this mesh.
+    left: u32,
     /// Whether the ray leaves any surface, be it none of this mesh's space.
     is_departing: bool,
 }
@@ -27,6 +30,7 @@ impl MeshFilter {
         skip: [NO_TRIANGLE; 2],
         cull: None,
         departure: None,
+        left: NO_TRIANGLE,
         is_departing: false,
     };
 
@@ -51,13 +55,27 @@ impl MeshFilter {
         self.skip = arrays::map(skip, |triangle| triangle.unwrap_or(NO_TRIANGLE));
         self.cull = cull;
         self.departure = None;
+        self.left = NO_TRIANGLE;
         self.is_departing = is_departing;
     }
 
-    /// The ray leaves a triangle at a point by the weights of its corners 1 and 2.
+    /// The ray leaves a triangle at a point by the weights of its corners 1 and 2. If the triangle is one of this mesh, it has a number.
     #[inline(always)]
-    pub(crate) fn leave(&mut self, corners: [DVec3; 3], weights: DVec2) {
+    pub(crate) fn leave(&mut self, triangle: Option<u32>, corners: [DVec3; 3], weights: DVec2) {
         self.departure = Some(DeparturePoint::new(corners, weights));
+        self.left = triangle.unwrap_or(NO_TRIANGLE);
+    }
+
+    /// Whether nothing of the mesh is known to be ahead of the start, but what stops the ray there.
+    #[inline(always)]
+    pub(crate) fn leaves_all_of(&self, mesh: &Mesh) -> bool {
+        self.left != NO_TRIANGLE && mesh.is_flat()
+    }
+
+    /// Whether a triangle is known to lie in the plane of the one that is left. It is met at the start, or not at all.
+    #[inline(always)]
+    pub(crate) fn is_in_plane_left(&self, mesh: &Mesh, triangle: u32) -> bool {
+        self.left != NO_TRIANGLE && mesh.are_in_one_plane(self.left, triangle)
     }
 
     /// Whether the ray leaves a surface: then its `t` decides as it is, since it is measured from a rounded start.

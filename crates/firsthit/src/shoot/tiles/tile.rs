@@ -5,6 +5,8 @@
 //! 3. Intersect the other shapes that may be seen in the tile, eight rays at a time (`shoot/shapes.rs`). Objects that fit neither step get
 //!    single rays; so does everything where float32 cannot do the tile.
 
+use std::cmp::Ordering;
+
 use super::pixels::Pixels;
 use super::plan::{MOST_SHAPES, Placed, Plan, Rest, Source, camera_of_tile};
 use super::square::Square;
@@ -15,7 +17,7 @@ use crate::accel::{
 };
 use crate::geometry::{DVec3, Hit, PixelGrid, Ray, arrays};
 use crate::scene::Scene;
-use crate::shape::triangle::{EdgeRule, Shear};
+use crate::shape::triangle::{EdgeRule, Shear, are_close};
 use crate::shoot::batch::Memory;
 use crate::shoot::hits::HitSlices;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
@@ -258,8 +260,27 @@ impl<'a> TileTask<'a> {
         })
     }
 
+    /// The order of two triangles along any ray that meets both, if they are known to lie in one plane: the lower one is the first.
+    fn known_order(&self, old: TriangleId, new: TriangleId) -> Option<Ordering> {
+        if old.object != new.object {
+            return None;
+        }
+        let (mesh, tree) = self.plan.scene.plain_mesh(old.object)?;
+        let (old, new) = (
+            tree.triangle_at(old.leaf_lane),
+            tree.triangle_at(new.leaf_lane),
+        );
+        mesh.are_in_one_plane(old, new).then(|| old.cmp(&new))
+    }
+
     /// Whether `new` is the first of two hits of a pixel.
     fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
+        if new.object == old.object
+            && are_close(new.t, old.t)
+            && let Some((mesh, _)) = self.plan.scene.plain_mesh(new.object.cast_unsigned())
+        {
+            mesh.ask_for_planes();
+        }
         ScaledRay::new(&self.ray(row, column))
             .is_some_and(|scaled| scaled.precedes(self.plan.scene, new, old))
     }
@@ -385,8 +406,12 @@ impl ExactTest for TileTask<'_> {
         old: TriangleId,
         new: TriangleId,
     ) -> Option<(TriangleId, f64)> {
+        let known = self.known_order(old, new);
+        if known == Some(Ordering::Less) {
+            return None;
+        }
         let new_hit = self.decide(l, row, column, new)?;
-        let old_hit = if old == TriangleId::NONE {
+        let old_hit = if old == TriangleId::NONE || known.is_some() {
             None
         } else {
             self.decide(l, row, column, old)

@@ -5,6 +5,7 @@ mod curved;
 mod fans;
 mod leaks;
 mod pixels;
+mod planes;
 mod shapes;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
