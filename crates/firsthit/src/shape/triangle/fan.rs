@@ -217,9 +217,9 @@ impl Way<'_> {
             return false;
         }
         let [begin, next] = self.ends;
-        let start = not_zero([self.direction, self.upwards].map(|of| move || sign(from, to, of)));
+        let start = not_zero(&[self.direction, self.upwards].map(|of| move || sign(from, to, of)));
         p * start < 0.0
-            && start * not_zero([begin, next].map(|of| move || sign(from, to, of))) < 0.0
+            && start * not_zero(&[begin, next].map(|of| move || sign(from, to, of))) < 0.0
     }
 
     /// On which side of the way a direction is.
@@ -227,13 +227,13 @@ impl Way<'_> {
         let [begin, next] = self.ends;
         let [d, up] = [self.direction, self.upwards];
         not_zero(
-            [(d, begin), (d, next), (up, begin), (up, next)].map(|(p, q)| move || sign(p, q, of)),
+            &[(d, begin), (d, next), (up, begin), (up, next)].map(|(p, q)| move || sign(p, q, of)),
         )
     }
 }
 
 /// The first that is not zero, if any is not; those after it are not computed.
-fn not_zero<const N: usize>(signs: [impl Fn() -> f64; N]) -> f64 {
+fn not_zero<const N: usize>(signs: &[impl Fn() -> f64; N]) -> f64 {
     let mut signs = signs.iter().map(|sign| sign());
     signs.find(|&sign| sign != 0.0).unwrap_or(0.0)
 }

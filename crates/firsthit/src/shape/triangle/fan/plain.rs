@@ -109,6 +109,7 @@ impl Way<'_> {
 
 impl DeparturePoint {
     /// [`stopped_by`](DeparturePoint::stopped_by) at a corner; `None` where a sign is not sure.
+    #[expect(clippy::option_option, reason = "what stops it, if that is sure")]
     pub(super) fn plainly_stopped_by(
         &self,
         direction: DVec3,
