@@ -18,7 +18,8 @@ use crate::watch::Watch;
 /// let ball = |radius| Sphere::new(DVec3::ZERO, radius).map(Object::new);
 /// let scene = Scene::new(vec![ball(2.0)?, ball(1.0)?])?;
 /// let from = |x: f64| Ray::new(DVec3::X * x, DVec3::X);
-/// assert_eq!(innermost(&scene, &[from(0.0), from(1.5), from(5.0)], &())?, [Some(1), Some(0), None]);
+/// let rays = [from(-5.0), from(-1.5), from(0.0), from(1.5), from(5.0)];
+/// assert_eq!(innermost(&scene, &rays, &())?, [None, Some(0), Some(1), Some(0), None]);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 ///
@@ -42,12 +43,14 @@ pub fn innermost<R: Rays>(
             solids.wind(ray, met, turns);
             for crossed in met.crossings() {
                 let before = turns[crossed.object];
+                // It does not start in there, or has left it.
+                if before == 0 || !solids.rules[crossed.object].is_of_closed() {
+                    continue;
+                }
                 let behind = solids.behind(ray, crossed, before);
-                if solids.rules[crossed.object].is_of_closed() {
-                    turns[crossed.object] = behind;
-                    if before != 0 && behind == 0 && left[0].is_none() {
-                        left[0] = Some(crossed.object);
-                    }
+                turns[crossed.object] = behind;
+                if behind == 0 && left[0].is_none() {
+                    left[0] = Some(crossed.object);
                 }
             }
             Ok(())
