@@ -28,7 +28,8 @@
 //!
 //! # Bounds elsewhere
 //!
-//! - `Bvh::OBJECTS` and `ROUNDED`, the slack of the top-level tree and the rounding of its boxes (`bvh.rs`). Too small: see there.
+//! - `Bvh::OBJECTS`, the slack of the top-level tree (`bvh.rs`). Too small: no test, not even at 0.
+//! - `BOX_ROUNDING`, by which boxes of the top-level tree and rays are wider, and 1.75, the ball around them (`bvh.rs`).
 //! - The bound of the exact test's sides (`shape/triangle.rs`). Too small: `fans_over_edges` and
 //!   `rays_from_very_far_away`, among others, at 0.
 //! - `Plain::error`, where float64 is enough for `t` (`shape/triangle/place/plain.rs`). Too small: `fans_over_edges`

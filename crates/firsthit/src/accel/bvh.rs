@@ -14,7 +14,7 @@
 //! Three roundings of float64 must not lose a candidate. Each is a share of the coordinates relative to the ray's start,
 //! which are at most `R = |o| + extent`:
 //!
-//! - the slab test: 2 `EPSILON` R at each end;
+//! - that of the start, of the nearest point and of its depth: 8 `EPSILON` R;
 //! - the shape's test, which may accept a ray that passes the shape at a distance of its rounding;
 //! - the `t` of the shape's test, which is compared with where the ray enters a box.
 //!
@@ -22,10 +22,10 @@
 //! also entered earlier: by at least `margin / |d|` along the axis of the largest `d`. The margin costs no time: it is
 //! in the ends of the slab test.
 //!
-//! That test is done in float32. With coordinates b of a box and p of the point of step 1 it rounds thrice in
-//! `b / d - p / d`, where it is not fused four times: by at most 3 [`U`] |b| and 3 [`U`] |p|. The boxes are wider by
-//! [`ROUNDED`] of their own coordinates, and the ray by as much of p. So one box that is far from all others does not
-//! widen them, and neither does a ray's start that is far away.
+//! The slab test is done in float32. With coordinates b of a box and p of the point of step 1, `b / d - p / d` is off by
+//! at most 3 [`U`] |b| and 3 [`U`] |p|, in units of the coordinates. The boxes are wider by [`BOX_ROUNDING`] of their own
+//! coordinates, and the ray by as much of p. So float32's rounding grows neither with the extent nor with the distance of
+//! the start; the margin does. Too small: `no_box_that_a_ray_meets_is_missed`.
 
 use super::bounds::U;
 use super::node::{LEAF, Node};
@@ -67,8 +67,8 @@ pub(super) struct Places {
     pub(super) nodes: Vec<u32>,
 }
 
-/// By which share of its coordinates a box, and that of a ray, is wider than it is.
-const ROUNDED: f64 = 6.0 * U as f64;
+/// By which share of its coordinates a box is wider than it is, and a ray.
+const BOX_ROUNDING: f64 = 6.0 * U as f64;
 
 /// Boxes may move as far as this from the origin, in units of the tree, before it is built anew.
 pub(super) const FARTHEST: f64 = 65_536.0;
@@ -98,8 +98,8 @@ impl Bvh {
 impl BoxSpace {
     /// Of boxes that reach so far from an origin.
     pub(super) fn new(origin: DVec3, extent: f64) -> Self {
-        // Beyond these, products of two coordinates would leave float64's range.
-        let reach = extent.clamp(1e-150, 1e150);
+        // Smaller ones would take a ray's coordinates out of float64's range, larger ones the scale.
+        let reach = extent.clamp(1e-150, 1e300);
         let scale = 1.0 / f64::from_bits(reach.to_bits() & 0x7ff << 52) / 2.0;
         Self { origin, scale }
     }
@@ -117,8 +117,8 @@ impl BoxSpace {
     pub(super) fn outwards(&self, bounds: Bounds) -> [[f32; 3]; 2] {
         // A float32 step more covers the rounding of the difference too.
         let (low, high) = (self.point(bounds.low), self.point(bounds.high));
-        let low = (low - ROUNDED * low.abs()).to_array();
-        let high = (high + ROUNDED * high.abs()).to_array();
+        let low = (low - BOX_ROUNDING * low.abs()).to_array();
+        let high = (high + BOX_ROUNDING * high.abs()).to_array();
         [
             arrays::map(low, |x| (x as f32).next_down()),
             arrays::map(high, |x| (x as f32).next_up()),
@@ -149,14 +149,17 @@ impl Bvh {
         let direction = ray.direction / length;
         let origin_to_nearest = -start.dot(direction) / direction.length_squared();
         let nearest = start + origin_to_nearest * direction;
-        let margin = (self.margin(ray.origin) * self.space.scale).min(2.0 * FARTHEST);
-        let reach = (self.extent * self.space.scale).min(FARTHEST) + margin;
-        // All boxes are in a cube, and that in a ball.
+        let margin = self.margin(ray.origin) * self.space.scale;
+        if margin > FARTHEST {
+            return self.walk_everywhere(direction, stack);
+        }
+        // All boxes are in a cube, and that in a ball of the square root of 3. The rest is for rounding.
+        let reach = self.extent * self.space.scale + margin;
         if !self.nodes.is_empty() && nearest.length() <= 1.75 * reach {
             stack.push((0, f64::NEG_INFINITY));
         }
-        let rounding = ROUNDED * nearest.abs().max_element();
-        let depth_per_t = length * self.space.scale;
+        let rounding = BOX_ROUNDING * nearest.abs().max_element();
+        let depth_per_t = (length * self.space.scale).max(f64::MIN_POSITIVE);
         let depth_of_origin = -origin_to_nearest;
         let first = ray.t_min.min(0.0) * depth_per_t + depth_of_origin;
         Walk {
@@ -165,6 +168,22 @@ impl Bvh {
             first: narrowed(first).next_down(),
             depth_of_origin,
             depth_per_t,
+        }
+    }
+
+    /// All boxes, for a ray from so far away that float64 does not tell where it passes them.
+    #[cold]
+    fn walk_everywhere(&self, direction: DVec3, stack: &mut WalkStack) -> Walk<'_> {
+        if !self.nodes.is_empty() {
+            stack.push((0, f64::NEG_INFINITY));
+        }
+        Walk {
+            bvh: self,
+            // Beyond all boxes of float64, and finite after the division by the smallest component.
+            slabs: Slabs::new(DVec3::ZERO, direction, 2e8),
+            first: f32::NEG_INFINITY,
+            depth_of_origin: f64::INFINITY,
+            depth_per_t: 1.0,
         }
     }
 }

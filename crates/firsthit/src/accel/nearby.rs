@@ -33,7 +33,7 @@ impl Bvh {
 impl Nearby<'_> {
     /// The next box of which a point may be at a distance with a square of at most `limit`, roughly the nearest first. `limit` is
     /// not larger than in the call before, and `stack` is the same.
-    pub(crate) fn next(&mut self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
+    pub(crate) fn next(&self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
         loop {
             let (child, squared) = stack.pop()?;
             if squared > limit {

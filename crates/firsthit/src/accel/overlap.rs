@@ -2,7 +2,7 @@
 
 use super::bvh::Bvh;
 use super::node::{LEAF, Node, WIDTH};
-use crate::geometry::Bounds;
+use crate::geometry::{Bounds, arrays};
 
 impl Bvh {
     /// Calls `visit` with the index of each box that overlaps `bounds` or touches it, and of a few that only come near, until it
@@ -16,7 +16,7 @@ impl Bvh {
         // Rounded as the boxes are: rounding keeps the order of numbers, so that what overlaps does so still.
         let [low, high] = self.space.outwards(bounds);
         let overlapping = |node: &Node| {
-            let mut overlaps = [true; WIDTH];
+            let mut overlaps: [bool; WIDTH] = arrays::from_fn(|k| !node.is_vacant(k));
             for (axis, planes) in node.planes.chunks_exact(2).enumerate() {
                 for k in 0..WIDTH {
                     overlaps[k] &= planes[0][k] <= high[axis] && low[axis] <= planes[1][k];

@@ -96,7 +96,7 @@ impl TopTree {
         Self::with_duplicates(objects, boxes, duplicates)
     }
 
-    /// The same where the duplicates are known.
+    /// As [`new`](Self::new), where the duplicates are known.
     pub(super) fn with_duplicates(
         objects: &[Object],
         boxes: Vec<Bounds>,

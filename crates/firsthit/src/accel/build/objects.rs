@@ -182,7 +182,7 @@ mod tests {
         all
     }
 
-    /// The boxes that a ray may meet.
+    /// The boxes that a ray may meet, up to its `t_max`.
     fn met(bvh: &Bvh, ray: &Ray) -> Vec<u32> {
         struct Met<'r>(&'r Bvh, &'r Ray);
         impl Kernel for Met<'_> {
@@ -192,7 +192,7 @@ mod tests {
             fn run<L: Lanes>(self, l: L) -> Vec<u32> {
                 let mut stack = Vec::new();
                 let walk = self.0.walk(self.1, &mut stack);
-                std::iter::from_fn(|| walk.next(l, f64::INFINITY, &mut stack)).collect()
+                std::iter::from_fn(|| walk.next(l, self.1.t_max, &mut stack)).collect()
             }
         }
         simd::run(InstructionSet::current().unwrap(), Met(bvh, ray))
@@ -262,7 +262,7 @@ mod tests {
         assert!(met(&bvh, &towards).contains(&5000));
     }
 
-    /// Whether a ray meets a box in float64, between a `t_min` of its own or its origin and infinity.
+    /// Whether a ray meets a box in float64, between a `t_min` of its own or its origin and its `t_max`.
     fn meets(ray: &Ray, bounds: &Bounds) -> bool {
         let inverse = ray.direction.recip();
         let (a, b) = (
@@ -270,7 +270,7 @@ mod tests {
             (bounds.high - ray.origin) * inverse,
         );
         let entry = a.min(b).max_element().max(ray.t_min.min(0.0));
-        entry <= a.max(b).min_element()
+        entry <= a.max(b).min_element().min(ray.t_max)
     }
 
     #[test]
@@ -299,10 +299,18 @@ mod tests {
                 })
                 .collect();
             boxes.push(Bounds::of([middle, middle + scale * outlier]));
-            let bvh = Bvh::build(401, |k| boxes[k as usize], Bvh::OBJECTS);
-            for k in 0..600 {
+            let mut bvh = Bvh::build(401, |k| boxes[k as usize], Bvh::OBJECTS);
+            for k in 0..1200 {
+                if k == 600 && scale == 1.0 {
+                    // Some move, not too far away.
+                    for moved in (0..400_u32).step_by(7) {
+                        let corner = boxes[moved as usize].low + 30.0 * point();
+                        boxes[moved as usize] = Bounds::of([corner, corner + 0.1 * point()]);
+                        assert!(bvh.refit(moved, boxes[moved as usize]));
+                    }
+                }
                 let target = boxes[k % 401].centre() + 0.02 * scale * point();
-                let distance = [0.5, 0.0, 2.0, 1e3, 1e7][k % 5];
+                let distance = [0.5, 0.0, 2.0, 1e3, 1e7, 1e20, 1e30][k % 7];
                 let start = middle + scale * distance * point();
                 let mut direction = (target - start) / scale;
                 if k % 3 == 0 {
@@ -311,9 +319,12 @@ mod tests {
                 if direction == DVec3::ZERO || !start.is_finite() {
                     continue;
                 }
-                let t_min = if k % 7 == 0 { -3.0 } else { 0.0 };
+                let t_min = if k % 11 == 0 { -3.0 } else { 0.0 };
+                // In the middle of what is there, for starts nearby and far away.
+                let t_max = if k % 4 == 0 { 1.0 } else { f64::INFINITY };
                 let ray = Ray {
                     t_min,
+                    t_max,
                     ..Ray::new(start, direction)
                 };
                 let met = met(&bvh, &ray);
@@ -323,8 +334,8 @@ mod tests {
                         "{ray:?} {bounds:?}"
                     );
                 }
-                // Beside a box of 1e200 float64 cannot tell the others apart.
-                if outlier < 1e100 {
+                // Beside a box of 1e200, or from afar, float64 cannot tell the others apart.
+                if outlier < 1e100 && distance < 1e8 {
                     found += met.len();
                     exact += boxes.iter().filter(|bounds| meets(&ray, bounds)).count();
                 }

@@ -275,7 +275,14 @@ fn rays_from_very_far_away() {
         ],
     ];
     let points = points.map(DVec3::from);
-    let scene = Scene::new(vec![Object::new(mesh(&points, vec![[0, 1, 2]]))]).unwrap();
+    let one = Object::new(mesh(&points, vec![[0, 1, 2]]));
+    // Alone, and among others in the tree over objects.
+    let others = (1..7).map(|k| {
+        let beside = DVec3::new(0.0, 3.0 * f64::from(k), 0.0);
+        (one.clone()).placed(Transform::translation(beside).unwrap())
+    });
+    let among = std::iter::once(one.clone()).chain(others).collect();
+    let scenes = [vec![one.clone()], among].map(|objects| Scene::new(objects).unwrap());
     let aimed = Ray::new(
         DVec3::new(-1e17, 5_049_715_062_860_227.0, -2_542_603_579_874_058.5),
         DVec3::new(1.0, -0.050_497_150_628_602_27, 0.025_426_035_798_740_587),
@@ -287,7 +294,8 @@ fn rays_from_very_far_away() {
         rays.push(Ray::new(points[0] - way, way));
         rays.push(Ray::new(0.3 * points[1] - way, way.normalize()).up_to(way.length() * 2.0));
     }
-    assert!(checked(&scene, &rays) > 0);
+    let met = scenes.each_ref().map(|scene| checked(scene, &rays));
+    assert!(met[0] > 0 && met[1] >= met[0], "{met:?}");
 }
 
 fn hash(hits: &Hits) -> u64 {
