@@ -36,7 +36,7 @@ impl Mesh {
         planes.is_some_and(|planes| planes.are_one)
     }
 
-    /// Whether two triangles are known to lie in one plane. Neither is without an area then.
+    /// Whether two different triangles are known to lie in one plane. Neither is without an area then.
     #[inline(always)]
     pub(crate) fn are_in_one_plane(&self, one: u32, other: u32) -> bool {
         match self.closed.planes.known() {
@@ -107,7 +107,10 @@ impl Mesh {
 
 #[cfg(test)]
 mod tests {
+    use std::cmp::Ordering;
+
     use crate::geometry::DVec3;
+    use crate::geometry::orientation::orient_3d;
     use crate::shape::{Mesh, Positions};
 
     /// Numbers between 0 and 1 of 20 bits.
@@ -152,11 +155,15 @@ mod tests {
         };
         for one in 0..count {
             for other in 0..one {
-                let are_in_one = one % 3 == other % 3 && one % 3 != 2 && normal(one);
-                assert!(
-                    mesh.are_in_one_plane(one, other) == are_in_one || one % 3 == 2,
-                    "{one} {other}"
-                );
+                let [a, b, c] = mesh.corners(one as usize);
+                let is_in = |corner| orient_3d([a, b, c, corner]) == Ordering::Equal;
+                let corners = mesh.corners(other as usize);
+                let are_in_one = normal(one) && normal(other) && corners.into_iter().all(is_in);
+                let are_known = mesh.are_in_one_plane(one, other);
+                assert!(are_in_one || !are_known, "{one} {other}");
+                // Those of the first two kinds are found.
+                let are_of_a_kind = one % 3 == other % 3 && one % 3 != 2;
+                assert!(are_known || !(are_in_one && are_of_a_kind), "{one} {other}");
             }
         }
     }

@@ -137,8 +137,11 @@ impl DeparturePoint {
     /// Whether neighbours face the same side: no two triangles have an edge at the point in one direction. Of too many nobody asks.
     fn face_one_way(&self, fan: &Fan) -> bool {
         let around = &fan.triangles;
-        if around.len() > MANY || fan.is_of_one_way {
-            return around.len() <= MANY;
+        if around.len() > MANY {
+            return false;
+        }
+        if fan.is_of_one_way {
+            return true;
         }
         let is_here = |corner: DVec3| {
             let mut own = self.corners.iter().zip(self.has_weight);

@@ -11,28 +11,28 @@ const FEW: usize = 16;
 
 /// A vector with its largest component.
 #[derive(Clone, Copy)]
-struct Sized {
+struct Measured {
     vector: DVec3,
     largest: f64,
 }
 
 /// From the point to the other corners of a triangle.
-struct Arc {
+struct PlainArc {
     corners: [DVec3; 2],
-    ends: [Sized; 2],
-    normal: Sized,
+    ends: [Measured; 2],
+    normal: Measured,
 }
 
 /// The sign of a product, if it is sure.
 #[inline(always)]
-fn is_positive(p: &Sized, q: &Sized) -> Option<bool> {
+fn is_positive(p: &Measured, q: &Measured) -> Option<bool> {
     let value = p.vector.dot(q.vector);
     let unsure = 64.0 * f64::EPSILON * p.largest * q.largest;
     // Products of two that are too small for float64 do not matter beside this.
     (unsure > 1e-180 && value.abs() > unsure).then_some(value > 0.0)
 }
 
-impl Sized {
+impl Measured {
     #[inline(always)]
     fn new(vector: DVec3) -> Self {
         let largest = vector.abs().max_element();
@@ -50,7 +50,7 @@ impl Sized {
     }
 }
 
-impl Arc {
+impl PlainArc {
     /// Of a triangle that has the corner `point`.
     #[inline(always)]
     fn new(point: DVec3, [a, b, c]: &[DVec3; 3]) -> Option<Self> {
@@ -62,8 +62,8 @@ impl Arc {
             [*a, *b]
         };
         let ends = [
-            Sized::new(corners[0] - point),
-            Sized::new(corners[1] - point),
+            Measured::new(corners[0] - point),
+            Measured::new(corners[1] - point),
         ];
         let normal = ends[0].cross(&ends[1])?;
         Some(Self {
@@ -75,16 +75,16 @@ impl Arc {
 }
 
 /// The shortest way from a direction to the beginning of an arc, or next to it.
-struct Way<'a> {
-    own: &'a Arc,
+struct PlainWay<'a> {
+    own: &'a PlainArc,
     /// The direction times each of the arc's ends.
-    sides: [Sized; 2],
+    sides: [Measured; 2],
 }
 
-impl Way<'_> {
+impl PlainWay<'_> {
     /// On which side an end of an arc is.
     #[inline(always)]
-    fn side(&self, arc: &Arc, end: usize) -> Option<bool> {
+    fn side(&self, arc: &PlainArc, end: usize) -> Option<bool> {
         let first = is_positive(&self.sides[0], &arc.ends[end]);
         if first.is_none() && arc.corners[end] == self.own.corners[0] {
             return is_positive(&self.sides[1], &arc.ends[end]);
@@ -94,7 +94,7 @@ impl Way<'_> {
 
     /// Whether it crosses an arc, on one side of whose plane it starts.
     #[inline(always)]
-    fn crosses(&self, arc: &Arc, start: bool) -> Option<bool> {
+    fn crosses(&self, arc: &PlainArc, start: bool) -> Option<bool> {
         let from = self.side(arc, 0)?;
         if from == self.side(arc, 1)? || from == start {
             return Some(false);
@@ -126,16 +126,19 @@ impl DeparturePoint {
         if around.len() > FEW {
             return None;
         }
-        let direction = Sized::new(direction);
+        let direction = Measured::new(direction);
+        if direction.largest > 1e90 {
+            return None;
+        }
         let is_front = outwards > 0.0;
-        let own = Arc::new(point, &self.corners)?;
+        let own = PlainArc::new(point, &self.corners)?;
         let is_own_above = is_positive(&own.normal, &direction)? == is_front;
         let (mut is_any_above, mut are_all_above) = (is_own_above, is_own_above);
         let [mut lowest, mut lowest_under] = [u32::MAX; 2];
         // Which have other corners than the one that is left, a bit each.
         let mut others = 0_u32;
         for (k, (number, corners)) in around.iter().enumerate() {
-            let arc = Arc::new(point, corners)?;
+            let arc = PlainArc::new(point, corners)?;
             let is_above = is_positive(&arc.normal, &direction)? == is_front;
             if !self.has_corners_of(corners) {
                 others |= 1 << k;
@@ -150,7 +153,7 @@ impl DeparturePoint {
         if !is_any_above || (are_all_above && self.face_one_way(fan)) {
             return Some(None);
         }
-        let way = Way {
+        let way = PlainWay {
             own: &own,
             sides: [
                 direction.cross(&own.ends[0])?,
@@ -162,7 +165,7 @@ impl DeparturePoint {
             if others >> k & 1 == 0 {
                 continue;
             }
-            let arc = Arc::new(point, corners)?;
+            let arc = PlainArc::new(point, corners)?;
             let start = is_positive(&arc.normal, &direction)?;
             is_inside ^= way.crosses(&arc, start)?;
         }
