@@ -62,7 +62,7 @@ class Sights(Traceable):
             The object and primitive on which each point of an array lies, -1 where there is none.
             It hides nothing, also where the line is nearly along it.
         tolerance : float
-            What is within this distance of either end hides nothing, in scene units: the error of
+            What is nearer to either end than this hides nothing, in scene units: the error of
             points that are rounded, as to float32.
         objects : int, str, or sequence of them, optional
             What may be in the way, by identifiers or names: no other object hides anything.

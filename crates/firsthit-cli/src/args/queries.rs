@@ -158,7 +158,7 @@ pub(crate) struct VisibleArgs {
     /// Where a sensor is: whether each point is seen from there, in place of pairs of points
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) from: Option<DVec3>,
-    /// What is within this distance of either point hides nothing, in scene units: the error of points that are rounded, as to float32
+    /// What is nearer to either point than this hides nothing, in scene units: the error of points that are rounded, as to float32
     #[arg(long, value_name = "DISTANCE", value_parser = values::tolerance, default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) tolerance: f64,
     #[command(flatten)]
