@@ -96,6 +96,7 @@ __all__ = [
     "signed_distances",
     "srgb_levels",
     "sun_of",
+    "thickness",
     "units",
     "version",
     "visible",

@@ -125,7 +125,9 @@ class Object:
         """Return the same object with other attributes."""
         made = Object.__new__(Object)
         for name in Object.__slots__:
-            setattr(made, name, others.get(name, getattr(self, name)))
+            setattr(made, name, getattr(self, name))
+        for name, value in others.items():
+            setattr(made, name, value)
         return made
 
     def _is_made_of(self, other: Object) -> bool:

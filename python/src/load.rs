@@ -38,7 +38,7 @@ type LabelsOut = (Option<LabelTuple>, Option<LabelTuple>);
 struct ObjectsOut {
     names: Vec<String>,
     shapes: Vec<ShapeOut>,
-    /// (n, 4, 4); empty where no object was moved.
+    /// (n, 4, 4); `None` where no object was moved.
     transforms: Option<Py<PyArray3<f64>>>,
     is_moved: Vec<bool>,
     /// The materials that objects have, and which of them each has.
@@ -257,7 +257,7 @@ fn objects_out(
     if out.is_moved.contains(&true) {
         let shape = [objects.len(), 4, 4];
         let array = PyArray1::from_vec(py, transforms).reshape(shape);
-        out.transforms = array.ok().map(Bound::unbind);
+        out.transforms = Some(array.expect("sixteen for each").unbind());
     }
     out
 }
