@@ -224,7 +224,7 @@ impl<'a, 'b> Objects<'a, 'b> {
             return Ok(Some((Arc::clone(mesh), transform)));
         }
         self.report.warn("flat", &place.entry().place(), || {
-            "the node's transform cannot be undone (it flattens space): its surfaces are flat"
+            "the transform has no inverse in float64 (it flattens space, or is out of range): its surfaces are flat"
                 .to_owned()
         });
         let deformation = Deformation {
