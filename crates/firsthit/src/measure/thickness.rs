@@ -19,8 +19,8 @@ use crate::watch::{OnlyStops, Watch};
 const PIECE: usize = 1 << 14;
 
 /// How thick the objects are at the surface points nearest to `points`, in scene units: the distance inwards, at right
-/// angles to the surface, to where the inside of the same object ends. Zero where it is on neither side of the surface. Of an open object it is the distance against the normal
-/// to where a ray next meets it, and infinity where it does not meet it again. NaN for a point that has no surface to be near to, and where
+/// angles to the surface, to where the inside of the same object ends. Zero where it is on neither side of the surface. Of an open object
+/// it is the distance against the normal to where a ray next meets it, and infinity where it does not meet it again. NaN for a point that has no surface to be near to, and where
 /// the nearest is a triangle without an area: no direction is inwards.
 ///
 /// The ray leaves the surface as [`SurfaceInteraction::leave`](crate::scene::SurfaceInteraction::leave) has it. Other objects do not count.
@@ -137,7 +137,8 @@ pub fn thickness_along<R: Rays + ?Sized>(
         let is_turned = departure.is_some_and(|it| {
             object(k).is_some_and(|object| solids.is_turned(object, it.primitive))
         });
-        // In front of the surface, the object goes around one time more often behind it.
+        // Behind a face the number is one more than in front of it. Where it is 0 or less behind, the front is farther from 0: that is
+        // the inside.
         let in_front = if is_turned { turns >= 0 } else { turns <= 0 };
         if in_front && towards == Towards::Inside {
             outwards.push((k, turns != 0));

@@ -7,7 +7,6 @@
 //! 3. Compute the crossing of each edge once, from its two ends in a fixed order.
 //! 4. Join segments at the edges that they share (`join.rs`), which are told apart by the places of their ends. So triangles join
 //!    that have vertices of their own, as those of STL files have.
-//!
 //! 5. Where all are closed, they become the outlines of what is inside (`outline.rs`), by the rule that all measures of solids have.
 //!
 //! The polylines of a closed mesh are therefore closed, whatever lies on the plane. A face in the plane is cut if the solid is below

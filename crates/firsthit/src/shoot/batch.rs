@@ -416,7 +416,7 @@ impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<S> {
     }
 }
 
-/// What a mesh answers.
+/// The answer of a mesh.
 pub(super) type Found<Q> = <<Q as RayQuery>::InMesh as MeshQuery>::Found;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What many rays met.
+//! The hits of many rays.
 
 use crate::error::Result;
 use crate::geometry::summary::summary;

@@ -22,7 +22,8 @@ pub struct Insides {
 /// depend on the number of threads.
 ///
 /// A closed mesh holds the points that it goes around, as [`FillRule::default`] has it, and for a mesh without a transform that is exact.
-/// A transform first takes the point to object space, which rounds; it is then exact about that point. About the other solids it is as exact as their crossings in float64.
+/// A transform first takes the point to object space, which rounds; it is then exact about that point. About the other solids it is as exact
+/// as their crossings in float64.
 ///
 /// A point exactly on the surface is inside if what is just ahead of it along (7, 10, 10.5) is. So of closed objects that share a face
 /// or an edge, and leave no gap, exactly one holds a point there.
