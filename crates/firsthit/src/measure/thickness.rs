@@ -7,7 +7,7 @@
 //! Open objects have no inside: there it is where the ray next meets them.
 
 use crate::error::Result;
-use crate::geometry::{DVec3, Departure, Filtered, Hit, Ray, RayFilter, Rays};
+use crate::geometry::{DVec2, DVec3, Departure, Filtered, Hit, Ray, RayFilter, Rays, SurfaceId};
 use crate::memory;
 use crate::nearest::{ClosestPoints, Wanted, closest_points};
 use crate::scene::Scene;
@@ -113,48 +113,102 @@ pub fn thickness_along<R: Rays + ?Sized>(
         })
     };
     let (solid, other): (Vec<usize>, Vec<usize>) = (0..rays.len()).partition(is_solid);
-    let these = |which: &[usize], sign: f64| -> (Vec<Ray>, Vec<RayFilter>) {
-        let turned = |ray: Ray| Ray {
-            direction: sign * ray.direction,
-            ..ray
-        };
-        which
-            .iter()
-            .map(|&k| (turned(rays.ray(k)), rays.filter(k)))
-            .unzip()
+    let these = |which: &[usize]| -> (Vec<Ray>, Vec<RayFilter>) {
+        which.iter().map(|&k| (rays.ray(k), rays.filter(k))).unzip()
     };
-    let (own, filters) = these(&other, 1.0);
+    let (own, filters) = these(&other);
     let first = trace(scene, &Filtered::each(&*own, &filters), First, watch)?;
     for (&k, &first) in other.iter().zip(&first.t) {
         t[k] = first;
     }
-    let (own, filters) = these(&solid, 1.0);
-    let ends = ends(&solids, &Filtered::each(&*own, &filters), watch)?;
-    let mut outwards = Vec::new();
-    for (&k, &(turns, end)) in solid.iter().zip(&ends) {
-        t[k] = end;
-        let departure = rays.filter(k).departure.map(|it| it.surface);
-        let is_turned = departure.is_some_and(|it| {
-            object(k).is_some_and(|object| solids.is_turned(object, it.primitive))
+    let (own, filters) = these(&solid);
+    let lengths = through(&solids, &own, &filters, towards, watch)?;
+    for (&k, &length) in solid.iter().zip(&lengths) {
+        t[k] = length.unwrap_or(0.0);
+    }
+    // Along faces and edges both sides may be outside: there it is as thick as a little within the triangle.
+    let nowhere = (0..solid.len()).filter(|&place| lengths[place].is_none());
+    let (which, within): (Vec<usize>, Vec<(Ray, RayFilter)>) = nowhere
+        .filter_map(|place| Some((solid[place], within(scene, &own[place], filters[place])?)))
+        .unzip();
+    let (own, filters): (Vec<Ray>, Vec<RayFilter>) = within.into_iter().unzip();
+    let lengths = through(&solids, &own, &filters, towards, &OnlyStops(watch))?;
+    for (k, length) in which.into_iter().zip(lengths) {
+        t[k] = length.unwrap_or(0.0);
+    }
+    Ok(t)
+}
+
+/// How far a ray that leaves a vertex or an edge is moved towards the middle of its triangle, as a share of the way.
+const WITHIN: f64 = 1.0 / 65_536.0;
+
+/// A ray that leaves a triangle of a mesh, moved to leave it a little within.
+fn within(scene: &Scene, ray: &Ray, mut filter: RayFilter) -> Option<(Ray, RayFilter)> {
+    let departure = filter.departure.as_mut()?;
+    let SurfaceId { object, primitive } = departure.surface;
+    let object = scene.objects().get(usize::try_from(object).ok()?)?;
+    let triangle = usize::try_from(primitive).ok()?;
+    let mesh = object.mesh().filter(|it| triangle < it.triangles().len())?;
+    let [a, b, c] = mesh.corners(triangle);
+    let DVec2 { x, y } = departure.barycentric.lerp(DVec2::splat(1.0 / 3.0), WITHIN);
+    departure.barycentric = DVec2::new(x, y);
+    let place = a + x * (b - a) + y * (c - a);
+    let place = object
+        .transform()
+        .world_from_object()
+        .transform_point3(place);
+    Some((
+        Ray {
+            origin: place,
+            ..*ray
+        },
+        filter,
+    ))
+}
+
+/// For rays that each leave a closed mesh and meet no other object, where they come out of it or into it. `None` for a ray towards the
+/// inside with the outside on both sides.
+fn through(
+    solids: &Solids<'_>,
+    rays: &[Ray],
+    filters: &[RayFilter],
+    towards: Towards,
+    watch: &dyn Watch,
+) -> Result<Vec<Option<f64>>> {
+    let first = ends(solids, &Filtered::each(rays, filters), watch)?;
+    let mut found: Vec<Option<f64>> = first.iter().map(|&(_, end)| Some(end)).collect();
+    if towards == Towards::Given {
+        return Ok(found);
+    }
+    let in_front = |k: usize| {
+        let surface = filters[k].departure.map(|it| it.surface);
+        let is_turned = surface.is_some_and(|it| {
+            let object = usize::try_from(it.object).ok();
+            object.is_some_and(|object| solids.is_turned(object, it.primitive))
         });
         // Behind a face the number is one more than in front of it. Where it is 0 or less behind, the front is farther from 0: that is
         // the inside.
-        let in_front = if is_turned { turns >= 0 } else { turns <= 0 };
-        if in_front && towards == Towards::Inside {
-            outwards.push((k, turns != 0));
-        }
-    }
-    let which: Vec<usize> = outwards.iter().map(|&(k, _)| k).collect();
-    let (own, filters) = these(&which, -1.0);
-    let ends = self::ends(&solids, &Filtered::each(&*own, &filters), &OnlyStops(watch))?;
-    for (&(k, was_inside), &(turns, end)) in outwards.iter().zip(&ends) {
+        let turns = first[k].0;
+        if is_turned { turns >= 0 } else { turns <= 0 }
+    };
+    let turned: Vec<usize> = (0..rays.len()).filter(|&k| in_front(k)).collect();
+    let backwards = turned.iter().map(|&k| {
+        let turned = Ray {
+            direction: -rays[k].direction,
+            ..rays[k]
+        };
+        (turned, filters[k])
+    });
+    let (own, filters): (Vec<Ray>, Vec<RayFilter>) = backwards.unzip();
+    let ends = ends(solids, &Filtered::each(&*own, &filters), &OnlyStops(watch))?;
+    for (&k, &(turns, end)) in turned.iter().zip(&ends) {
         if turns != 0 {
-            t[k] = end;
-        } else if !was_inside {
-            t[k] = 0.0;
+            found[k] = Some(end);
+        } else if first[k].0 == 0 {
+            found[k] = None;
         }
     }
-    Ok(t)
+    Ok(found)
 }
 
 /// Of rays that each meet one object alone, a closed mesh: how often it goes around their start, and where they come out of it, or into it.

@@ -458,6 +458,30 @@ fn a_box_that_is_there_twice_holds_its_middle_and_has_its_own_size() {
     );
 }
 
+/// Inwards from there a ray runs along faces and edges.
+#[test]
+fn a_cube_is_as_thick_at_its_corners_and_edges_as_in_its_faces() {
+    let corner = |k: u32| DVec3::new((k & 1).into(), (k >> 1 & 1).into(), (k >> 2).into());
+    let corners: Vec<DVec3> = (0..8).map(|k| 10.0 * corner(k)).collect();
+    let mut points: Vec<[f64; 3]> = corners.iter().map(DVec3::to_array).collect();
+    for a in &corners {
+        // Of edges, and of the diagonals of faces.
+        let others = corners.iter().filter(|&b| b.distance(*a) < 15.0);
+        points.extend(others.map(|b| a.lerp(*b, 0.375).to_array()));
+    }
+    for faces in [
+        FACES.to_vec(),
+        FACES.map(|[a, b, c]| [a, c, b]).to_vec(),
+        FACES.map(|[a, b, c]| [c, a, b]).to_vec(),
+    ] {
+        let cube = scene(vec![Object::new(mesh(&corners, faces))]);
+        for rule in RULES {
+            let found = thickness_with(rule, &cube, &points, &()).unwrap();
+            assert!(found.iter().all(|&t| near(t, 10.0)), "{rule:?} {found:?}");
+        }
+    }
+}
+
 #[test]
 fn a_thickness_along_a_way_outwards_is_the_gap_to_the_same_object() {
     let solid = solids()
