@@ -62,12 +62,15 @@ impl Nearby<'_> {
                 squared[k] += gap * gap;
             }
         }
-        for k in 0..WIDTH {
-            let below = squared[k] * (1.0 - 8.0 * f64::EPSILON);
-            squared[k] = if below < f64::INFINITY { below } else { 0.0 };
-            if node.is_vacant(k) {
-                squared[k] = f64::INFINITY;
-            }
+        for (k, squared) in squared.iter_mut().enumerate() {
+            let below = *squared * (1.0 - 8.0 * f64::EPSILON);
+            *squared = if node.is_vacant(k) {
+                f64::INFINITY
+            } else if below < f64::INFINITY {
+                below
+            } else {
+                0.0
+            };
         }
         squared
     }

@@ -73,8 +73,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         is_wanted: impl Fn(u32) -> bool,
     ) -> Option<Instance<'a>> {
         while self.state.is_open() {
-            let ahead = self.ahead.take();
-            let index = ahead.or_else(|| self.next_object(l, scene, stack))?;
+            let index = self.next_object(l, scene, stack)?;
             if !is_wanted(index) {
                 continue;
             }
@@ -143,6 +142,9 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         scene: &'a Scene,
         stack: &mut WalkStack,
     ) -> Option<u32> {
+        if let Some(known) = self.ahead.take() {
+            return Some(known);
+        }
         if let Some((&copy, rest)) = self.duplicates.split_first() {
             self.duplicates = rest;
             return Some(copy);

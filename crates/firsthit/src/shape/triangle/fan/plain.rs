@@ -39,6 +39,12 @@ impl Measured {
         Self { vector, largest }
     }
 
+    /// Itself, if products with it stay in the range of float64.
+    #[inline(always)]
+    fn moderate(self) -> Option<Self> {
+        (self.largest < 1e90).then_some(self)
+    }
+
     /// The cross product; its size is that of what it is computed from. `None` for vectors of which float64 may not hold all products.
     #[inline(always)]
     fn cross(&self, other: &Self) -> Option<Self> {
@@ -126,10 +132,7 @@ impl DeparturePoint {
         if around.len() > FEW {
             return None;
         }
-        let direction = Measured::new(direction);
-        if direction.largest > 1e90 {
-            return None;
-        }
+        let direction = Measured::new(direction).moderate()?;
         let is_front = outwards > 0.0;
         let own = PlainArc::new(point, &self.corners)?;
         let is_own_above = is_positive(&own.normal, &direction)? == is_front;
@@ -196,7 +199,7 @@ mod tests {
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963_407);
             let x = (state >> 12) as f64 / (1_u64 << 51) as f64 - 1.0;
-            if state >> 40 & 3 == 0 {
+            if (state >> 40).is_multiple_of(4) {
                 (4.0 * x).round() / 4.0
             } else {
                 x
@@ -230,7 +233,7 @@ mod tests {
                 .zip(rim.windows(2))
                 .map(|(k, two)| (k, [tip, two[0], two[1]]))
                 .collect();
-            let count = triangles.len() as u32;
+            let count = u32::try_from(triangles.len()).unwrap();
             for (k, (_, corners)) in triangles.iter_mut().enumerate() {
                 corners.rotate_left(k % 3);
                 if round % 5 == 1 && k % 2 == 1 {
