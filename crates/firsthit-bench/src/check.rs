@@ -83,7 +83,7 @@ impl<'a> Judge<'a> {
         all.into_iter().map(|hit| named(hit, &objects)).collect()
     }
 
-    /// Those of many objects whose boxes the ray passes, and their numbers: a forest has too many triangles to ask each.
+    /// The objects whose boxes a ray passes, with their numbers: brute force over all triangles of a forest takes too long.
     fn few(&self, ray: &Ray) -> Option<(Scene, Vec<usize>)> {
         if self.boxes.is_empty() {
             return None;

@@ -25,7 +25,7 @@ pub(crate) fn build(objects: &[Object]) -> Result<Scene, String> {
     Scene::new(objects.to_vec()).map_err(|error| error.to_string())
 }
 
-/// The same objects, with the vertices of their meshes moved a little; what was shared is shared.
+/// Copies of objects with the vertices of their meshes moved a little. Meshes that were shared are shared.
 pub(crate) fn moved(objects: &[Object]) -> Result<Vec<Object>, String> {
     let mut known: HashMap<*const Mesh, Arc<Mesh>> = HashMap::new();
     let moved = |object: &Object| {

@@ -1,4 +1,4 @@
-//! What this program holds of Rust's memory, in bytes.
+//! An allocator that counts the bytes which this program holds.
 #![expect(
     unsafe_code,
     reason = "an allocator that counts, and leaves the work to the system's"
@@ -12,7 +12,7 @@ static HELD: AtomicIsize = AtomicIsize::new(0);
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
-/// What is held at the moment.
+/// The bytes that are held at the moment.
 pub(crate) fn held() -> isize {
     HELD.load(Ordering::Relaxed)
 }

@@ -211,7 +211,7 @@ impl<'a> Report<'a> {
         Ok(self.rows.iter().all(|measured| measured.checked.wrong == 0))
     }
 
-    /// What nodes, leaves and hits cost in the rows where they were counted.
+    /// Prints the cost of nodes, leaves and hits, from the rows where they were counted.
     fn costs(&mut self) {
         let rows: Vec<_> = self.counted.iter().map(|(_, counted)| *counted).collect();
         let Some(([ray, node, leaf, hit], off)) = fit(&rows) else {
@@ -235,7 +235,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// What many objects take: the time until the first ray, and memory.
+/// The time until the first ray among many objects, and the memory that they take.
 fn of_objects(objects: usize, triangles: f64, trees: &Trees<'_>) -> String {
     let ready = |build: Timing| build.min * triangles / 1e6;
     let each = |bytes: isize| bytes as f64 / objects as f64;

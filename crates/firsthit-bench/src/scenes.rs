@@ -17,12 +17,12 @@ pub(crate) use look::Look;
 pub(crate) struct BenchScene {
     pub(crate) name: String,
     pub(crate) objects: Vec<Object>,
-    /// The same for Embree.
+    /// The objects as Embree has them.
     pub(crate) model: Model,
     pub(crate) look: Look,
 }
 
-/// What a scene's file may be called, beside NAME.cam.
+/// The extensions of scene files, which stand beside NAME.cam.
 const EXTENSIONS: [&str; 3] = ["ply", "glb", "toml"];
 
 /// The file of the scene whose camera `look` describes.

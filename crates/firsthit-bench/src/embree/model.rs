@@ -32,7 +32,7 @@ enum Form {
 struct Ball([f32; 4]);
 
 impl Model {
-    /// The same objects, in their order. An error where Embree has no such shape.
+    /// Makes Embree's scene of objects, in their order. An error where Embree has no such shape.
     pub(crate) fn new(objects: &[Object]) -> Result<Self, String> {
         let mut shapes = Vec::new();
         let mut known = HashMap::new();

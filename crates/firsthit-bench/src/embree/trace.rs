@@ -19,7 +19,7 @@ pub(crate) enum Door {
     Coherent,
 }
 
-/// What Embree found for each ray: `t`, object, primitive, u, v.
+/// Embree's hit of each ray: `t`, object, primitive, u, v.
 #[derive(Debug)]
 pub(crate) struct Answers([Plane; 5]);
 
