@@ -16,7 +16,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{Numbers, bumpy_sphere, cases, mesh, scene, soak_rays};
+use crate::support::{CUBE, Numbers, bumpy_sphere, cases, mesh, scene, soak_rays};
 
 /// The direction in which a point on the surface is looked ahead.
 const AHEAD: DVec3 = DVec3::new(7.0, 10.0, 10.5);
@@ -30,22 +30,6 @@ const CORNERS: [DVec3; 8] = [
     DVec3::new(1.0, 0.0, 1.0),
     DVec3::new(0.0, 1.0, 1.0),
     DVec3::new(1.0, 1.0, 1.0),
-];
-
-/// The unit cube, its top last.
-const CUBE: [[u32; 3]; 12] = [
-    [0, 3, 1],
-    [0, 2, 3],
-    [0, 1, 5],
-    [0, 5, 4],
-    [1, 3, 7],
-    [1, 7, 5],
-    [3, 2, 6],
-    [3, 6, 7],
-    [2, 0, 4],
-    [2, 4, 6],
-    [4, 5, 7],
-    [4, 7, 6],
 ];
 
 fn cube(corner: DVec3, size: f64) -> Vec<DVec3> {

@@ -12,25 +12,9 @@ use firsthit::{
     shoot,
 };
 
-use crate::support::{Numbers, mesh, scene};
+use crate::support::{CUBE, Numbers, mesh, scene};
 
 const RULES: [FillRule; 2] = [FillRule::Nonzero, FillRule::Parity];
-
-/// The faces of a box whose corner `k` has the upper x, y and z where the bits 0, 1 and 2 of `k` are set.
-const FACES: [[u32; 3]; 12] = [
-    [0, 3, 1],
-    [0, 2, 3],
-    [0, 1, 5],
-    [0, 5, 4],
-    [1, 3, 7],
-    [1, 7, 5],
-    [3, 2, 6],
-    [3, 6, 7],
-    [2, 0, 4],
-    [2, 4, 6],
-    [4, 5, 7],
-    [4, 7, 6],
-];
 
 /// A box, and how often its surface goes around what is in it.
 #[derive(Clone, Copy)]
@@ -162,7 +146,7 @@ impl Solid {
                 let pick = |axis: usize| [part.low, part.high][usize::from(upper(axis))][axis];
                 place.transform_point3(DVec3::new(pick(0), pick(1), pick(2)))
             }));
-            triangles.extend(FACES.map(|[a, b, c]| {
+            triangles.extend(CUBE.map(|[a, b, c]| {
                 let [a, b, c] = [a, b, c].map(|k| k + first);
                 if part.turns > 0 { [a, b, c] } else { [a, c, b] }
             }));
@@ -470,9 +454,9 @@ fn a_cube_is_as_thick_at_its_corners_and_edges_as_in_its_faces() {
         points.extend(others.map(|b| a.lerp(*b, 0.375).to_array()));
     }
     for faces in [
-        FACES.to_vec(),
-        FACES.map(|[a, b, c]| [a, c, b]).to_vec(),
-        FACES.map(|[a, b, c]| [c, a, b]).to_vec(),
+        CUBE.to_vec(),
+        CUBE.map(|[a, b, c]| [a, c, b]).to_vec(),
+        CUBE.map(|[a, b, c]| [c, a, b]).to_vec(),
     ] {
         let cube = scene(vec![Object::new(mesh(&corners, faces))]);
         for rule in RULES {

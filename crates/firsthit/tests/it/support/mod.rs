@@ -136,6 +136,22 @@ pub(crate) fn soak_rays() -> usize {
     rays
 }
 
+/// The faces of a box whose corner `k` has the upper x, y and z where the bits 0, 1 and 2 of `k` are set.
+pub(crate) const CUBE: [[u32; 3]; 12] = [
+    [0, 3, 1],
+    [0, 2, 3],
+    [0, 1, 5],
+    [0, 5, 4],
+    [1, 3, 7],
+    [1, 7, 5],
+    [3, 2, 6],
+    [3, 6, 7],
+    [2, 0, 4],
+    [2, 4, 6],
+    [4, 5, 7],
+    [4, 7, 6],
+];
+
 pub(crate) fn scene(objects: Vec<Object>) -> Scene {
     Scene::new(objects).unwrap()
 }
