@@ -231,6 +231,7 @@ impl Kernel for Next<'_, '_> {
             let (met, entries) = walk.slabs.boxes(l, node, [walk.first, last]);
             let mut depths = [0.0; LANES];
             l.store(entries, &mut depths);
+            // The farthest first. Hardly ever more than a few are met.
             let bottom = stack.len();
             for k in set_bits(met) {
                 let entry = (node.children[k], f64::from(depths[k]));

@@ -7,7 +7,7 @@ use crate::geometry::orientation::projection_axis;
 use crate::geometry::{DVec3, Transform};
 use crate::memory;
 use crate::parallel;
-use crate::shape::{Mesh, Welded, sorted};
+use crate::shape::{Mesh, Welded, edges, sorted};
 use crate::watch::Watch;
 
 /// So many triangles are looked at between two questions whether to stop.
@@ -86,7 +86,7 @@ impl<'a> Subject<'a> {
         });
         let copies = copies(&welded);
         stop_if_asked(watch)?;
-        let edges = edges(&welded, &repeated(&welded, &copies));
+        let edges = uses_of_edges(&welded, &repeated(&welded, &copies));
         Ok(Self {
             index,
             object: i32::try_from(object).unwrap_or(i32::MAX),
@@ -175,15 +175,16 @@ fn repeated(welded: &[[u32; 3]], copies: &[Vec<u32>]) -> Vec<bool> {
     is_repeated
 }
 
-fn edges(welded: &[[u32; 3]], is_repeated: &[bool]) -> Vec<EdgeUse> {
+/// The edges of triangles with three places, but for repeated ones, those of one edge side by side.
+fn uses_of_edges(welded: &[[u32; 3]], is_repeated: &[bool]) -> Vec<EdgeUse> {
     let triangles = (0..).zip(welded).zip(is_repeated);
     let wanted = triangles
         .filter(|((_, [a, b, c]), is_repeated)| !**is_repeated && a != b && b != c && c != a);
-    let of_triangle = |((triangle, &[a, b, c]), _): ((u32, &[u32; 3]), &bool)| {
-        [[a, b], [b, c], [c, a]].map(|[from, to]| EdgeUse {
-            ends: [from.min(to), from.max(to)],
+    let of_triangle = |((triangle, &places), _): ((u32, &[u32; 3]), &bool)| {
+        edges(places).map(move |(ends, is_forward)| EdgeUse {
+            ends,
             triangle,
-            is_forward: from < to,
+            is_forward,
         })
     };
     let mut edges: Vec<EdgeUse> = wanted.flat_map(of_triangle).collect();

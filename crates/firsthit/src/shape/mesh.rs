@@ -21,7 +21,7 @@ mod tangents;
 mod weld;
 
 pub(crate) use disjoint_sets::DisjointSets;
-pub(crate) use facing::{Facing, sorted};
+pub(crate) use facing::{Facing, edges, sorted};
 pub use named::NamedAttribute;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::{MeshParts, are_below};

@@ -30,7 +30,7 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
-pub(crate) use mesh::{DisjointSets, Facing, Welded, sorted};
+pub(crate) use mesh::{DisjointSets, Facing, Welded, edges, sorted};
 pub use mesh::{Mesh, NamedAttribute};
 #[cfg(feature = "fhs")]
 pub(crate) use mesh::{MeshParts, are_below};

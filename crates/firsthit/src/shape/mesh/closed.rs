@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use super::Mesh;
 use super::asked::WhenAsked;
-use super::facing::Facing;
+use super::facing::{Facing, edges};
 use super::planes::Planes;
 use super::weld::{Welded, sort};
 use crate::error::{Error, Result};
@@ -105,11 +105,11 @@ impl Mesh {
             });
         }
         for places in triangles {
-            let [a, b, c] = places.map(u64::from);
-            let sides = [(a, b), (b, c), (c, a)];
-            let sides = sides.into_iter().filter(|(p, q)| p != q);
             // The lower place, the upper one, and which way it goes.
-            uses.extend(sides.map(|(p, q)| p.min(q) << 33 | p.max(q) << 1 | u64::from(p < q)));
+            let packed = |([low, high], is_up): ([u32; 2], bool)| {
+                u64::from(low) << 33 | u64::from(high) << 1 | u64::from(is_up)
+            };
+            uses.extend(edges(places).map(packed));
         }
         sort(&mut uses, Ord::cmp);
         let is_once = uses.windows(2).all(|two| two[0] != two[1]);

@@ -44,7 +44,7 @@ pub(crate) fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], bool) {
 }
 
 /// The edges of a triangle that have a length: the lower place first, and whether the triangle goes up.
-fn edges([a, b, c]: [u32; 3]) -> impl Iterator<Item = ([u32; 2], bool)> {
+pub(crate) fn edges([a, b, c]: [u32; 3]) -> impl Iterator<Item = ([u32; 2], bool)> {
     let sides = [(a, b), (b, c), (c, a)].into_iter();
     sides
         .filter(|(p, q)| p != q)

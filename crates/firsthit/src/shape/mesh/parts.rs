@@ -1,6 +1,7 @@
 //! The parts of a mesh, which have no edge in common; its area and its volume.
 
 use super::disjoint_sets::DisjointSets;
+use super::facing::edges;
 use super::weld::sort;
 use super::{Attribute, Mesh};
 use crate::error::Result;
@@ -19,10 +20,8 @@ impl Mesh {
         let count = self.triangles.len();
         memory::check("the parts of a mesh", count.saturating_mul(72))?;
         let welded = self.welded()?.triangles;
-        let sides = |(&[a, b, c], triangle): (&[u32; 3], u32)| {
-            let sides = [[a, b], [b, c], [c, a]].into_iter();
-            let sides = sides.filter(|[p, q]| p != q);
-            sides.map(move |[p, q]| ([p.min(q), p.max(q)], triangle))
+        let sides = |(&places, triangle): (&[u32; 3], u32)| {
+            edges(places).map(move |(ends, _)| (ends, triangle))
         };
         let mut uses: Vec<([u32; 2], u32)> = welded.iter().zip(0..).flat_map(sides).collect();
         sort(&mut uses, Ord::cmp);
