@@ -3,8 +3,10 @@
 # A command of one word.
 CARGO ?= cargo
 PYTHON ?= python3
-VENV := .venv/bin
-DIST := .venv-dist/bin
+# Where an environment of Python has its programs.
+BIN := $(if $(filter Windows_NT,$(OS)),Scripts,bin)
+VENV := .venv/$(BIN)
+DIST := .venv-dist/$(BIN)
 LINUX := $(filter Linux,$(shell uname))
 # What is compiled outside the workspace: its dependencies are compiled once.
 OUTSIDE := target/outside
@@ -18,7 +20,7 @@ PROGRAM := target/release/firsthit
 export CARGO_TARGET_DIR := $(CURDIR)/target
 unexport CARGO_BUILD_TARGET
 # $(call develop,FOLDER): the package, built and installed into that environment. On its own, maturin takes the one that is active.
-develop = env -u CONDA_PREFIX VIRTUAL_ENV="$(CURDIR)/$(1)" $(or $(MATURIN_OF),$(1))/bin/maturin develop --quiet --profile $(or $(2),release)
+develop = env -u CONDA_PREFIX VIRTUAL_ENV="$(CURDIR)/$(1)" $(or $(MATURIN_OF),$(1))/$(BIN)/maturin develop --quiet --profile $(or $(2),release)
 
 # All cases of the tests, or nothing for some of them.
 export FIRSTHIT_TEST := $(strip $(FIRSTHIT_TEST))
@@ -37,7 +39,8 @@ MAKE_QUIETLY = $(MAKE) --no-print-directory
 
 .PHONY: render gallery quick test test-full nightly soak test-rust test-python test-scripts test-installed test-compat test-light test-browser test-wasm
 .PHONY: test-neon test-cluster program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-features
-.PHONY: check-targets check-oldest miri test-release clean
+.PHONY: check-targets check-oldest check-semver check-tag check-format check-clippy check-ruff miri test-release test-wheel
+.PHONY: publish-crates clean
 
 # Builds the program, renders the embedded example scene and says where the picture is.
 render: program
@@ -82,7 +85,8 @@ test-full:
 # What .ci/run leaves out: releases compiled as their users would, each feature alone, other targets and compilers, other programs, and
 # attacks for as long as they take; NIGHTLY_RAYS is the length of its soak. Some of it is skipped, with a line that says so, where this machine cannot do it.
 NIGHTLY_RAYS ?= 10000000
-NIGHTLY := test-release test-checked check-features check-targets check-oldest miri test-neon attack test-cluster test-browser test-compat test-light soak
+NIGHTLY := test-release test-checked check-features check-targets check-oldest check-semver miri test-neon attack test-cluster
+NIGHTLY += test-browser test-compat test-light soak
 nightly:
 	@exec $(TIMED) "make nightly" $(MAKE_QUIETLY) --jobs 1 --keep-going $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
 	@echo "left out: fuzz, bench"
@@ -120,14 +124,24 @@ test-python: .venv/ready
 	$(VENV)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 	$(VENV)/python -m mypy.stubtest firsthit._firsthit
 
+# The wheel of dist/, in an environment of its own.
+define INSTALL_WHEEL
+$(PYTHON) -m venv --clear $(OUTSIDE)/venv
+$(OUTSIDE)/venv/$(BIN)/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl anywidget pytest mypy
+endef
+
+# What a user of the wheel in dist/ does first, wherever that was built: for the machines of .github/workflows/wheels.yml.
+test-wheel:
+	$(INSTALL_WHEEL)
+	$(OUTSIDE)/venv/$(BIN)/python -m pytest packaging/tests/test_package.py
+
 $(if $(and $(filter test-installed,$(MAKECMDGOALS)),$(filter test-release,$(MAKECMDGOALS))),$(error both have their wheel in dist/: one after the other))
 # What people install, in an environment of its own: the wheel of dist/, its source distribution, a new Cargo project. Nothing is compiled
 # twice; `test-release` compiles each as its user would (packaging/tests/conftest.py).
 test-installed: WHEEL_PROFILE = release
 test-release: WHEEL_PROFILE = dist
 test-installed test-release: dist
-	$(PYTHON) -m venv --clear $(OUTSIDE)/venv
-	$(OUTSIDE)/venv/bin/pip install --quiet --constraint python/requirements-dev.txt dist/*.whl anywidget pytest mypy
+	$(INSTALL_WHEEL)
 	WHEEL_PROFILE=$(WHEEL_PROFILE) $(OUTSIDE)/venv/bin/pytest --durations 8 packaging/tests
 	cd $(OUTSIDE) && venv/bin/pytest -q -c /dev/null --rootdir . -p no:cacheprovider --confcutdir "$(CURDIR)/python/tests" "$(CURDIR)/python/tests/test_notebook.py"
 
@@ -204,6 +218,10 @@ dist: .venv-dist/ready
 	$(DIST)/abi3audit --strict --verbose dist/*.whl
 	$(and $(LINUX),$(IS_RELEASE),$(DIST)/auditwheel show dist/*.whl | grep '"manylinux_2_17_')
 	ls -l dist
+
+# The crates, to their index, each after those that it depends on: for .github/workflows/release.yml. `make dist` has compiled them.
+publish-crates:
+	$(CARGO) publish --locked --no-verify $(CRATES)
 
 # What indexes show: see packaging/pages.py.
 pages:
@@ -318,17 +336,35 @@ fuzz:
 	touch $@
 
 # What must hold besides: formatting, lints, documentation, dependencies (deny.toml). Warnings are errors.
-check: .venv/ready
-	$(CARGO) fmt --all --check
-	$(CARGO) clippy --workspace --all-targets -- -D warnings
+check: .venv/ready check-format check-clippy check-ruff
 	CARGO=$(CARGO) PYTHON=$(PYTHON) .ci/features none
 	$(DOC)
-	$(VENV)/ruff check
-	$(VENV)/ruff format --check
 	$(VENV)/mypy python/firsthit python/_firsthit_program python/examples
 	$(PYTHON) packaging/pages.py --check
 	$(PYTHON) -m doctest packaging/dependencies.py
 	CARGO=$(CARGO) $(PYTHON) packaging/dependencies.py
+
+# The parts of `check` that .pre-commit-config.yaml runs, too.
+check-format:
+	$(CARGO) fmt --all --check
+check-clippy:
+	$(CARGO) clippy --workspace --all-targets -- -D warnings
+check-ruff: .venv/ready
+	$(VENV)/ruff check
+	$(VENV)/ruff format --check
+
+# Whether the interface of the library fits its version, by the last release: from the first tag on.
+LAST_TAG = $(shell git describe --tags --abbrev=0 --match 'v[0-9]*' 2> /dev/null)
+check-semver:
+	if [ -z "$(LAST_TAG)" ]; then echo "the interface's version: skipped: nothing is released"; \
+	elif $(CARGO) semver-checks --version 2> /dev/null; then \
+	    $(CARGO) semver-checks --package firsthit --baseline-rev "$(LAST_TAG)"; \
+	else echo "the interface's version: skipped: cargo install cargo-semver-checks"; fi
+
+# Whether TAG is that of this version: a release is made by it.
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml)
+check-tag:
+	[ "$(TAG)" = "v$(VERSION)" ] || { echo "TAG must be v$(VERSION), the version in Cargo.toml, got $(TAG)"; exit 1; }
 
 # Whether the library compiles with each feature alone; `check` does without any.
 check-features:
