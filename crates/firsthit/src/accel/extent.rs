@@ -3,7 +3,7 @@
 use super::mesh_tree::MeshTree;
 use super::node::{LEAF, WIDTH};
 use crate::geometry::{Bounds, DAffine3, DVec3, arrays};
-use crate::shape::Mesh;
+use crate::shape::Meshes;
 use crate::simd::set_bits;
 
 /// At least the rounding of a vertex to float32, in units of the tree.
@@ -25,7 +25,7 @@ impl MeshTree {
     /// For each of the six ends, descend from the root to the farthest child first, and leave out a child whose box ends before the
     /// farthest corner found so far. A corner of a box bounds the vertices in the box to the last bit, because it goes through the same
     /// operations and rounding is monotone.
-    pub(crate) fn smallest_bounds(&self, mesh: &Mesh, transform: &DAffine3) -> Option<Bounds> {
+    pub(crate) fn smallest_bounds(&self, mesh: Meshes<'_>, transform: &DAffine3) -> Option<Bounds> {
         self.nodes.first()?;
         let end = |axis: usize, sign: f64| {
             let along = |point: DVec3| sign * transform.transform_point3(point)[axis];
@@ -37,8 +37,44 @@ impl MeshTree {
         })
     }
 
+    /// Takes triangles out of the leaves; each is in one of the boxes `around`. Others that have the same corners must not be copies.
+    pub(crate) fn take_out(&mut self, around: &[Bounds], is_out: impl Fn(u32) -> bool) {
+        let mut leaves = Vec::new();
+        for &around in around {
+            self.leaves_near(around, &mut leaves);
+        }
+        let order = &self.order;
+        self.leaves.edit(|all| {
+            for leaf in leaves {
+                let leaf = &mut all[leaf as usize];
+                for lane in set_bits(leaf.filled) {
+                    let triangle = order[leaf.first as usize + lane];
+                    leaf.filled &= !(u16::from(is_out(triangle)) << lane);
+                }
+            }
+        });
+    }
+
+    /// Adds the leaves that may have triangles in a box.
+    fn leaves_near(&self, around: Bounds, leaves: &mut Vec<u32>) {
+        let rounding = ROUNDED * self.space.unscale;
+        let (low, high) = (around.low - rounding, around.high + rounding);
+        let mut stack = vec![0];
+        while let Some(index) = stack.pop() {
+            if index & LEAF != 0 {
+                leaves.push(index & !LEAF);
+                continue;
+            }
+            for (bounds, child) in self.children(index) {
+                if bounds.low.cmple(high).all() && low.cmple(bounds.high).all() {
+                    stack.push(child);
+                }
+            }
+        }
+    }
+
     /// The largest value of an affine function with a gradient at the triangles' corners.
-    fn farthest(&self, mesh: &Mesh, along: impl Fn(DVec3) -> f64, gradient: DVec3) -> f64 {
+    fn farthest(&self, mesh: Meshes<'_>, along: impl Fn(DVec3) -> f64, gradient: DVec3) -> f64 {
         let mut farthest = f64::NEG_INFINITY;
         let mut stack = vec![(f64::INFINITY, 0_u32)];
         while let Some((bound, index)) = stack.pop() {

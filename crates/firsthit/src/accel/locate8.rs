@@ -18,7 +18,7 @@
 use super::mesh_tree::MeshTree;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::{DVec3, Ray, arrays};
-use crate::shape::Mesh;
+use crate::shape::Meshes;
 use crate::shape::triangle::{Plain, PlainStart, Plane, Start};
 use crate::simd::{Aligned, InLanes, Kernel, LANES, Lanes, WIDE};
 
@@ -107,7 +107,7 @@ impl Corners {
     #[inline(always)]
     pub(crate) fn new<L: Lanes>(
         l: L,
-        (tree, mesh): (&MeshTree, &Mesh),
+        (tree, mesh): (&MeshTree, Meshes<'_>),
         (leaf_lanes, wanted): (&[f32; LANES], u16),
         triangles: &mut [f32; LANES],
     ) -> Self {
@@ -163,7 +163,7 @@ impl Corners {
     #[inline(always)]
     fn whole(
         tree: &MeshTree,
-        mesh: &Mesh,
+        mesh: Meshes<'_>,
         (leaf_lanes, wanted): (&[f32; LANES], u16),
         triangles: &mut [f32; LANES],
     ) -> Self {
@@ -322,7 +322,7 @@ impl SharedTriangle {
     #[inline(always)]
     pub(crate) fn new<L: Lanes>(
         l: L,
-        (tree, mesh): (&MeshTree, &Mesh),
+        (tree, mesh): (&MeshTree, Meshes<'_>),
         leaf_lane: u32,
         rays: &RayBundle<L>,
     ) -> Self {

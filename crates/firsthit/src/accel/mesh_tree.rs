@@ -8,7 +8,7 @@ use super::node::Node;
 use super::space::Space;
 use crate::geometry::DVec3;
 use crate::memory::Storage;
-use crate::shape::Mesh;
+use crate::shape::Meshes;
 use crate::shape::triangle::DeparturePoint;
 use crate::simd::{LANES, Lanes};
 
@@ -99,7 +99,7 @@ impl MeshTree {
     }
 
     /// The corners of that triangle, as the mesh has them.
-    pub(crate) fn corners_at(&self, mesh: &Mesh, leaf_lane: u32) -> [DVec3; 3] {
+    pub(crate) fn corners_at(&self, mesh: Meshes<'_>, leaf_lane: u32) -> [DVec3; 3] {
         self.corners(
             mesh,
             &self.leaves[leaf_lane as usize / LANES],
@@ -109,7 +109,7 @@ impl MeshTree {
 
     /// The corners of a triangle of a leaf, as the mesh has them.
     #[inline(always)]
-    pub(super) fn corners(&self, mesh: &Mesh, leaf: &Meshlet, lane: usize) -> [DVec3; 3] {
+    pub(super) fn corners(&self, mesh: Meshes<'_>, leaf: &Meshlet, lane: usize) -> [DVec3; 3] {
         if self.is_exact {
             let [a, b, c] = leaf.triangle(lane);
             [
@@ -118,7 +118,7 @@ impl MeshTree {
                 self.space.restored(c),
             ]
         } else {
-            mesh.corners(self.triangle(leaf, lane) as usize)
+            mesh.corners(self.triangle(leaf, lane))
         }
     }
 

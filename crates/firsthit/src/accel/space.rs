@@ -6,7 +6,7 @@ use super::bounds::DISTANT;
 use crate::geometry::{DVec3, arrays};
 use crate::memory;
 use crate::parallel;
-use crate::shape::{Mesh, Positions};
+use crate::shape::{Mesh, Meshes};
 
 /// How many points or boxes one task takes of many.
 pub(super) const CHUNK: usize = 65_536;
@@ -28,16 +28,19 @@ pub(super) struct Space {
 const LARGEST: f64 = 1e90;
 
 impl Space {
-    pub(super) fn new(mesh: &Mesh) -> Option<Self> {
+    pub(super) fn new(mesh: Meshes<'_>) -> Option<Self> {
         let bounds = mesh.bounds();
         let largest = bounds.low.abs().max(bounds.high.abs()).max_element();
         let half = 0.5 * bounds.size().max_element();
         // If the mesh's own origin is not far away, keep it: float32 coordinates then need no rounding.
         let is_near = largest <= 4.0 * half;
-        let origin = match mesh.positions().as_ref() {
-            _ if is_near => DVec3::splat(-0.0),
-            Positions::Single(_) => bounds.centre().as_vec3().as_dvec3(),
-            Positions::Double(_) => bounds.centre(),
+        let centre = bounds.centre();
+        let origin = if is_near {
+            DVec3::splat(-0.0)
+        } else if mesh.are_single() {
+            centre.as_vec3().as_dvec3()
+        } else {
+            centre
         };
         let reach = (bounds.high - origin)
             .max(origin - bounds.low)

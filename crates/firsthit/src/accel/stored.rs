@@ -19,7 +19,7 @@ use super::traverse::stack::LEVELS;
 use crate::geometry::DVec3;
 use crate::memory::{self, Storage};
 use crate::parallel;
-use crate::shape::{Mesh, are_below};
+use crate::shape::{Meshes, are_below};
 use crate::simd::LANES;
 
 /// The arrays of a tree as they are written.
@@ -69,12 +69,12 @@ impl MeshTree {
         }
     }
 
-    /// The tree of `mesh` that has these parts; see [the module](self). Checked by all threads of the current rayon pool.
+    /// The tree over `mesh` that has these parts; see [the module](self). Checked by all threads of the current rayon pool.
     ///
     /// # Errors
     ///
     /// In words, what is wrong.
-    pub(crate) fn from_parts(mesh: &Mesh, parts: TreeParts) -> Result<Self, &'static str> {
+    pub(crate) fn from_parts(mesh: Meshes<'_>, parts: TreeParts) -> Result<Self, &'static str> {
         let TreeParts {
             nodes,
             leaves,
@@ -82,7 +82,7 @@ impl MeshTree {
             copies,
             facts,
         } = parts;
-        let triangles = mesh.triangles().len();
+        let triangles = mesh.len();
         let space = if nodes.is_empty() {
             if !leaves.is_empty() || order.len() != triangles {
                 return Err("a tree without nodes has leaves, or not all triangles");
@@ -174,7 +174,7 @@ fn is_whole(leaf: &Meshlet, order: usize) -> bool {
 mod tests {
     use super::*;
     use crate::memory::Block;
-    use crate::shape::Positions;
+    use crate::shape::{Mesh, Positions};
     use std::sync::Arc;
 
     fn mesh() -> Mesh {
@@ -215,7 +215,7 @@ mod tests {
     fn a_tree_survives_being_taken_apart() {
         let mesh = mesh();
         let tree = MeshTree::build(&mesh);
-        let again = MeshTree::from_parts(&mesh, parts(&tree)).unwrap();
+        let again = MeshTree::from_parts((&mesh).into(), parts(&tree)).unwrap();
         assert_eq!(format!("{again:?}"), format!("{tree:?}"));
         assert!(again.nodes.is_shared());
     }
@@ -243,7 +243,7 @@ mod tests {
                 order: changed.2.into(),
                 ..parts(&tree)
             };
-            MeshTree::from_parts(&mesh, changed).unwrap_err()
+            MeshTree::from_parts((&mesh).into(), changed).unwrap_err()
         };
         let inner = |nodes: &[Node]| {
             let is_inner = |k: &usize| nodes[0].children[*k] & LEAF == 0;
@@ -292,7 +292,7 @@ mod tests {
                 nodes,
                 ..parts(&tree)
             };
-            MeshTree::from_parts(&mesh, parts).map(drop)
+            MeshTree::from_parts((&mesh).into(), parts).map(drop)
         };
         let most = u32::try_from(LEVELS).unwrap();
         assert_eq!(chain(most), Ok(()));

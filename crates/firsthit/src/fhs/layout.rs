@@ -15,7 +15,7 @@ use crate::parallel;
 pub(super) const MAGIC: [u8; 8] = *b"\x89fhs\r\n\x1a\n";
 
 /// To be changed with the format, and with the meaning of any array that it has from another room: nodes and leaves.
-pub(super) const VERSION: u32 = 3;
+pub(super) const VERSION: u32 = 4;
 
 /// The header's length, that of an entry of the table, and what sections are aligned to.
 pub(super) const UNIT: usize = BLOCK_ALIGNMENT;

@@ -9,7 +9,7 @@ use super::look::{KindRecord, MaterialRecord, direction_of, missing};
 use super::number::{Number, Triple};
 use super::record::{
     AttributeRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord,
-    Record, ShapeRecord, TextureRecord, ValuesRecord,
+    Record, ShapeRecord, TextureRecord, TreeRecord, ValuesRecord,
 };
 use super::sensor::CameraRecord;
 use crate::accel::{MeshTree, TreeFacts, TreeParts};
@@ -19,10 +19,10 @@ use crate::geometry::{Bounds, DAffine3, DMat3, DVec3, Transform, require, requir
 use crate::io::Report;
 use crate::io::fault::{Checked, Fault};
 use crate::memory::{self, Block};
-use crate::scene::{Label, Material, Object, Scene, SceneParts, Texture};
+use crate::scene::{Group, Label, Material, Object, ObjectTree, Scene, SceneParts, Texture};
 use crate::shape::{
-    Attribute, Between, Cone, Cuboid, Cylinder, Disc, Mesh, MeshParts, Plane, Positions, Property,
-    PropertyOf, PropertyValues, Shape, Sphere,
+    Attribute, Between, Cone, Cuboid, Cylinder, Disc, Mesh, MeshParts, Meshes, Plane, Positions,
+    Property, PropertyOf, PropertyValues, Shape, Sphere,
 };
 use crate::world::World;
 
@@ -37,10 +37,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
     let looks = looks(&record, &mut sections)?;
     let labels: Vec<Label> = record.labels.iter().map(label).collect();
     let objects = objects(&record.objects, (&meshes, &looks, &labels))?;
-    let trees = record.objects.iter().map(|object| match object.shape {
-        ShapeRecord::Mesh(mesh) => meshes.get(mesh).map(|(_, tree)| Arc::clone(tree)),
-        _ => None,
-    });
+    let trees = trees(&record, (&meshes, &objects), &mut sections)?;
     let boxes = sections.take::<[f64; 6]>(record.boxes)?;
     let boxes = boxes.iter().map(|&[a, b, c, d, e, f]| Bounds {
         low: DVec3::new(a, b, c),
@@ -51,7 +48,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
     sections.finish()?;
     let scene = Scene::from_parts(SceneParts {
         objects: objects.clone(),
-        trees: trees.collect(),
+        trees,
         boxes: boxes.collect(),
         duplicates: duplicates.to_vec(),
         bounds: record.bounds.map_or(Bounds::EMPTY, bounds_of),
@@ -196,7 +193,7 @@ fn bounds_of([low, high]: [Triple; 2]) -> Bounds {
     }
 }
 
-type Built = (Arc<Mesh>, Arc<MeshTree>);
+type Built = (Arc<Mesh>, Option<Arc<MeshTree>>);
 
 fn meshes(record: &Record, sections: &mut Sections) -> Checked<Vec<Built>> {
     let mut vertices = Vec::new();
@@ -240,8 +237,21 @@ fn built(
             .map(|named| property(named, sections))
             .collect::<Checked<_>>()?,
     };
-    let tree = &record.tree;
-    let tree = TreeParts {
+    let of_mesh = |what: &str| Fault::file(format!("mesh {number}: {what}"));
+    let mesh = Mesh::from_parts(parts).map_err(of_mesh)?;
+    let tree = match &record.tree {
+        Some(tree) => {
+            let parts = tree_parts(tree, sections)?;
+            let tree = MeshTree::from_parts((&mesh).into(), parts).map_err(of_mesh)?;
+            Some(Arc::new(tree))
+        }
+        None => None,
+    };
+    Ok((Arc::new(mesh), tree))
+}
+
+fn tree_parts(tree: &TreeRecord, sections: &mut Sections) -> Checked<TreeParts> {
+    Ok(TreeParts {
         nodes: sections.take(tree.nodes)?,
         leaves: sections.take(tree.leaves)?,
         order: sections.take(tree.order)?,
@@ -251,11 +261,48 @@ fn built(
             is_welded: tree.welded,
             cost: tree.cost.0,
         },
-    };
-    let of_mesh = |what: &str| Fault::file(format!("mesh {number}: {what}"));
-    let mesh = Mesh::from_parts(parts).map_err(of_mesh)?;
-    let tree = MeshTree::from_parts(&mesh, tree).map_err(of_mesh)?;
-    Ok((Arc::new(mesh), Arc::new(tree)))
+    })
+}
+
+/// The tree of each object.
+fn trees(
+    record: &Record,
+    (meshes, objects): (&[Built], &[Object]),
+    sections: &mut Sections,
+) -> Checked<Vec<ObjectTree>> {
+    let own = record.objects.iter().map(|object| match object.shape {
+        ShapeRecord::Mesh(mesh) => {
+            let tree = meshes.get(mesh).and_then(|(_, tree)| tree.as_ref());
+            tree.map_or(ObjectTree::None, |tree| ObjectTree::Own(Arc::clone(tree)))
+        }
+        _ => ObjectTree::None,
+    });
+    let mut trees: Vec<ObjectTree> = own.collect();
+    for (number, group) in record.groups.iter().enumerate() {
+        let of_group = |what: &str| Fault::file(format!("group {number}: {what}"));
+        let members = sections.take::<u32>(group.objects)?;
+        let parts = tree_parts(&group.tree, sections)?;
+        let tree = |meshes: Meshes<'_>| MeshTree::from_parts(meshes, parts);
+        let group = Group::from_parts(&members, objects, tree).map_err(of_group)?;
+        let has_tree = |&member: &u32| {
+            trees
+                .get(member as usize)
+                .is_some_and(|tree| tree.any().is_some())
+        };
+        if members.iter().any(has_tree) {
+            return Err(of_group("it joins an object that has a tree"));
+        }
+        Arc::new(group).join(&mut trees);
+    }
+    let mut pairs = objects.iter().zip(&trees);
+    let lacks =
+        |(object, tree): (&Object, &ObjectTree)| object.mesh().is_some() && tree.any().is_none();
+    if let Some(object) = pairs.position(lacks) {
+        return Err(Fault::file(format!(
+            "object {object}: its mesh has no tree"
+        )));
+    }
+    Ok(trees)
 }
 
 fn attribute<const N: usize>(

@@ -24,6 +24,8 @@ pub(super) struct Record {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) labels: Vec<LabelRecord>,
     pub(super) objects: Vec<ObjectRecord>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) groups: Vec<GroupRecord>,
     /// A box around each object.
     pub(super) boxes: Section,
     /// Pairs of an object and a later one in its place.
@@ -64,6 +66,16 @@ pub(super) struct MeshRecord {
     pub(super) colors: Option<AttributeRecord>,
     pub(super) alphas: Option<AttributeRecord>,
     pub(super) properties: Vec<PropertyRecord>,
+    /// None where all objects that have the mesh share trees with others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) tree: Option<TreeRecord>,
+}
+
+/// Objects that share a tree.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GroupRecord {
+    pub(super) objects: Section,
     pub(super) tree: TreeRecord,
 }
 

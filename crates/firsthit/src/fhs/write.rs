@@ -9,8 +9,8 @@ use super::layout::{BEFORE_DIGEST, Element, Kind, MAGIC, Sum, UNIT, VERSION, sum
 use super::look::{KindRecord, MapRecord, MaterialRecord, ShadingRecord, direction_of};
 use super::number::{Number, Triple};
 use super::record::{
-    AttributeRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord, PropertyRecord,
-    Record, Section, ShapeRecord, TextureRecord, TreeRecord, ValuesRecord,
+    AttributeRecord, GroupRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord,
+    PropertyRecord, Record, Section, ShapeRecord, TextureRecord, TreeRecord, ValuesRecord,
 };
 use super::sensor::CameraRecord;
 use crate::accel::MeshTree;
@@ -89,6 +89,30 @@ impl Content<'_> {
     }
 }
 
+/// Arrays of numbers that a scene holds in other forms.
+struct Lists {
+    boxes: Vec<[f64; 6]>,
+    duplicates: Vec<[u32; 2]>,
+    /// The objects of each group.
+    members: Vec<Vec<u32>>,
+}
+
+impl Lists {
+    fn new(scene: &Scene) -> Self {
+        let boxes = scene.boxes().iter();
+        let numbers =
+            |&Bounds { low, high }: &Bounds| [low.x, low.y, low.z, high.x, high.y, high.z];
+        let groups = scene.groups();
+        Self {
+            boxes: boxes.map(numbers).collect(),
+            duplicates: scene.duplicates().pairs(),
+            members: groups
+                .map(|group| group.members().map(|(object, _)| object).collect())
+                .collect(),
+        }
+    }
+}
+
 /// Takes a scene apart for a file at `path`, and hands on what stands in it.
 fn with_content<T>(
     path: &Path,
@@ -104,7 +128,7 @@ fn with_content<T>(
     check(world)?;
     // Who opens the file may shoot any number of rays.
     let better;
-    let scene = if scene.has_quick_trees() {
+    let scene = if scene.has_poor_trees() {
         better = scene.with_best_trees()?;
         &better
     } else {
@@ -112,13 +136,9 @@ fn with_content<T>(
     };
     let records = scene.objects().len().saturating_mul(RECORD_BYTES);
     memory::check("the description of the scene's objects", records)?;
-    let boxes = scene.boxes().iter();
-    let boxes: Vec<[f64; 6]> = boxes
-        .map(|Bounds { low, high }| [low.x, low.y, low.z, high.x, high.y, high.z])
-        .collect();
-    let duplicates = scene.duplicates().pairs();
+    let lists = Lists::new(scene);
     let mut parts = Parts::default();
-    let record = record(scene, world, (&boxes, &duplicates), &mut parts);
+    let record = record(scene, world, &lists, &mut parts);
     let record = serde_json::to_vec(&record).map_err(|source| refused(path, source.into()))?;
     let sections = parts.sections(&record);
     let Some(sums) = sums(&sections, watch) else {
@@ -277,8 +297,7 @@ impl<'a> Parts<'a> {
         }
     }
 
-    fn mesh(&mut self, mesh: &'a Mesh, tree: &'a MeshTree, positions: usize) -> MeshRecord {
-        let (arrays, facts) = (tree.arrays(), tree.facts());
+    fn mesh(&mut self, mesh: &'a Mesh, tree: Option<&'a MeshTree>, positions: usize) -> MeshRecord {
         MeshRecord {
             positions,
             triangles: self.add(mesh.triangles()),
@@ -296,15 +315,20 @@ impl<'a> Parts<'a> {
                 .iter()
                 .map(|property| self.property(property))
                 .collect(),
-            tree: TreeRecord {
-                nodes: self.add(arrays.nodes),
-                leaves: self.add(arrays.leaves),
-                order: self.add(arrays.order),
-                copies: self.add(arrays.copies),
-                exact: facts.is_exact,
-                welded: facts.is_welded,
-                cost: Number(facts.cost),
-            },
+            tree: tree.map(|tree| self.tree(tree)),
+        }
+    }
+
+    fn tree(&mut self, tree: &'a MeshTree) -> TreeRecord {
+        let (arrays, facts) = (tree.arrays(), tree.facts());
+        TreeRecord {
+            nodes: self.add(arrays.nodes),
+            leaves: self.add(arrays.leaves),
+            order: self.add(arrays.order),
+            copies: self.add(arrays.copies),
+            exact: facts.is_exact,
+            welded: facts.is_welded,
+            cost: Number(facts.cost),
         }
     }
 }
@@ -406,7 +430,7 @@ fn columns(affine: &DAffine3) -> [Triple; 4] {
 fn record<'a>(
     scene: &'a Scene,
     world: &'a World,
-    (boxes, duplicates): (&'a [[f64; 6]], &'a [[u32; 2]]),
+    lists: &'a Lists,
     parts: &mut Parts<'a>,
 ) -> Record {
     let mut tables = Tables::default();
@@ -414,14 +438,14 @@ fn record<'a>(
     let mut objects = Vec::new();
     for (k, object) in scene.objects().iter().enumerate() {
         objects.push(tables.object(object));
-        // The first object with a mesh has its tree, as all have.
+        // The first object with a mesh has its tree, as all have, unless that object shares one.
         if tables.meshes.list.len() > trees.len() {
-            trees.extend(scene.shared_tree(k));
+            trees.push(scene.tree_of(k).own());
         }
     }
     let meshes = tables.meshes.list.iter().zip(trees).map(|(mesh, tree)| {
         let positions = tables.positions.number(mesh.positions());
-        parts.mesh(mesh, tree, positions)
+        parts.mesh(mesh, tree.map(AsRef::as_ref), positions)
     });
     let meshes = meshes.collect();
     let positions = tables
@@ -439,6 +463,14 @@ fn record<'a>(
         texels: parts.add(texture.texels()),
     });
     let textures = textures.collect();
+    let groups = scene
+        .groups()
+        .zip(&lists.members)
+        .map(|(group, members)| GroupRecord {
+            objects: parts.add(members),
+            tree: parts.tree(group.tree()),
+        });
+    let groups = groups.collect();
     let bounds = scene.bounds();
     Record {
         positions,
@@ -448,8 +480,9 @@ fn record<'a>(
         materials: tables.materials,
         labels: tables.labels,
         objects,
-        boxes: parts.add(boxes),
-        duplicates: parts.add(duplicates),
+        groups,
+        boxes: parts.add(&lists.boxes),
+        duplicates: parts.add(&lists.duplicates),
         bounds: (!bounds.is_empty()).then(|| corners(bounds)),
         lights: world.lights.iter().map(KindRecord::of_light).collect(),
         cameras: world.cameras.iter().map(CameraRecord::new).collect(),

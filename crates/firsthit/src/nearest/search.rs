@@ -9,11 +9,11 @@ use super::answers::{ClosestPoints, Part};
 use super::best::Best;
 use crate::accel::{InstructionSet, Scratch, WalkStack, each_near};
 use crate::error::{Error, Result};
-use crate::geometry::DVec3;
+use crate::geometry::{DVec3, SurfaceId};
 use crate::memory;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::shape::{Shape, Surface, nearest_on_triangle};
+use crate::shape::{Surface, nearest_on_triangle};
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
 
@@ -224,7 +224,7 @@ fn near_object<L: Lanes>(
         return;
     }
     let place = object.transform();
-    let (Shape::Mesh(mesh), Some(tree)) = (object.shape(), scene.mesh_tree(index as usize)) else {
+    let Some((mesh, tree)) = scene.at_mesh(index) else {
         let visit = &mut |nearest| best.take(index, nearest);
         return object.shape().nearest(point, place, visit);
     };
@@ -235,9 +235,10 @@ fn near_object<L: Lanes>(
             place.point_in_world(corners[1]),
             place.point_in_world(corners[2]),
         ];
+        let SurfaceId { object, primitive } = scene.surface_at(index, triangle.cast_signed());
         best.take(
-            index,
-            nearest_on_triangle(point, corners, triangle.cast_signed()),
+            object.cast_unsigned(),
+            nearest_on_triangle(point, corners, primitive),
         );
         best.limit()
     };

@@ -1,8 +1,9 @@
 //! The trees over meshes: how good they are to be, and which a scene has already.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use super::joined::{self, ObjectTree};
 use super::{Object, Scene};
 use crate::accel::MeshTree;
 use crate::error::Result;
@@ -66,63 +67,103 @@ const TREE_BYTES: usize = 160;
 /// The same of the fast build, where leaves are put together from parts that have them too.
 const FAST_TREE_BYTES: usize = 280;
 
-/// A tree for each mesh, however many objects share it; what the scene before knows is used again, unless it is asked for
-/// better.
-pub(super) fn mesh_trees(
+/// Builds trees as a scene asks for them.
+pub(super) struct TreeBuilder {
+    is_fast: bool,
+}
+
+impl TreeBuilder {
+    /// For the meshes of some objects, each of which has one that needs a tree.
+    pub(super) fn new<'a>(build: BuildSettings, objects: impl Iterator<Item = &'a Object>) -> Self {
+        Self {
+            is_fast: build.is_fast(objects.map(Object::triangles).sum()),
+        }
+    }
+
+    /// The tree over a mesh.
+    pub(super) fn build(&self, mesh: &Mesh) -> Result<MeshTree> {
+        let has_room_for = |bytes_each: usize| {
+            let bytes = mesh.triangles().len().saturating_mul(bytes_each);
+            memory::check("the tree over a mesh", bytes)
+        };
+        // The full build takes less memory.
+        let is_fast = self.is_fast && has_room_for(FAST_TREE_BYTES).is_ok();
+        if is_fast {
+            return Ok(MeshTree::build_quick(mesh));
+        }
+        has_room_for(TREE_BYTES)?;
+        Ok(MeshTree::build(mesh))
+    }
+}
+
+/// The tree of each object: that of a group, or one for each mesh, however many objects share it. What the scene before knows is used
+/// again, unless it is asked for better.
+pub(super) fn object_trees(
     objects: &[Object],
     build: BuildSettings,
     before: Option<&Scene>,
-) -> Result<Vec<Option<Arc<MeshTree>>>> {
+) -> Result<Vec<ObjectTree>> {
     // Fast, if there were triangles enough.
     let may_be_quick = build.is_fast(usize::MAX);
     let is_good_enough = |tree: &MeshTree| may_be_quick || !tree.is_quick();
     let known = before
         .into_iter()
         .flat_map(|scene| scene.objects.iter().zip(&scene.trees));
-    let known = known.filter_map(|(object, tree)| Some((object.mesh()?, tree.as_ref()?)));
+    let known = known.filter_map(|(object, tree)| Some((object.mesh()?, tree.own()?)));
     let mut built: HashMap<*const Mesh, Arc<MeshTree>> = known
         .filter(|(_, tree)| is_good_enough(tree))
         .map(|(mesh, tree)| (Arc::as_ptr(mesh), Arc::clone(tree)))
         .collect();
-    // Triangles are those of the meshes that have no tree yet.
-    let missing = objects.iter().filter_map(Object::mesh);
-    let missing: HashMap<*const Mesh, usize> = missing
-        .map(|mesh| (Arc::as_ptr(mesh), mesh.triangles().len()))
-        .filter(|(mesh, _)| !built.contains_key(mesh))
-        .collect();
-    let is_fast = build.is_fast(missing.values().sum());
-    let mut tree = |k: usize, mesh: &Arc<Mesh>| {
-        if let Some(built) = built.get(&Arc::as_ptr(mesh)) {
-            return Ok(Arc::clone(built));
+    let mut trees = vec![ObjectTree::None; objects.len()];
+    if let Some(before) = before {
+        for group in joined::kept(objects, before, is_good_enough) {
+            group.join(&mut trees);
         }
-        let has_room_for = |bytes_each: usize| {
-            let bytes = mesh.triangles().len().saturating_mul(bytes_each);
-            memory::check("the tree over a mesh", bytes)
+    }
+    // The objects whose meshes have no tree yet.
+    let mut seen = HashSet::new();
+    let missing = (0..objects.len()).filter(|&k| {
+        let mesh = objects[k].mesh().map(Arc::as_ptr);
+        let mut is_known = |mesh| built.contains_key(&mesh) || !seen.insert(mesh);
+        trees[k].any().is_none() && mesh.is_some_and(|mesh| !is_known(mesh))
+    });
+    let missing: Vec<usize> = missing.collect();
+    let builder = TreeBuilder::new(build, missing.iter().map(|&k| &objects[k]));
+    let fitted = |k: usize| before?.fitted(k, objects[k].mesh()?, is_good_enough);
+    // A tree that is fitted, as of something that bends from step to step, stays one of its own.
+    let is_fittable = |k: usize| before.is_some_and(|before| before.may_fit(k, &objects[k]));
+    let is_missing = |object: u32| missing.binary_search(&(object as usize)).is_ok();
+    let may_join = |object| is_missing(object) && !is_fittable(object as usize);
+    for group in joined::found(objects, may_join, |mesh| builder.build(mesh).ok()) {
+        group.join(&mut trees);
+    }
+    for (k, object) in objects.iter().enumerate() {
+        let Some(mesh) = object.mesh().filter(|_| trees[k].any().is_none()) else {
+            continue;
         };
-        // The full build takes less memory.
-        let is_fast = is_fast && has_room_for(FAST_TREE_BYTES).is_ok();
-        if !is_fast {
-            has_room_for(TREE_BYTES)?;
-        }
-        let fitted = before.and_then(|scene| scene.fitted(k, mesh, is_good_enough));
-        let anew = || {
-            if is_fast {
-                MeshTree::build_quick(mesh)
-            } else {
-                MeshTree::build(mesh)
-            }
+        let tree = match built.get(&Arc::as_ptr(mesh)) {
+            Some(built) => Arc::clone(built),
+            None => Arc::new(fitted(k).map_or_else(|| builder.build(mesh), Ok)?),
         };
-        let tree = Arc::new(fitted.unwrap_or_else(anew));
         built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
-        Ok(tree)
-    };
-    let objects = objects.iter().enumerate();
-    objects
-        .map(|(k, object)| object.mesh().map(|mesh| tree(k, mesh)).transpose())
-        .collect()
+        trees[k] = ObjectTree::Own(tree);
+    }
+    Ok(trees)
 }
 
 impl Scene {
+    /// Whether an object's own tree may be fitted to one in its place, which differs from it in its vertices only.
+    fn may_fit(&self, object: usize, moved: &Object) -> bool {
+        let known = self.objects.get(object).and_then(Object::mesh);
+        let is_alike = |(known, moved): (&Arc<Mesh>, &Arc<Mesh>)| {
+            known.triangles().len() == moved.triangles().len()
+        };
+        self.trees
+            .get(object)
+            .is_some_and(|tree| tree.own().is_some())
+            && known.zip(moved.mesh()).is_some_and(is_alike)
+    }
+
     /// The tree of an object's mesh for one that differs from it in its vertices only.
     fn fitted(
         &self,
@@ -131,7 +172,7 @@ impl Scene {
         is_good_enough: impl Fn(&MeshTree) -> bool,
     ) -> Option<MeshTree> {
         let mesh = self.objects.get(object)?.mesh()?;
-        let tree = self.trees[object].as_ref();
+        let tree = self.trees[object].own();
         let tree = tree.filter(|tree| is_good_enough(tree))?;
         (mesh.triangles() == moved.triangles()).then(|| tree.refit(moved))?
     }
@@ -173,7 +214,7 @@ mod tests {
         ] {
             let scene = fast.clone().with_build(settings(build, rays));
             let scene = scene.with_objects(objects.clone()).unwrap();
-            let tree = scene.trees[0].as_ref().unwrap();
+            let tree = scene.trees[0].own().unwrap();
             assert_eq!(tree.is_quick(), is_quick, "{build:?} {rays:?}");
         }
     }

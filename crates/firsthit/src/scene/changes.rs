@@ -31,15 +31,31 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an object that is not there; then nothing has moved.
+    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for a tree of its own for an object
+    /// that shares one; then nothing has moved.
     pub fn move_objects(&mut self, places: &[(usize, Transform)]) -> Result<()> {
         let moved = places.iter().map(|&(object, _)| self.check_object(object));
         let moved = moved.collect::<Result<Vec<u32>>>()?;
+        let is_elsewhere = |&&(object, transform): &&(usize, Transform)| {
+            *self.objects[object].transform() != transform
+        };
+        let leaving: Vec<u32> = (moved.iter().zip(places))
+            .filter(|(_, place)| is_elsewhere(place))
+            .map(|(&object, _)| object)
+            .collect();
+        let has_parted = self.part(&leaving)?;
         for &(object, transform) in places {
             self.objects[object].place(transform);
         }
-        let around = |k: usize| extent::box_around(&self.objects[k], self.trees[k].as_deref());
-        self.top.moved(&self.objects, &moved, around);
+        let around = |k: usize| extent::box_around(&self.objects[k], self.trees[k].own());
+        if has_parted {
+            for &object in &moved {
+                self.top.set_box(object, around(object as usize));
+            }
+            self.top.rebuild(&self.objects, &self.trees);
+        } else {
+            self.top.moved(&self.objects, &self.trees, &moved, around);
+        }
         self.forget_places();
         Ok(())
     }
@@ -54,10 +70,13 @@ impl Scene {
         for &(object, _) in objects {
             self.check_object(object)?;
         }
+        let hidden = objects.iter().filter(|(_, is_hidden)| *is_hidden);
+        let hidden = hidden.map(|&(object, _)| self.check_object(object));
+        self.part(&hidden.collect::<Result<Vec<u32>>>()?)?;
         for &(object, is_hidden) in objects {
             self.objects[object].hide(is_hidden);
         }
-        self.top.rebuild(&self.objects);
+        self.top.rebuild(&self.objects, &self.trees);
         self.first_open = OnceLock::new();
         self.forget_places();
         Ok(())

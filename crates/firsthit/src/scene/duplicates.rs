@@ -76,6 +76,10 @@ impl Duplicates {
         pairs
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.of.is_empty()
+    }
+
     /// Whether an object is in the place of an earlier one.
     pub(crate) fn contains(&self, object: u32) -> bool {
         self.is_duplicate[object as usize]

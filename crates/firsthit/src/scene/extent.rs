@@ -1,5 +1,7 @@
 //! How far scenes reach: boxes around objects, and the smallest one around all.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::{Object, Scene, top_tree};
@@ -51,10 +53,12 @@ impl Scene {
     pub(crate) fn smallest_box(&self, index: usize) -> Bounds {
         let object = &self.objects[index];
         let transform = object.transform();
-        let tree = self.mesh_tree(index);
+        let tree = self.trees[index].own();
         let turned = object.mesh().zip(tree).filter(|_| !transform.keeps_axes());
         turned
-            .and_then(|(mesh, tree)| tree.smallest_bounds(mesh, transform.world_from_object()))
+            .and_then(|(mesh, tree)| {
+                tree.smallest_bounds(mesh.as_ref().into(), transform.world_from_object())
+            })
             .unwrap_or_else(|| object.bounds())
     }
 
@@ -94,7 +98,7 @@ impl Scene {
 
 /// A box around an object in the world in constant time. Of a turned mesh it is wider than the smallest one, which would take longer to
 /// find than it saves rays.
-pub(super) fn box_around(object: &Object, tree: Option<&MeshTree>) -> Bounds {
+pub(super) fn box_around(object: &Object, tree: Option<&Arc<MeshTree>>) -> Bounds {
     let transform = object.transform();
     let is_turned = object.mesh().is_some() && !transform.keeps_axes();
     let turned = tree.filter(|_| is_turned);

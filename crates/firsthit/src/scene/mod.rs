@@ -18,6 +18,7 @@ mod extent;
 #[cfg(feature = "frame")]
 mod fingerprint;
 mod interaction;
+mod joined;
 mod light;
 mod likely_up;
 mod material;
@@ -47,12 +48,15 @@ pub use material::{
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};
 
-use build::mesh_trees;
+use build::object_trees;
 pub(crate) use duplicates::Duplicates;
 pub(crate) use emitters::Emitters;
 pub(crate) use environment::Hemispheres;
 pub(crate) use extent::support;
 pub(crate) use interaction::compute_geometry;
+#[cfg(feature = "fhs")]
+pub(crate) use joined::Group;
+pub(crate) use joined::ObjectTree;
 pub(crate) use light::{PreparedLight, Sun, form_factor};
 pub(crate) use material::Lambertian;
 #[cfg(feature = "fhs")]
@@ -67,7 +71,7 @@ use crate::geometry::summary::{Few, summary};
 use crate::geometry::{Beam, Bounds, DVec3, Hit};
 use crate::memory;
 use crate::parallel;
-use crate::shape::{Mesh, Shape};
+use crate::shape::Meshes;
 
 /// Objects in a world, ready to be shot at from any number of threads.
 ///
@@ -87,8 +91,7 @@ use crate::shape::{Mesh, Shape};
 #[derive(Clone)]
 pub struct Scene {
     objects: Vec<Object>,
-    /// A mesh's tree, shared by all objects that share the mesh; `None` for other shapes.
-    trees: Vec<Option<Arc<MeshTree>>>,
+    trees: Vec<ObjectTree>,
     /// How these were asked for, and others will be.
     build: BuildSettings,
     top: TopTree,
@@ -191,13 +194,14 @@ impl Scene {
         scene.with_coloring(self.colored().map(|colored| colored.coloring().clone()))
     }
 
-    /// Whether some of its trees were built for few rays.
+    /// Whether some of its trees were built for few rays, or objects have left them.
     #[cfg(feature = "fhs")]
-    pub(crate) fn has_quick_trees(&self) -> bool {
-        self.trees.iter().flatten().any(|tree| tree.is_quick())
+    pub(crate) fn has_poor_trees(&self) -> bool {
+        let mut trees = self.trees.iter().filter_map(ObjectTree::any);
+        trees.any(|tree| tree.is_quick()) || !self.groups().all(|group| group.is_whole())
     }
 
-    /// This scene where each of its trees is as the full build makes it, or a fitted one.
+    /// This scene where each of its trees is as the full build makes it, or a fitted one, and over what is there alone.
     ///
     /// # Errors
     ///
@@ -209,7 +213,10 @@ impl Scene {
             ..self.build
         };
         let mut scene = self.try_clone()?;
-        scene.trees = mesh_trees(&self.objects, best, Some(self))?;
+        // Objects that have left a group may join another one.
+        let are_whole = self.groups().all(|group| group.is_whole());
+        scene.trees = object_trees(&self.objects, best, Some(self).filter(|_| are_whole))?;
+        scene.top.rebuild(&scene.objects, &scene.trees);
         Ok(scene)
     }
 
@@ -221,15 +228,14 @@ impl Scene {
         }
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;
-        let trees = mesh_trees(&objects, build, before)?;
-        let unmoved = before.filter(|before| before.is_in_place(&objects));
+        let trees = object_trees(&objects, build, before)?;
+        let unmoved = before.filter(|before| before.is_in_place(&objects, &trees));
         let (top, bounds) = if let Some(before) = unmoved {
             (before.top.clone(), before.bounds.clone())
         } else {
-            let around =
-                |k: usize, object: &Object| extent::box_around(object, trees[k].as_deref());
+            let around = |k: usize, object: &Object| extent::box_around(object, trees[k].own());
             let boxes = extent::in_parts(&objects, around);
-            (TopTree::new(&objects, boxes), OnceLock::new())
+            (TopTree::new(&objects, &trees, boxes), OnceLock::new())
         };
         Ok(Self {
             objects,
@@ -255,10 +261,14 @@ impl Scene {
         })
     }
 
-    /// Whether these are its objects in their places, whatever they look like.
-    fn is_in_place(&self, objects: &[Object]) -> bool {
+    /// Whether these are its objects in their places, joined alike, whatever they look like.
+    fn is_in_place(&self, objects: &[Object], trees: &[ObjectTree]) -> bool {
+        let leader = |tree: &ObjectTree| tree.group().map(|group| group.leader());
         let mut pairs = self.objects.iter().zip(objects);
-        self.objects.len() == objects.len() && pairs.all(|(one, other)| one.is_in_place_of(other))
+        let mut trees = self.trees.iter().zip(trees);
+        self.objects.len() == objects.len()
+            && pairs.all(|(one, other)| one.is_in_place_of(other))
+            && trees.all(|(one, other)| leader(one) == leader(other))
     }
 
     /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.
@@ -391,21 +401,17 @@ impl Scene {
         &self.top.duplicates
     }
 
-    /// The mesh and the tree of an object whose triangles are all there is to it.
-    pub(crate) fn plain_mesh(&self, index: u32) -> Option<(&Mesh, &MeshTree)> {
+    /// As [`at_mesh`](Self::at_mesh), where triangles are all there is to what rays come to.
+    pub(crate) fn plain_mesh(&self, index: u32) -> Option<(Meshes<'_>, &MeshTree)> {
         let object = self.objects.get(index as usize)?;
-        match (object.shape(), self.mesh_tree(index as usize)) {
-            (Shape::Mesh(mesh), Some(tree))
-                if tree.has_nodes() && !object.has_cutouts() && !object.is_hidden() =>
-            {
-                Some((mesh, tree))
-            }
-            _ => None,
-        }
+        let (_, tree) = self.at_mesh(index)?;
+        let is_plain = tree.has_nodes() && !object.has_cutouts() && !object.is_hidden();
+        self.at_mesh(index).filter(|_| is_plain)
     }
 
-    pub(crate) fn mesh_tree(&self, object: usize) -> Option<&MeshTree> {
-        self.trees[object].as_deref()
+    /// The object that stands for all that rays may meet, if it is one alone.
+    pub(crate) fn only_object(&self) -> Option<u32> {
+        self.top.only_object()
     }
 
     /// The objects that a ray may meet.
@@ -442,7 +448,7 @@ impl Scene {
         let distinct: HashMap<_, _> = self
             .trees
             .iter()
-            .flatten()
+            .filter_map(ObjectTree::any)
             .map(|tree| (Arc::as_ptr(tree), tree.bytes()))
             .collect();
         distinct.values().sum::<usize>() + self.top.bytes()

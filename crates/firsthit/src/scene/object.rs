@@ -5,7 +5,7 @@ use super::{Label, Material};
 use crate::geometry::summary::Short;
 use crate::geometry::{Bounds, Color, DVec2, DVec3, Ray, Transform};
 use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
-use crate::shape::{Crossing, Mesh, Shape, Surface};
+use crate::shape::{Crossing, Mesh, Meshes, Shape, Surface};
 
 /// A shape somewhere in the world. Objects that share a mesh (an [`Arc`]) are instances of it: nothing is
 /// copied.
@@ -259,19 +259,20 @@ impl Object {
         self.has_cutouts
     }
 
-    /// Where a ray meets a triangle of its mesh that is not cut out there.
+    /// Where a ray meets a triangle of its mesh, or of those that it is joined with, that is not cut out there.
     #[inline]
     pub(crate) fn intersect_triangle(
         &self,
-        mesh: &Mesh,
+        meshes: Meshes<'_>,
         triangle: u32,
         (edges, filter): (EdgeRule, &MeshFilter),
         (ray, shear): (&Ray, &Shear),
     ) -> Option<Crossing> {
-        let number = triangle as usize;
-        let numbered = (triangle, mesh.corners(number));
+        let numbered = (triangle, meshes.corners(triangle));
         let hit = filter.intersect((ray, shear), edges, numbered, Doubtful::settle)?;
-        let is_cut_out = self.has_cutouts() && self.is_cut_out(mesh, number, hit.barycentric);
+        let is_cut_out = self.has_cutouts()
+            && (meshes.one())
+                .is_some_and(|mesh| self.is_cut_out(mesh, triangle as usize, hit.barycentric));
         (ray.holds(hit.t) && !is_cut_out).then(|| hit.crossing(triangle.cast_signed()))
     }
 

@@ -3,9 +3,10 @@
 use std::sync::{Arc, OnceLock};
 
 use super::duplicates::Duplicates;
+use super::joined::ObjectTree;
 use super::top_tree::TopTree;
 use super::{BuildSettings, Object, Scene};
-use crate::accel::{InstructionSet, MeshTree};
+use crate::accel::InstructionSet;
 use crate::error::{Error, Result};
 use crate::geometry::Bounds;
 
@@ -13,8 +14,7 @@ use crate::geometry::Bounds;
 #[derive(Debug)]
 pub(crate) struct SceneParts {
     pub(crate) objects: Vec<Object>,
-    /// For each object the tree of its mesh, if it has one.
-    pub(crate) trees: Vec<Option<Arc<MeshTree>>>,
+    pub(crate) trees: Vec<ObjectTree>,
     /// A box around each object.
     pub(crate) boxes: Vec<Bounds>,
     /// Objects, each with a later one in its place.
@@ -25,8 +25,8 @@ pub(crate) struct SceneParts {
 
 impl Scene {
     /// The tree of an object's mesh, as objects share it.
-    pub(crate) fn shared_tree(&self, object: usize) -> Option<&Arc<MeshTree>> {
-        self.trees.get(object)?.as_ref()
+    pub(crate) fn tree_of(&self, object: usize) -> &ObjectTree {
+        &self.trees[object]
     }
 
     /// The scene of these parts, as [`Scene::new`] makes it of its objects. What takes long to find, the boxes and the
@@ -63,7 +63,16 @@ impl Scene {
                 "others".into(),
             );
         };
-        let top = TopTree::with_duplicates(&objects, boxes, duplicates);
+        let joined = (0..).zip(&trees).filter(|(_, tree)| tree.group().is_some());
+        for (object, _) in joined {
+            if duplicates.contains(object) || !duplicates.of(object).is_empty() {
+                return refuse(
+                    "joined with others or duplicates, not both",
+                    format!("{object}"),
+                );
+            }
+        }
+        let top = TopTree::with_duplicates(&objects, &trees, boxes, duplicates);
         Ok(Self {
             objects,
             trees,

@@ -1,7 +1,10 @@
 //! The tree over a scene's objects, and the objects that are in none.
 
+use std::collections::HashMap;
+
 use super::Object;
 use super::duplicates::Duplicates;
+use super::joined::ObjectTree;
 use crate::accel::{Bvh, Nearby, Walk, WalkStack};
 use crate::geometry::{Beam, Bounds, DVec3, Ray};
 use crate::simd::Lanes;
@@ -24,7 +27,7 @@ const MOVES_EACH: usize = 32;
 
 /// Beyond this share of the coordinates, the rounding of one object's transform (it all but flattens space) would widen
 /// the boxes of all objects. Then this object goes without a box.
-const LARGEST_SLACK: f64 = 1e-8;
+pub(super) const LARGEST_SLACK: f64 = 1e-8;
 
 /// See [the module](self).
 #[derive(Debug, Clone)]
@@ -39,6 +42,8 @@ pub(super) struct TopTree {
     /// How many of these are lone shapes.
     lone_shapes: u32,
     pub(super) duplicates: Duplicates,
+    /// See [`TopTree::only_object`].
+    only_object: Option<u32>,
     /// A box around each object.
     boxes: Vec<Bounds>,
     /// How many boxes a ray was expected to meet when the tree was built.
@@ -91,22 +96,32 @@ impl Candidate {
 
 impl TopTree {
     /// Of objects with these boxes around them, at most `i32::MAX`.
-    pub(super) fn new(objects: &[Object], boxes: Vec<Bounds>) -> Self {
+    pub(super) fn new(objects: &[Object], trees: &[ObjectTree], boxes: Vec<Bounds>) -> Self {
         let duplicates = Duplicates::new(objects, &boxes);
-        Self::with_duplicates(objects, boxes, duplicates)
+        Self::with_duplicates(objects, trees, boxes, duplicates)
     }
 
     /// As [`new`](Self::new), where the duplicates are known.
     pub(super) fn with_duplicates(
         objects: &[Object],
+        trees: &[ObjectTree],
         boxes: Vec<Bounds>,
         duplicates: Duplicates,
     ) -> Self {
         let count = u32::try_from(objects.len()).expect("identifiers are numbers of 31 bits");
-        let is_loose = |k: u32| is_loose(objects, k as usize, &boxes[k as usize]);
-        let is_out = |k: u32| duplicates.contains(k) || objects[k as usize].is_hidden();
+        let together = boxes_together(trees, &boxes);
+        let around = |k: u32| {
+            let joined = together.get(&k).copied();
+            joined.unwrap_or(boxes[k as usize])
+        };
+        let is_loose = |k: u32| is_loose(objects, k as usize, &around(k));
+        let is_out = |k: u32| {
+            let group = trees[k as usize].group();
+            let follows = group.is_some_and(|group| group.leader() != k);
+            follows || duplicates.contains(k) || objects[k as usize].is_hidden()
+        };
         let loose = (0..count).filter(|&k| is_loose(k) && !is_out(k));
-        let candidate = |k: u32| Candidate::new(objects, &duplicates, k, boxes[k as usize]);
+        let candidate = |k: u32| Candidate::new(objects, &duplicates, k, around(k));
         let outside = loose.map(candidate).collect();
         let mut listed = Vec::new();
         if objects.len() <= LISTED {
@@ -121,11 +136,15 @@ impl TopTree {
             if is_loose(k) || is_out(k) {
                 Bounds::EMPTY
             } else {
-                objects[k as usize].padded(boxes[k as usize], slack)
+                objects[k as usize].padded(around(k), slack)
             }
         };
         let tree = Bvh::build(count, padded, slack);
+        let mut there = (0..count).filter(|&k| !is_out(k));
+        let first = there.next();
+        let is_one = duplicates.is_empty() && there.next().is_none();
         Self {
+            only_object: first.filter(|_| is_one),
             expected_visits: tree.expected_visits(),
             tree,
             outside,
@@ -145,6 +164,7 @@ impl TopTree {
     pub(super) fn moved(
         &mut self,
         objects: &[Object],
+        trees: &[ObjectTree],
         moved: &[u32],
         around: impl Fn(usize) -> Bounds,
     ) {
@@ -158,7 +178,7 @@ impl TopTree {
         let is_fitted = moved.iter().all(|&index| self.fit(objects, index));
         self.moves += moved.len();
         if !is_fitted || self.is_worn() {
-            self.rebuild(objects);
+            self.rebuild(objects, trees);
         }
     }
 
@@ -172,8 +192,8 @@ impl TopTree {
     }
 
     /// Builds the tree anew, after objects were hidden or shown.
-    pub(super) fn rebuild(&mut self, objects: &[Object]) {
-        *self = Self::new(objects, std::mem::take(&mut self.boxes));
+    pub(super) fn rebuild(&mut self, objects: &[Object], trees: &[ObjectTree]) {
+        *self = Self::new(objects, trees, std::mem::take(&mut self.boxes));
     }
 
     /// Fits the tree to an object whose box has changed, if it can be fitted.
@@ -198,6 +218,16 @@ impl TopTree {
             return loose.is_some() && is_loose;
         }
         self.tree.refit(moved, object.padded(bounds, slack))
+    }
+
+    /// Sets the box around an object, for a tree that is [built anew](Self::rebuild) after that.
+    pub(super) fn set_box(&mut self, object: u32, bounds: Bounds) {
+        self.boxes[object as usize] = bounds;
+    }
+
+    /// The object that stands for all that rays may meet, if it is one alone and no other is in its place.
+    pub(super) fn only_object(&self) -> Option<u32> {
+        self.only_object
     }
 
     /// A box around each object.
@@ -304,6 +334,18 @@ impl Listed<'_> {
     }
 }
 
+/// For the leader of each group the box around all its objects.
+fn boxes_together(trees: &[ObjectTree], boxes: &[Bounds]) -> HashMap<u32, Bounds> {
+    let mut together = HashMap::new();
+    for (tree, bounds) in trees.iter().zip(boxes) {
+        if let Some(group) = tree.group() {
+            let around = together.entry(group.leader()).or_insert(Bounds::EMPTY);
+            *around = around.union(*bounds);
+        }
+    }
+    together
+}
+
 /// Whether an object is in no tree.
 fn is_loose(objects: &[Object], index: usize, bounds: &Bounds) -> bool {
     objects.len() <= FEW || is_unbounded(bounds) || objects[index].slack() > LARGEST_SLACK
@@ -390,8 +432,13 @@ mod tests {
             .collect()
     }
 
+    fn no_trees(objects: &[Object]) -> Vec<ObjectTree> {
+        vec![ObjectTree::None; objects.len()]
+    }
+
     fn tree(objects: &[Object]) -> TopTree {
-        TopTree::new(objects, objects.iter().map(Object::box_around).collect())
+        let boxes = objects.iter().map(Object::box_around).collect();
+        TopTree::new(objects, &no_trees(objects), boxes)
     }
 
     /// The order of the tree's nodes and boxes.
@@ -411,7 +458,9 @@ mod tests {
                 for &k in &moved {
                     objects[k as usize] = after[k as usize].clone();
                 }
-                fitted.moved(&objects, &moved, |k| objects[k].box_around());
+                fitted.moved(&objects, &no_trees(&objects), &moved, |k| {
+                    objects[k].box_around()
+                });
                 let built = tree(&objects).tree.expected_visits();
                 let visits = fitted.tree.expected_visits();
                 assert!(
@@ -431,7 +480,9 @@ mod tests {
         let all: Vec<u32> = (0..200).collect();
         for step in 0..300 {
             let objects = balls(1, 1e-6 * f64::from(step));
-            fitted.moved(&objects, &all, |k| objects[k].box_around());
+            fitted.moved(&objects, &no_trees(&objects), &all, |k| {
+                objects[k].box_around()
+            });
         }
         assert!((fitted.tree.expected_visits() / visits - 1.0).abs() < 1e-3);
         assert_eq!(order(&fitted), before);

@@ -147,8 +147,17 @@ impl Mesh {
             });
         }
         let bounds = checked_bounds(&positions, &triangles)?;
-        Ok(Self {
-            positions,
+        Ok(Self::of_others(positions, triangles, bounds))
+    }
+
+    /// Of triangles that are those of meshes, in this box.
+    pub(super) fn of_others(
+        positions: impl Into<Arc<Positions>>,
+        triangles: Vec<[u32; 3]>,
+        bounds: Bounds,
+    ) -> Self {
+        Self {
+            positions: positions.into(),
             triangles: triangles.into(),
             bounds,
             faces: None,
@@ -162,7 +171,7 @@ impl Mesh {
             properties: Vec::new(),
             closed: closed::Closed::default(),
             blocks: reach::Blocks::default(),
-        })
+        }
     }
 
     /// The same triangles and attributes, with other vertices. A scene that has this mesh in the place of the old one fits the old

@@ -12,6 +12,7 @@ mod cuboid;
 mod cylinder;
 mod disc;
 mod interval;
+mod joined;
 pub(crate) mod mesh;
 mod nearest;
 mod plane;
@@ -30,6 +31,7 @@ pub use cone::Cone;
 pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
+pub(crate) use joined::{JoinedMeshes, Meshes};
 pub(crate) use mesh::{DisjointSets, Facing, Welded, edges, sorted};
 pub use mesh::{Mesh, NamedAttribute};
 #[cfg(feature = "fhs")]

@@ -2,9 +2,10 @@
 
 use std::fmt::{self, Debug, Formatter};
 
+use crate::error::Result;
 use crate::geometry::summary::Count;
 use crate::geometry::{DVec3, single};
-use crate::memory::Storage;
+use crate::memory::{self, Storage};
 
 /// Points in space, in the type that holds them without loss: float32 where every coordinate is one,
 /// which halves the memory, float64 otherwise.
@@ -46,6 +47,35 @@ impl Positions {
         } else {
             Self::Double(points.into())
         }
+    }
+
+    /// The points of all, side by side.
+    pub(crate) fn concatenated(all: &[&Self]) -> Result<Self> {
+        if let [one] = all {
+            return Ok((*one).clone());
+        }
+        let are_single = all.iter().all(|one| matches!(one, Self::Single(_)));
+        let count = all.iter().map(|one| one.len()).sum();
+        if are_single {
+            let mut points = memory::filled(count, [0.0; 3])?;
+            let mut left = &mut points[..];
+            for one in all {
+                if let Self::Single(one) = one {
+                    let (part, after) = left.split_at_mut(one.len());
+                    part.copy_from_slice(one);
+                    left = after;
+                }
+            }
+            return Ok(Self::Single(points.into()));
+        }
+        let mut points = memory::filled(count, [0.0; 3])?;
+        let of_all = all
+            .iter()
+            .flat_map(|one| (0..).zip(0..one.len()).map(|(k, _)| one.get(k)));
+        for (out, point) in points.iter_mut().zip(of_all) {
+            *out = point.to_array();
+        }
+        Ok(Self::Double(points.into()))
     }
 
     /// How many points there are.

@@ -38,7 +38,7 @@ mod place;
 
 pub(crate) use departure::DeparturePoint;
 pub(crate) use fan::Fan;
-pub(crate) use filter::MeshFilter;
+pub(crate) use filter::{Begin, MeshFilter};
 pub(crate) use place::{Meeting, Place, Plain, PlainStart, Plane, Start};
 
 use super::Crossing;

@@ -213,7 +213,7 @@ impl Ordered {
                 list.each(|node| {
                     // What is in the list is a hit of the scaled ray, which may be out of float64's range for the ray.
                     if room.is_ok()
-                        && let Some(hit) = scaled.hit(node.object, node.crossing)
+                        && let Some(hit) = scaled.hit(node.surface(), node.crossing)
                     {
                         room = reserve(&mut of_ray, 1);
                         if room.is_ok() {

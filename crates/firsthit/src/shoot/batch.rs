@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::filter;
+use super::filter::{self, Place};
 use super::instances::through_instances;
 use super::neighbours::Neighbours;
 use super::ray_query::{RayQuery, Sink};
@@ -19,8 +19,8 @@ use crate::accel::{
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Ray, Rays};
 use crate::parallel;
-use crate::scene::{Object, OnTheWay, Scene};
-use crate::shape::Mesh;
+use crate::scene::{OnTheWay, Scene};
+use crate::shape::Meshes;
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
@@ -150,9 +150,11 @@ impl<S: Sink> Kernel for Batch<'_, S> {
             self.one_by_one(l, &mut memory);
             return memory.give_back();
         }
-        match (self.scene.objects(), self.scene.plain_mesh(0)) {
-            ([object], Some(mesh)) => self.through_mesh(l, &mut memory, object, mesh),
-            _ => self.through_scene(l, &mut memory),
+        let only = self.scene.only_object();
+        let only = only.and_then(|only| Some((only, self.scene.plain_mesh(only)?)));
+        match only {
+            Some((object, mesh)) => self.through_mesh(l, &mut memory, object, mesh),
+            None => self.through_scene(l, &mut memory),
         }
         memory.give_back();
     }
@@ -170,15 +172,16 @@ impl<S: Sink> Batch<'_, S> {
         }
     }
 
-    /// Through the only mesh of a scene: there is no top-level traversal.
+    /// Through the only mesh of a scene, or the only one that is joined of several: there is no top-level traversal.
     #[inline(always)]
     fn through_mesh<L: Lanes>(
         mut self,
         l: L,
         memory: &mut Memory,
-        object: &Object,
-        (mesh, tree): (&Mesh, &MeshTree),
+        index: u32,
+        (mesh, tree): (Meshes<'_>, &MeshTree),
     ) {
+        let object = &self.scene.objects()[index as usize];
         let count = self.sink.len();
         let packets = count.div_ceil(RAYS);
         memory.hold_packets(packets);
@@ -191,7 +194,7 @@ impl<S: Sink> Batch<'_, S> {
             let mut plain = packet.enter(l, object.transform());
             let mut unseen = 0;
             if S::Query::IS_FILTERED {
-                let at_mesh = (self.scene, object, tree);
+                let at_mesh = (self.scene, index, (mesh, tree));
                 let lanes = self.first + first..self.first + first + length;
                 let (easy, hidden) = set_filters(packet, at_mesh, self.rays, lanes);
                 plain &= easy;
@@ -224,7 +227,8 @@ impl<S: Sink> Batch<'_, S> {
         for packet in packets {
             at_mesh.push(MeshPacket::new(tree, mesh, packet));
         }
-        dispatch::<L, S::Query>(l, dispatcher, &mut at_mesh, OfMesh(self.sink));
+        let sink = OfMesh(self.scene, index, self.sink);
+        dispatch::<L, S::Query>(l, dispatcher, &mut at_mesh, sink);
     }
 
     /// Puts the rays into packets.
@@ -323,27 +327,29 @@ impl<S: Sink> Batch<'_, S> {
 /// those that do not see the object.
 fn set_filters(
     packet: &mut Packet,
-    (scene, object, tree): (&Scene, &Object, &MeshTree),
+    (scene, index, (mesh, tree)): (&Scene, u32, (Meshes<'_>, &MeshTree)),
     rays: &dyn Rays,
     range: Range<usize>,
 ) -> (u16, u16) {
+    let object = &scene.objects()[index as usize];
+    let place = Place::Leader(index);
     let (mut easy, mut unseen) = (0, 0);
-    for (lane, index) in range.enumerate() {
-        let whole = rays.filter(index);
-        unseen |= u16::from(!filter::sees(&whole, 0, object)) << lane;
+    for (lane, number) in range.enumerate() {
+        let whole = rays.filter(number);
+        unseen |= u16::from(!filter::sees_any(scene, &whole, index, object)) << lane;
         let ray = packet.ray(lane);
         let filter = packet.filter_mut(lane);
-        filter::set_mesh_filter(filter, scene, &whole, 0);
+        filter::set_mesh_filter(filter, scene, &whole, place);
         let departure = filter.departure();
         let is_easy = match departure {
             Some(point) => {
                 tree.is_sharp_from(point)
-                    && met_at_start(scene, &whole, (0, &ray, filter)).is_none()
+                    && met_at_start(scene, &whole, (place, &ray, filter)).is_none()
             }
             // It leaves no triangle of this mesh.
             None => whole.departure.is_none(),
         };
-        let is_behind = is_easy && (object.mesh()).is_some_and(|mesh| filter.leaves_all_of(mesh));
+        let is_behind = is_easy && filter.leaves_all_of(mesh);
         unseen |= u16::from(is_behind) << lane;
         let start = departure.map(|point| point.rounded);
         if !is_easy {
@@ -405,14 +411,15 @@ impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for Dispatch<'_, '_
     }
 }
 
-/// Takes the answers in a scene of one mesh: they are final.
-struct OfMesh<S>(S);
+/// Takes the answers in a scene of one mesh, that of an object: they are final.
+struct OfMesh<'a, S>(&'a Scene, u32, S);
 
-impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<S> {
+impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<'_, S> {
     #[inline(always)]
     fn put(&mut self, packet: usize, lane: usize, found: Found<S::Query>) {
-        self.0
-            .put(packet * RAYS + lane, &S::Query::of_mesh(0, found));
+        let Self(scene, object, sink) = self;
+        let surface = |primitive| scene.surface_at(*object, primitive);
+        sink.put(packet * RAYS + lane, &S::Query::of_mesh(surface, found));
     }
 }
 

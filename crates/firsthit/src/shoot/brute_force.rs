@@ -1,14 +1,14 @@
 //! Brute force: every ray against everything, in float64. Slow, and right by construction.
 
 use super::engine::Engine;
-use super::filter;
+use super::filter::{self, Place};
 use super::query::Answers;
 use super::ray_query::{AnyHit, EveryHit, FirstHit, RayQuery, Sink};
 use super::scaled_ray::ScaledRay;
 use super::start::met_at_start;
 use crate::accel::MeshQuery;
 use crate::error::{Error, Result};
-use crate::geometry::{Hit, Ray, RayFilter, Rays};
+use crate::geometry::{Hit, Ray, RayFilter, Rays, SurfaceId};
 use crate::scene::Scene;
 use crate::shape::{Crossing, Shape, triangle::Shear};
 use crate::watch::Watch;
@@ -87,9 +87,13 @@ fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray, filter: &RayFilter) -> Q {
     };
     for index in 0..u32::try_from(scene.objects().len()).unwrap_or(u32::MAX) {
         all_crossings::<Q::InMesh>(scene, (&scaled, filter), index, |crossing| {
-            if scaled.hit(index, crossing).is_some() {
+            if scaled.holds(&crossing) {
                 let found = Q::InMesh::of_crossing(Some(crossing));
-                query.take(scene, &scaled, index, found);
+                let surface = |primitive| SurfaceId {
+                    object: index.cast_signed(),
+                    primitive,
+                };
+                query.take(scene, &scaled, surface, found);
             }
         });
     }
@@ -108,7 +112,9 @@ fn all_crossings<Q: MeshQuery>(
         return;
     }
     let t_max = scaled.ray.t_max;
-    let Some((ray, of_mesh)) = filter::in_object(scene, (scaled, filter), index, t_max) else {
+    let Some((ray, of_mesh)) =
+        filter::in_object(scene, (scaled, filter), Place::Object(index), t_max)
+    else {
         return;
     };
     let Shape::Mesh(mesh) = object.shape() else {
@@ -116,13 +122,14 @@ fn all_crossings<Q: MeshQuery>(
         crossings.into_iter().flatten().for_each(accept);
         return;
     };
-    met_at_start(scene, filter, (index, &ray, &of_mesh))
+    met_at_start(scene, filter, (Place::Object(index), &ray, &of_mesh))
         .into_iter()
         .for_each(&mut accept);
     let shear = Shear::new(&ray);
     for triangle in 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX) {
         let how = (Q::EDGES, &of_mesh);
-        let crossing = object.intersect_triangle(mesh, triangle, how, (&ray, &shear));
+        let crossing =
+            object.intersect_triangle(mesh.as_ref().into(), triangle, how, (&ray, &shear));
         if let Some(crossing) = crossing {
             accept(crossing);
         }

@@ -5,7 +5,7 @@
 //! 2. What the ray itself meets there, the code of [`BruteForce`](super::BruteForce) decides. The first of it is kept.
 //! 3. Of what the line touches and the ray does not meet, one place and its reason are kept.
 
-use super::filter;
+use super::filter::{self, Place};
 use super::scaled_ray::ScaledRay;
 use super::start::met_at_start;
 use crate::accel::{EachCandidate, InstructionSet, Scratch};
@@ -105,7 +105,12 @@ impl<'a> Encounters<'a> {
             return Encounter::OutOfRange;
         };
         let t_max = self.scaled.ray.t_max;
-        let within = filter::in_object(scene, (&self.scaled, self.filter), index, t_max);
+        let within = filter::in_object(
+            scene,
+            (&self.scaled, self.filter),
+            Place::Object(index),
+            t_max,
+        );
         let mut touched = Touched {
             object,
             index,
@@ -119,10 +124,11 @@ impl<'a> Encounters<'a> {
             first: None,
             rejected: None,
         };
-        match (object.shape(), scene.mesh_tree(index as usize)) {
-            (Shape::Mesh(mesh), Some(tree)) => {
+        match (object.shape(), scene.at_mesh(scene.leader_of(index))) {
+            (Shape::Mesh(mesh), Some((meshes, tree))) => {
                 if let Some((ray, filter)) = &within
-                    && let Some(crossing) = met_at_start(scene, self.filter, (index, ray, filter))
+                    && let Some(crossing) =
+                        met_at_start(scene, self.filter, (Place::Object(index), ray, filter))
                 {
                     touched.accept(crossing);
                 }
@@ -133,12 +139,16 @@ impl<'a> Encounters<'a> {
                 let (shear, line) = (Shear::new(&touched.line), touched.line);
                 let each = EachCandidate {
                     scratch: &mut self.scratch,
-                    at_mesh: (tree, mesh),
+                    at_mesh: (tree, meshes),
                     ray: &line,
                     off,
                     with_copies: true,
                     visit: &mut |triangle, t_max| {
-                        touched.triangle(mesh, triangle, &shear);
+                        let number = triangle.cast_signed();
+                        let met = scene.surface_at(scene.leader_of(index), number);
+                        if met.object == index.cast_signed() {
+                            touched.triangle(mesh, met.primitive.cast_unsigned(), &shear);
+                        }
                         t_max
                     },
                 };
@@ -188,7 +198,7 @@ impl Touched<'_> {
             let how = (EdgeRule::Closed, &self.mesh_filter);
             let met = self
                 .object
-                .intersect_triangle(mesh, triangle, how, (ray, shear));
+                .intersect_triangle(mesh.into(), triangle, how, (ray, shear));
             if met.is_some_and(|crossing| self.accept(crossing)) {
                 return;
             }
@@ -277,7 +287,11 @@ impl Touched<'_> {
 
     /// Takes a crossing, if it is a hit of the caller's ray.
     fn accept(&mut self, crossing: Crossing) -> bool {
-        let Some(hit) = self.scaled.hit(self.index, crossing) else {
+        let surface = SurfaceId {
+            object: self.index.cast_signed(),
+            primitive: crossing.primitive,
+        };
+        let Some(hit) = self.scaled.hit(surface, crossing) else {
             return false;
         };
         let is_first = |first: &Hit| self.scaled.precedes(self.scene, &hit, first);

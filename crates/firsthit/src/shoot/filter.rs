@@ -1,10 +1,49 @@
 //! What a ray does not meet, object by object: a [`RayFilter`] brought into an object's space.
 
 use super::scaled_ray::ScaledRay;
-use crate::geometry::{DVec3, ROUNDED, Ray, RayFilter, Side, SurfaceId, arrays};
+use crate::geometry::{DVec3, Ray, RayFilter, Side, SurfaceId, arrays};
 use crate::scene::{Object, Scene};
-use crate::shape::triangle::MeshFilter;
+use crate::shape::triangle::{Begin, MeshFilter};
 use crate::shape::{Crossing, Shape, Surface};
+
+/// How the parts of an object are numbered.
+#[derive(Clone, Copy)]
+pub(super) enum Place {
+    /// By themselves.
+    Object(u32),
+    /// With those of the objects that it leads, as rays come to them.
+    Leader(u32),
+}
+
+impl Place {
+    #[inline(always)]
+    fn index(self) -> u32 {
+        match self {
+            Self::Object(index) | Self::Leader(index) => index,
+        }
+    }
+
+    /// The number of a surface, if it is one of this object or of those that it leads.
+    #[inline(always)]
+    pub(super) fn number(self, scene: &Scene, surface: SurfaceId) -> Option<u32> {
+        let object = u32::try_from(surface.object).ok()?;
+        let primitive = u32::try_from(surface.primitive).ok()?;
+        match self {
+            Self::Object(index) => (index == object).then_some(primitive),
+            Self::Leader(index) => {
+                (scene.leader_of(object) == index).then(|| scene.number_of(object, primitive))
+            }
+        }
+    }
+}
+
+/// Whether a ray sees an object, or one of those that it leads.
+#[inline(always)]
+pub(super) fn sees_any(scene: &Scene, filter: &RayFilter, index: u32, object: &Object) -> bool {
+    let leads = |only: i32| u32::try_from(only).is_ok_and(|only| scene.leader_of(only) == index);
+    let is_asked_for = filter.only.is_none_or(leads);
+    is_asked_for && !object.is_hidden() && object.mask() & filter.mask != 0
+}
 
 /// Whether a ray sees an object at all.
 #[inline(always)]
@@ -24,9 +63,9 @@ pub(super) fn tells_copies_apart(filter: &RayFilter, index: u32, object: &Object
 }
 
 /// What a ray does not meet of the mesh of an object.
-pub(super) fn mesh_filter(scene: &Scene, filter: &RayFilter, index: u32) -> MeshFilter {
+fn mesh_filter(scene: &Scene, filter: &RayFilter, place: Place) -> MeshFilter {
     let mut of_mesh = MeshFilter::NONE;
-    set_mesh_filter(&mut of_mesh, scene, filter, index);
+    set_mesh_filter(&mut of_mesh, scene, filter, place);
     of_mesh
 }
 
@@ -36,18 +75,20 @@ pub(super) fn set_mesh_filter(
     of_mesh: &mut MeshFilter,
     scene: &Scene,
     filter: &RayFilter,
-    index: u32,
+    place: Place,
 ) {
-    let of_object = |surface: SurfaceId| {
-        let is_there = u32::try_from(surface.object) == Ok(index);
-        is_there.then(|| u32::try_from(surface.primitive).ok())?
-    };
+    let of_object = |surface: SurfaceId| place.number(scene, surface);
     let skip = arrays::map(filter.skip, |surface| surface.and_then(of_object));
     of_mesh.set(skip, filter.cull, filter.departure.is_some());
     if let Some(departure) = &filter.departure
-        && let Some(corners) = corners_left(scene, departure.surface, index)
+        && let Some(corners) = corners_left(scene, departure.surface, place.index())
     {
         of_mesh.leave(of_object(departure.surface), corners, departure.barycentric);
+    }
+    if let (Some(only), Place::Leader(_)) = (filter.only, place)
+        && let Some(numbers) = scene.numbers_of(only.cast_unsigned())
+    {
+        of_mesh.keep(numbers);
     }
 }
 
@@ -76,22 +117,31 @@ pub(super) fn largest_of_start(scene: &Scene, start: DVec3, left: SurfaceId) -> 
 pub(super) fn in_object(
     scene: &Scene,
     (scaled, from): (&ScaledRay, &RayFilter),
-    index: u32,
+    place: Place,
     t_max: f64,
 ) -> Option<(Ray, MeshFilter)> {
-    let object = &scene.objects()[index as usize];
+    let object = &scene.objects()[place.index() as usize];
     let mut ray = scaled.in_object(object, t_max)?;
-    let filter = match object.mesh() {
-        Some(_) => mesh_filter(scene, from, index),
+    let mut filter = match object.mesh() {
+        Some(_) => mesh_filter(scene, from, place),
         None => MeshFilter::NONE,
     };
     if let Some(point) = filter.departure() {
         ray.origin = point.rounded;
     } else if let Some(departure) = from.departure {
         let start = largest_of_start(scene, scaled.ray.origin, departure.surface);
-        let coordinate = start.max(object.farthest());
-        let beyond = ROUNDED * coordinate / scaled.ray.direction.abs().max_element();
-        ray.t_min = ray.t_min.max(beyond);
+        let along = scaled.ray.direction.abs().max_element();
+        let group = match place {
+            Place::Leader(index) => scene.group_led_by(index),
+            Place::Object(_) => None,
+        };
+        let [least, most] = group.map_or([object.farthest(); 2], |group| group.farthest());
+        let begin = Begin::new(start, along, most);
+        let earliest = begin.at(least);
+        ray.t_min = ray.t_min.max(earliest);
+        if earliest < begin.at(most) {
+            filter.begin(begin);
+        }
     }
     ray.is_valid().then_some((ray, filter))
 }

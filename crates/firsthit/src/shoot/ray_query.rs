@@ -3,7 +3,7 @@
 use super::hits::HitSlices;
 use super::scaled_ray::ScaledRay;
 use crate::accel::{self, CrossingList, MeshQuery};
-use crate::geometry::{Hit, RayFilter, Rays};
+use crate::geometry::{Hit, RayFilter, Rays, SurfaceId};
 use crate::scene::Scene;
 use crate::shape::Crossing;
 use crate::shape::triangle::clear_of;
@@ -28,15 +28,18 @@ pub(super) trait RayQuery: Copy + Send {
     fn filter(&self) -> &RayFilter {
         &RayFilter::NONE
     }
-    /// The answer for a scene of one object.
-    fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self;
-    /// Merges what was found in an object. Returns the `t_max` of the scaled ray from here on, which the
+    /// The answer for a scene of one object; `surface` is as in [`take`](Self::take).
+    fn of_mesh(
+        surface: impl Fn(i32) -> SurfaceId,
+        found: <Self::InMesh as MeshQuery>::Found,
+    ) -> Self;
+    /// Merges what was found in an object, of which `surface` tells what a number stands for. Returns the `t_max` of the scaled ray from here on, which the
     /// caller lowers and never raises; below zero nothing else matters.
     fn take(
         &mut self,
         scene: &Scene,
         scaled: &ScaledRay,
-        object: u32,
+        surface: impl Fn(i32) -> SurfaceId,
         found: <Self::InMesh as MeshQuery>::Found,
     ) -> f64;
 }
@@ -59,12 +62,15 @@ impl RayQuery for FirstHit {
     const START: Self = Self(Hit::MISS);
 
     #[inline(always)]
-    fn of_mesh(object: u32, crossing: Option<Crossing>) -> Self {
-        Self(crossing.map_or(Hit::MISS, |crossing| Hit {
-            t: crossing.t,
-            object: object.cast_signed(),
-            primitive: crossing.primitive,
-            barycentric: crossing.barycentric,
+    fn of_mesh(surface: impl Fn(i32) -> SurfaceId, crossing: Option<Crossing>) -> Self {
+        Self(crossing.map_or(Hit::MISS, |crossing| {
+            let SurfaceId { object, primitive } = surface(crossing.primitive);
+            Hit {
+                t: crossing.t,
+                object,
+                primitive,
+                barycentric: crossing.barycentric,
+            }
         }))
     }
 
@@ -73,10 +79,11 @@ impl RayQuery for FirstHit {
         &mut self,
         scene: &Scene,
         scaled: &ScaledRay,
-        object: u32,
+        surface: impl Fn(i32) -> SurfaceId,
         crossing: Option<Crossing>,
     ) -> f64 {
-        if let Some(hit) = crossing.and_then(|crossing| scaled.hit(object, crossing))
+        let hit = |crossing: Crossing| scaled.hit(surface(crossing.primitive), crossing);
+        if let Some(hit) = crossing.and_then(hit)
             && scaled.precedes(scene, &hit, &self.0)
         {
             self.0 = hit;
@@ -94,12 +101,18 @@ impl RayQuery for AnyHit {
     const START: Self = Self(false);
 
     #[inline(always)]
-    fn of_mesh(_: u32, is_hit: bool) -> Self {
+    fn of_mesh(_: impl Fn(i32) -> SurfaceId, is_hit: bool) -> Self {
         Self(is_hit)
     }
 
     #[inline(always)]
-    fn take(&mut self, _: &Scene, _: &ScaledRay, _: u32, is_hit: bool) -> f64 {
+    fn take(
+        &mut self,
+        _: &Scene,
+        _: &ScaledRay,
+        _: impl Fn(i32) -> SurfaceId,
+        is_hit: bool,
+    ) -> f64 {
         self.0 |= is_hit;
         if self.0 { -1.0 } else { f64::INFINITY }
     }
@@ -115,12 +128,12 @@ impl RayQuery for HitCount {
     const START: Self = Self(0);
 
     #[inline(always)]
-    fn of_mesh(_: u32, count: u32) -> Self {
+    fn of_mesh(_: impl Fn(i32) -> SurfaceId, count: u32) -> Self {
         Self(count)
     }
 
     #[inline(always)]
-    fn take(&mut self, _: &Scene, _: &ScaledRay, _: u32, count: u32) -> f64 {
+    fn take(&mut self, _: &Scene, _: &ScaledRay, _: impl Fn(i32) -> SurfaceId, count: u32) -> f64 {
         self.0 = self.0.saturating_add(count);
         f64::INFINITY
     }
@@ -136,14 +149,21 @@ impl RayQuery for EveryHit {
     const START: Self = Self(CrossingList::EMPTY);
 
     #[inline(always)]
-    fn of_mesh(_: u32, list: CrossingList) -> Self {
-        // The only object of a scene is number 0, as in the list.
-        Self(list)
+    fn of_mesh(surface: impl Fn(i32) -> SurfaceId, list: CrossingList) -> Self {
+        let mut all = CrossingList::EMPTY;
+        all.append(list, surface);
+        Self(all)
     }
 
     #[inline(always)]
-    fn take(&mut self, _: &Scene, _: &ScaledRay, object: u32, list: CrossingList) -> f64 {
-        self.0.append(list, object);
+    fn take(
+        &mut self,
+        _: &Scene,
+        _: &ScaledRay,
+        surface: impl Fn(i32) -> SurfaceId,
+        list: CrossingList,
+    ) -> f64 {
+        self.0.append(list, surface);
         f64::INFINITY
     }
 }
@@ -177,9 +197,12 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
     }
 
     #[inline(always)]
-    fn of_mesh(object: u32, found: <Self::InMesh as MeshQuery>::Found) -> Self {
+    fn of_mesh(
+        surface: impl Fn(i32) -> SurfaceId,
+        found: <Self::InMesh as MeshQuery>::Found,
+    ) -> Self {
         Self {
-            query: Q::of_mesh(object, found),
+            query: Q::of_mesh(surface, found),
             ..Self::START
         }
     }
@@ -189,10 +212,10 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
         &mut self,
         scene: &Scene,
         scaled: &ScaledRay,
-        object: u32,
+        surface: impl Fn(i32) -> SurfaceId,
         found: <Self::InMesh as MeshQuery>::Found,
     ) -> f64 {
-        self.query.take(scene, scaled, object, found)
+        self.query.take(scene, scaled, surface, found)
     }
 }
 

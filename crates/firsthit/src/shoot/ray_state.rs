@@ -1,6 +1,6 @@
 //! A ray on its way through a scene, and what it has met so far.
 
-use super::filter;
+use super::filter::{self, Place};
 use super::ray_query::RayQuery;
 use super::scaled_ray::ScaledRay;
 use crate::accel::MeshQuery;
@@ -68,7 +68,8 @@ impl<Q: RayQuery> RayState<Q> {
             return;
         }
         let ray = if Q::IS_FILTERED {
-            let in_object = filter::in_object(scene, (scaled, filter), index, self.t_max);
+            let in_object =
+                filter::in_object(scene, (scaled, filter), Place::Object(index), self.t_max);
             in_object.map(|(ray, _)| ray)
         } else {
             scaled.in_object(object, self.t_max)
@@ -98,12 +99,12 @@ impl<Q: RayQuery> RayState<Q> {
     #[inline(always)]
     pub(super) fn cross(&mut self, scene: &Scene, index: u32, crossing: Crossing) {
         let scaled = self.scaled.as_ref();
-        if scaled.is_some_and(|scaled| scaled.hit(index, crossing).is_some()) {
+        if scaled.is_some_and(|scaled| scaled.holds(&crossing)) {
             self.take(scene, index, Q::InMesh::of_crossing(Some(crossing)));
         }
     }
 
-    /// Takes what an object was found to do to the ray.
+    /// Takes what an object, or one of those that it leads, was found to do to the ray.
     #[inline(always)]
     pub(super) fn take(
         &mut self,
@@ -112,7 +113,8 @@ impl<Q: RayQuery> RayState<Q> {
         found: <Q::InMesh as MeshQuery>::Found,
     ) {
         if let Some(scaled) = &self.scaled {
-            let t_max = self.query.take(scene, scaled, index, found);
+            let surface = |primitive| scene.surface_at(index, primitive);
+            let t_max = self.query.take(scene, scaled, surface, found);
             self.t_max = self.t_max.min(t_max);
         }
     }

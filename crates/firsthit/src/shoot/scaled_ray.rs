@@ -1,6 +1,6 @@
 //! A ray whose direction is scaled by a power of two, so that its square is in float64's range.
 
-use crate::geometry::{Hit, Ray, RayFilter, moderation};
+use crate::geometry::{Hit, Ray, RayFilter, SurfaceId, moderation};
 use crate::scene::Object;
 use crate::shape::Crossing;
 
@@ -57,14 +57,20 @@ impl ScaledRay {
         (ray.is_valid() && !object.is_out_of_range()).then_some(ray)
     }
 
-    /// What was met of the object `index`, as a hit of the ray that the caller has.
+    /// Whether a crossing is between the ends of the ray that the caller has.
     #[inline(always)]
-    pub(super) fn hit(&self, index: u32, crossing: Crossing) -> Option<Hit> {
+    pub(super) fn holds(&self, crossing: &Crossing) -> bool {
         let t = self.t_scale * crossing.t;
-        (t > self.t_min && t <= self.t_max && t.is_finite()).then(|| Hit {
-            t,
-            object: index.cast_signed(),
-            primitive: crossing.primitive,
+        t > self.t_min && t <= self.t_max && t.is_finite()
+    }
+
+    /// What was met of a surface, as a hit of the ray that the caller has.
+    #[inline(always)]
+    pub(super) fn hit(&self, surface: SurfaceId, crossing: Crossing) -> Option<Hit> {
+        self.holds(&crossing).then_some(Hit {
+            t: self.t_scale * crossing.t,
+            object: surface.object,
+            primitive: surface.primitive,
             barycentric: crossing.barycentric,
         })
     }

@@ -5,7 +5,7 @@
 //! 3. A mesh has a tree: return it with the ray in its space. The caller traverses it, for one ray or for many, and hands
 //!    the result to [`SceneWalk::take`].
 
-use super::filter;
+use super::filter::{self, Place};
 use super::ray_query::{FirstHit, RayQuery};
 use super::ray_state::RayState;
 use super::scaled_ray::ScaledRay;
@@ -14,7 +14,7 @@ use crate::accel::{END, EachCandidate, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::{Hit, Ray};
 use crate::scene::{OnTheWay, Scene};
 use crate::shape::triangle::{MeshFilter, Shear};
-use crate::shape::{Mesh, Shape, Surface};
+use crate::shape::{Meshes, Surface};
 use crate::simd::{Kernel, Lanes};
 
 /// A mesh that a ray comes to, and the ray in the space of that.
@@ -22,7 +22,7 @@ use crate::simd::{Kernel, Lanes};
 pub(super) struct Instance<'a> {
     pub(super) object: u32,
     pub(super) tree: &'a MeshTree,
-    pub(super) mesh: &'a Mesh,
+    pub(super) mesh: Meshes<'a>,
     pub(super) ray: Ray,
 }
 
@@ -56,7 +56,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         self.ahead = self.next_object(l, scene, stack);
         if let Some(index) = self.ahead {
             l.prefetch(&scene.objects()[index as usize]);
-            if let Some(tree) = scene.mesh_tree(index as usize) {
+            if let Some((_, tree)) = scene.at_mesh(index) {
                 l.prefetch(tree);
             }
         }
@@ -81,13 +81,13 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             let scaled = state.scaled.as_ref()?;
             let object = &scene.objects()[index as usize];
             let filter = state.query.filter();
-            if Q::IS_FILTERED && !filter::sees(filter, index, object) {
+            if Q::IS_FILTERED && !filter::sees_any(scene, filter, index, object) {
                 continue;
             }
+            let place = Place::Leader(index);
             let ray = if Q::IS_FILTERED {
-                let in_object = filter::in_object(scene, (scaled, filter), index, state.t_max);
-                in_object.map(|(ray, filter)| {
-                    *in_mesh = filter;
+                filter::in_object(scene, (scaled, filter), place, state.t_max).map(|(ray, own)| {
+                    *in_mesh = own;
                     ray
                 })
             } else {
@@ -97,11 +97,11 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                 continue;
             };
             self.object = index;
-            match (object.shape(), scene.mesh_tree(index as usize)) {
-                (Shape::Mesh(mesh), Some(tree)) => {
+            match scene.at_mesh(index) {
+                Some((mesh, tree)) => {
                     let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
                     if Q::IS_FILTERED
-                        && let Some(met) = met_at_start(scene, filter, (index, &ray, &*in_mesh))
+                        && let Some(met) = met_at_start(scene, filter, (place, &ray, &*in_mesh))
                     {
                         state.cross(scene, index, met);
                     }
@@ -128,7 +128,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                     }
                     .run(l);
                 }
-                (shape, _) => state.meet_shape(scene, (index, shape), &ray),
+                None => state.meet_shape(scene, (index, object.shape()), &ray),
             }
         }
         None
@@ -186,7 +186,8 @@ pub(super) fn first_of_shapes(scene: &Scene, ray: &Ray, objects: &[u32], known: 
             .in_object(object, t_max)
             .and_then(|ray| object.shape().intersect(&ray));
         if crossing.is_some() {
-            t_max = first.take(scene, &scaled, index, crossing);
+            let surface = |primitive| scene.surface_at(index, primitive);
+            t_max = first.take(scene, &scaled, surface, crossing);
         }
     }
     first.0
@@ -198,7 +199,7 @@ struct TriangleByTriangle<'r, Q> {
     state: &'r mut RayState<Q>,
     scratch: &'r mut Scratch,
     scene: &'r Scene,
-    at_mesh: (u32, &'r MeshTree, &'r Mesh),
+    at_mesh: (u32, &'r MeshTree, Meshes<'r>),
     ray: &'r Ray,
     /// Of rays without a filter it has no meaning.
     in_mesh: &'r MeshFilter,
@@ -246,7 +247,7 @@ impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
 struct OneTriangle<'r, Q> {
     state: &'r mut RayState<Q>,
     scene: &'r Scene,
-    at_mesh: (u32, &'r Mesh, u32),
+    at_mesh: (u32, Meshes<'r>, u32),
     filter: &'r MeshFilter,
     ray: (&'r Ray, &'r Shear),
     t_max: f64,
@@ -259,11 +260,22 @@ impl<Q: RayQuery> Kernel for OneTriangle<'_, Q> {
     fn run<L: Lanes>(self, _: L) -> f64 {
         let (index, mesh, triangle) = self.at_mesh;
         let object = &self.scene.objects()[index as usize];
+        let group = self.scene.group_led_by(index);
+        // Where all triangles of a tree are asked, those of objects that have left are among them.
+        if group.is_some_and(|group| group.locate(triangle).is_none()) {
+            return self.t_max;
+        }
         let edges = <Q::InMesh as MeshQuery>::EDGES;
         let crossing = object.intersect_triangle(mesh, triangle, (edges, self.filter), self.ray);
         let Some(crossing) = crossing else {
             return self.t_max;
         };
+        if !self
+            .filter
+            .has_begun(crossing.t, || mesh.farthest(triangle))
+        {
+            return self.t_max;
+        }
         self.state.cross(self.scene, index, crossing);
         if self.state.is_open() {
             self.t_max.min(self.state.t_max)

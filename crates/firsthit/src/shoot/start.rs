@@ -2,8 +2,9 @@
 
 use std::cell::Cell;
 
-use crate::accel::{EachCandidate, InstructionSet, MeshTree, Scratch};
-use crate::geometry::{DVec3, Ray, RayFilter};
+use super::filter::Place;
+use crate::accel::{EachCandidate, InstructionSet, Scratch};
+use crate::geometry::{DVec3, Ray, RayFilter, SurfaceId};
 use crate::scene::Scene;
 use crate::shape::triangle::{DeparturePoint, Fan, MeshFilter};
 use crate::shape::{Crossing, Mesh};
@@ -16,11 +17,11 @@ use crate::simd;
 pub(super) fn met_at_start(
     scene: &Scene,
     whole: &RayFilter,
-    (index, ray, filter): (u32, &Ray, &MeshFilter),
+    (place, ray, filter): (Place, &Ray, &MeshFilter),
 ) -> Option<Crossing> {
     let is_possible = filter.departure().is_some_and(DeparturePoint::is_at_edge);
     if is_possible {
-        search(scene, whole, (index, ray, filter))
+        search(scene, whole, (place, ray, filter))
     } else {
         None
     }
@@ -31,30 +32,37 @@ pub(super) fn met_at_start(
 fn search(
     scene: &Scene,
     whole: &RayFilter,
-    (index, ray, filter): (u32, &Ray, &MeshFilter),
+    (place, ray, filter): (Place, &Ray, &MeshFilter),
 ) -> Option<Crossing> {
     let departure = whole.departure?;
     let side = departure.side?;
     let point = filter.departure()?;
+    let SurfaceId { object, primitive } = departure.surface;
+    place.number(scene, departure.surface)?;
+    let (index, left) = (object.cast_unsigned(), primitive.cast_unsigned());
     let object = &scene.objects()[index as usize];
     let mesh = object.mesh()?;
     // Without memory to find out, it is as good as closed: nothing is stopped.
-    if departure.surface.object != index.cast_signed() || mesh.is_closed().unwrap_or(true) {
+    if mesh.is_closed().unwrap_or(true) {
         return None;
     }
-    let left = departure.surface.primitive.cast_unsigned();
     let fan = Fan {
-        triangles: around(scene.mesh_tree(index as usize), mesh, (left, point)),
+        triangles: around(scene, (index, mesh), (left, point)),
         is_of_one_way: mesh.edges_are_of_one_way().unwrap_or(false),
     };
     let triangle = point.stopped_by(ray.direction, side, &fan)?;
     let corners = mesh.corners(triangle as usize);
+    let met = SurfaceId {
+        primitive: triangle.cast_signed(),
+        ..departure.surface
+    };
+    let number = place.number(scene, met)?;
     let crossing = Crossing {
         t: f64::MIN_POSITIVE,
-        primitive: triangle.cast_signed(),
+        primitive: number.cast_signed(),
         barycentric: point.weights_in(corners),
     };
-    let is_met = filter.admits(ray.direction, (triangle, corners))
+    let is_met = filter.admits(ray.direction, (number, corners))
         && !object.is_cut_out(mesh, triangle as usize, crossing.barycentric);
     (is_met && ray.holds(crossing.t)).then_some(crossing)
 }
@@ -64,10 +72,10 @@ thread_local! {
     static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
 }
 
-/// The triangles that hold a point of one, of those in one place the lowest.
+/// The triangles of an object's mesh that hold a point of one, of those in one place the lowest.
 fn around(
-    tree: Option<&MeshTree>,
-    mesh: &Mesh,
+    scene: &Scene,
+    (index, mesh): (u32, &Mesh),
     (left, point): (u32, &DeparturePoint),
 ) -> Vec<(u32, [DVec3; 3])> {
     let mut around = Vec::with_capacity(8);
@@ -77,35 +85,57 @@ fn around(
             around.push((triangle, corners));
         }
     };
+    let leader = scene.leader_of(index);
+    let at_mesh = scene.at_mesh(leader);
     // The tree leaves out copies, and rings have them.
-    let rings = if tree.is_some_and(MeshTree::has_copies) {
+    let rings = if at_mesh.is_some_and(|(_, tree)| tree.has_copies()) {
         None
     } else {
         mesh.around(left, point.first_corner())
     };
     if let Some(ring) = rings {
         ring.for_each(look_at);
-    } else if let Some(tree) = tree {
+    } else if let Some((meshes, tree)) = at_mesh {
+        let is_joined = meshes.one().is_none();
         // Any ray from there comes to all of them.
         let ray = Ray::new(point.rounded, DVec3::new(7.0, 10.0, 10.5)).up_to(f64::MIN_POSITIVE);
         let mut scratch = SCRATCH.take().unwrap_or_else(Scratch::new);
         let each = EachCandidate {
             scratch: &mut scratch,
-            at_mesh: (tree, mesh),
+            at_mesh: (tree, meshes),
             ray: &ray,
             off: point.off,
-            with_copies: false,
+            // A lower one may be another object's.
+            with_copies: is_joined,
             visit: &mut |triangle, t_max| {
-                look_at(triangle);
+                let surface = scene.surface_at(leader, triangle.cast_signed());
+                if surface.object == index.cast_signed() {
+                    look_at(surface.primitive.cast_unsigned());
+                }
                 t_max
             },
         };
         let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
         simd::run(set, each);
         SCRATCH.set(Some(scratch));
+        if is_joined {
+            keep_lowest(&mut around);
+        }
     } else {
         let triangles = 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX);
         triangles.for_each(look_at);
     }
     around
+}
+
+/// Keeps of triangles in one place the lowest.
+fn keep_lowest(triangles: &mut Vec<(u32, [DVec3; 3])>) {
+    triangles.sort_unstable_by_key(|&(number, _)| number);
+    let mut kept: Vec<(u32, [DVec3; 3])> = Vec::with_capacity(triangles.len());
+    for triangle in triangles.drain(..) {
+        if kept.iter().all(|(_, corners)| *corners != triangle.1) {
+            kept.push(triangle);
+        }
+    }
+    *triangles = kept;
 }

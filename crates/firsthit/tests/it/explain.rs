@@ -12,6 +12,7 @@ use firsthit::{
     SurfaceId, Transform,
 };
 
+use crate::joined::pieces;
 use crate::support::{Numbers, bits, bumpy_sphere, mesh, scene};
 
 /// A material through which rays pass where alpha is below one half.
@@ -314,8 +315,13 @@ fn check(scene: &Scene, story: &Explanation<'_>) {
 #[test]
 fn stories_agree_with_brute_force() {
     let mut counts: BTreeMap<Reason, usize> = BTreeMap::new();
-    for seed in 0..6 {
-        let scene = everything(seed);
+    for seed in 0..9 {
+        // The last ones with objects that share a tree.
+        let scene = if seed < 6 {
+            everything(seed)
+        } else {
+            scene(pieces(seed))
+        };
         let mut numbers = Numbers::new(seed + 50);
         for k in 0..120 {
             let (ray, filter) = ray(&scene, &mut numbers, k);

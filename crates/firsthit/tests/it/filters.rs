@@ -48,7 +48,7 @@ fn everything(seed: u64) -> Scene {
 }
 
 /// Rays of all kinds of filters; many leave surfaces.
-fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec<RayFilter>) {
+pub(crate) fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec<RayFilter>) {
     let mut numbers = Numbers::new(seed);
     let starts: Vec<Ray> = (0..count)
         .map(|_| Ray::new(2.0 * numbers.point(), numbers.point()))
@@ -108,7 +108,7 @@ fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec<RayFilter>
     (rays, filters)
 }
 
-fn same(fast: &Hits, slow: &Hits) {
+pub(crate) fn same(fast: &Hits, slow: &Hits) {
     for k in 0..slow.len().max(fast.len()) {
         let (fast, slow) = (fast.get(k), slow.get(k));
         assert_eq!(bits(&fast), bits(&slow), "{k}");
@@ -142,7 +142,7 @@ fn trees_and_brute_force_agree_on_every_instruction_set() {
 }
 
 /// Rays that leave what a camera sees: to a light, and short and long ones to all sides, so into things too. Neighbours go in packets.
-fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
+pub(crate) fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
     let mut numbers = Numbers::new(9);
     let camera = Camera::look_at(
         DVec3::new(1.0, -3.0, 1.5),

@@ -33,6 +33,7 @@ mod io_meanings;
 mod io_off;
 mod io_polygons;
 mod io_regressions;
+mod joined;
 mod judge;
 mod kernels;
 mod lens_round_trips;

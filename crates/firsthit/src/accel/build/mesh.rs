@@ -64,7 +64,7 @@ impl MeshTree {
     }
 
     fn build_by(mesh: &Mesh, build: impl FnOnce(&Triangles<'_>) -> Parts) -> Self {
-        let Some(space) = Space::new(mesh).filter(|_| !mesh.triangles().is_empty()) else {
+        let Some(space) = Space::new(mesh.into()).filter(|_| !mesh.triangles().is_empty()) else {
             return Self::without_nodes(mesh);
         };
         let points = space.points(mesh);
@@ -358,7 +358,7 @@ pub(super) mod tests {
                 let slot = count(k * LANES + lane);
                 let bits = |corners: [DVec3; 3]| corners.map(|p| p.to_array().map(f64::to_bits));
                 let own = mesh.corners(tree.triangle_at(slot) as usize);
-                assert_eq!(bits(tree.corners_at(&mesh, slot)), bits(own));
+                assert_eq!(bits(tree.corners_at((&mesh).into(), slot)), bits(own));
             }
         }
     }

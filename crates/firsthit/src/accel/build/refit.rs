@@ -36,7 +36,7 @@ impl MeshTree {
         if self.nodes.is_empty() || known.sum::<u32>() as usize != mesh.triangles().len() {
             return None;
         }
-        let space = Space::new(mesh)?;
+        let space = Space::new(mesh.into())?;
         let points = space.points(mesh);
         let sharing = Sharing {
             triangles: mesh.triangles(),

@@ -110,6 +110,13 @@ impl Packet {
         }
         self.prepare_blurred(l, trees, count, off);
         self.departing = departing;
+        for lane in 0..count.min(RAYS) {
+            let latest = self.filters[lane].latest_begin();
+            if latest > 0.0 {
+                // Before that the exact test decides.
+                self.t_min_high[lane] = self.t_min_high[lane].max(self.depth_above(lane, latest));
+            }
+        }
     }
 
     /// The same for rays that may be off by `off` across their direction, in units of the tree.

@@ -3,7 +3,7 @@
 use super::packet::{RAYS, of};
 use crate::accel::bounds::U;
 use crate::accel::mesh_tree::MeshTree;
-use crate::shape::Mesh;
+use crate::shape::Meshes;
 use crate::simd::Lanes;
 
 /// The spaces of the trees that a packet's rays are at. Those of eight rays are asked for at a time: the packet's first `half`, or its
@@ -52,12 +52,12 @@ pub(crate) struct TreePerRay<'a> {
     scale: [f64; RAYS],
     origin: [[f64; RAYS]; 3],
     rounding: [f64; RAYS],
-    meshes: [(&'a MeshTree, &'a Mesh); RAYS],
+    meshes: [(&'a MeshTree, Meshes<'a>); RAYS],
 }
 
 impl<'a> TreePerRay<'a> {
     /// One for all lanes, until others are [put](Self::put).
-    pub(crate) fn new(at_mesh: (&'a MeshTree, &'a Mesh)) -> Self {
+    pub(crate) fn new(at_mesh: (&'a MeshTree, Meshes<'a>)) -> Self {
         let mut each = Self {
             scale: [0.0; RAYS],
             origin: [[0.0; RAYS]; 3],
@@ -70,7 +70,7 @@ impl<'a> TreePerRay<'a> {
 
     /// Puts the ray in a lane to a mesh.
     #[inline]
-    pub(crate) fn put(&mut self, lane: usize, at_mesh: (&'a MeshTree, &'a Mesh)) {
+    pub(crate) fn put(&mut self, lane: usize, at_mesh: (&'a MeshTree, Meshes<'a>)) {
         let lane = lane % RAYS;
         let (tree, _) = at_mesh;
         self.scale[lane] = tree.space.scale;
@@ -83,7 +83,7 @@ impl<'a> TreePerRay<'a> {
 
     /// The tree and the mesh that the ray in a lane is at.
     #[inline(always)]
-    pub(in crate::accel) fn at(&self, lane: usize) -> (&'a MeshTree, &'a Mesh) {
+    pub(in crate::accel) fn at(&self, lane: usize) -> (&'a MeshTree, Meshes<'a>) {
         self.meshes[lane % RAYS]
     }
 }

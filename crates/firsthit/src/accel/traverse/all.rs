@@ -15,7 +15,7 @@ use super::mesh_packet::{MeshRay, SettleExactly};
 use super::query::{MeshQuery, Visitor};
 use crate::accel::filter::Candidates;
 use crate::accel::locate8::EightPairs;
-use crate::geometry::{DVec2, DVec3, Ray};
+use crate::geometry::{DVec2, DVec3, Ray, SurfaceId};
 use crate::shape::Crossing;
 use crate::shape::triangle::{self, Doubtful, EdgeRule, TriangleHit};
 use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE, set_bits};
@@ -25,8 +25,18 @@ use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE, set_bits};
 pub(crate) struct Node {
     /// Its `t` is NaN while it waits, and where it turns out not to be on the ray.
     pub(crate) crossing: Crossing,
-    pub(crate) object: u32,
+    object: i32,
     next: u32,
+}
+
+impl Node {
+    /// What is crossed.
+    pub(crate) fn surface(&self) -> SurfaceId {
+        SurfaceId {
+            object: self.object,
+            primitive: self.crossing.primitive,
+        }
+    }
 }
 
 /// The crossings of the rays that a thread has at hand.
@@ -188,12 +198,13 @@ impl CrossingList {
         });
     }
 
-    /// Takes over the crossings of another list, which is with an object of a scene.
-    pub(crate) fn append(&mut self, list: Self, object: u32) {
+    /// Takes over the crossings of another list; `surface` tells what a number stands for.
+    pub(crate) fn append(&mut self, list: Self, surface: impl Fn(i32) -> SurfaceId) {
         GATHERED.with_borrow_mut(|gathered| {
             let mut index = list.last;
             while let Some(node) = gathered.nodes.get_mut(index as usize) {
-                node.object = object;
+                let SurfaceId { object, primitive } = surface(node.crossing.primitive);
+                (node.object, node.crossing.primitive) = (object, primitive);
                 index = node.next;
                 if index == u32::MAX {
                     node.next = self.last;

@@ -115,7 +115,7 @@ mod tests {
         let mut count = 0;
         let each = EachCandidate {
             scratch: &mut Scratch::new(),
-            at_mesh: (tree, mesh),
+            at_mesh: (tree, mesh.into()),
             ray,
             off: 0.0,
             with_copies: false,

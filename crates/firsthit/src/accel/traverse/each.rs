@@ -12,7 +12,7 @@ use super::single::{Scratch, traverse};
 use crate::accel::filter::Candidates;
 use crate::accel::mesh_tree::MeshTree;
 use crate::geometry::Ray;
-use crate::shape::Mesh;
+use crate::shape::Meshes;
 use crate::shape::triangle::clear_of;
 use crate::simd::{Kernel, Lanes, set_bits};
 
@@ -30,7 +30,7 @@ pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
 /// `visit` is behind a pointer, so that the kernel is compiled once and not for each query: few rays need it.
 pub(crate) struct EachCandidate<'a> {
     pub(crate) scratch: &'a mut Scratch,
-    pub(crate) at_mesh: (&'a MeshTree, &'a Mesh),
+    pub(crate) at_mesh: (&'a MeshTree, Meshes<'a>),
     pub(crate) ray: &'a Ray,
     pub(crate) off: f64,
     pub(crate) with_copies: bool,
@@ -108,7 +108,7 @@ impl Kernel for EachCandidate<'_> {
 fn each_ahead<L: Lanes>(
     l: L,
     scratch: &mut Scratch,
-    at_mesh: (&MeshTree, &Mesh),
+    at_mesh: (&MeshTree, Meshes<'_>),
     (ray, off, with_copies): (&Ray, f64, bool),
     visit: &mut Visit<'_>,
 ) {
@@ -125,7 +125,7 @@ fn each_ahead<L: Lanes>(
 /// A function of its own for [`each_ahead`], which has it three times.
 struct EachAhead<'a> {
     scratch: &'a mut Scratch,
-    at_mesh: (&'a MeshTree, &'a Mesh),
+    at_mesh: (&'a MeshTree, Meshes<'a>),
     ray: &'a Ray,
     off: f64,
     with_copies: bool,

@@ -7,7 +7,7 @@ use crate::accel::rays::packet::{Packet, RAYS};
 use crate::accel::rays::trees::TreePerRay;
 use crate::geometry::{DVec3, Ray};
 use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, Shear, TriangleHit};
-use crate::shape::{Crossing, Mesh};
+use crate::shape::{Crossing, Meshes};
 use crate::simd::{Kernel, Lanes};
 
 /// A packet with fewer rays than this is left to [`interleaved`](super::interleaved).
@@ -17,7 +17,7 @@ pub(crate) const FEWEST: u32 = 4;
 #[derive(Clone, Copy)]
 pub(crate) struct MeshPacket<'a> {
     pub(super) tree: &'a MeshTree,
-    pub(super) mesh: &'a Mesh,
+    pub(super) mesh: Meshes<'a>,
     pub(super) packet: &'a Packet,
     /// The trees and meshes of rays that are at different ones.
     each: Option<&'a TreePerRay<'a>>,
@@ -26,10 +26,10 @@ pub(crate) struct MeshPacket<'a> {
 }
 
 impl<'a> MeshPacket<'a> {
-    pub(crate) fn new(tree: &'a MeshTree, mesh: &'a Mesh, packet: &'a Packet) -> Self {
+    pub(crate) fn new(tree: &'a MeshTree, mesh: impl Into<Meshes<'a>>, packet: &'a Packet) -> Self {
         Self {
             tree,
-            mesh,
+            mesh: mesh.into(),
             packet,
             each: None,
             open: packet.alive,
@@ -70,7 +70,7 @@ impl<'a> MeshPacket<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct MeshRay<'a> {
     pub(super) tree: &'a MeshTree,
-    pub(super) mesh: &'a Mesh,
+    pub(super) mesh: Meshes<'a>,
     pub(super) packet: &'a Packet,
     pub(super) lane: usize,
     /// Where it begins and ends.
@@ -108,15 +108,16 @@ impl MeshRay<'_> {
         edges: EdgeRule,
         triangle: u32,
     ) -> Option<Crossing> {
-        let corners = self.mesh.corners(triangle as usize);
+        let corners = self.mesh.corners(triangle);
         let ray = self.packet.ray(self.lane);
         let settle = |doubtful| settle_within(l, &ray, doubtful);
         let ray_and_shear = (&ray, &Shear::new(&ray));
         let hit = self
             .filter()
             .intersect(ray_and_shear, edges, (triangle, corners), settle)?;
-        ray.holds(hit.t)
-            .then(|| hit.crossing(triangle.cast_signed()))
+        let farthest = || self.mesh.farthest(triangle);
+        let is_met = ray.holds(hit.t) && self.filter().has_begun(hit.t, farthest);
+        is_met.then(|| hit.crossing(triangle.cast_signed()))
     }
 
     /// The corners of the triangle in a lane of a leaf.
@@ -158,7 +159,8 @@ impl MeshRay<'_> {
             if self.is_departing() {
                 return (new.t, new.primitive) < (old.t, old.primitive);
             }
-            self.mesh.ask_for_planes();
+            let [one, other] = [new, old].map(|crossing| crossing.primitive.cast_unsigned());
+            self.mesh.ask_for_planes(one, other);
             let ray = self.packet.ray(self.lane);
             let nearest = |crossing| l.call(NearestT(self.mesh, &ray, crossing));
             (nearest(new), new.primitive) < (nearest(old), old.primitive)
@@ -207,7 +209,7 @@ impl Kernel for SettleExactly {
 }
 
 /// The float64 nearest to the exact `t` of a crossing, likewise.
-struct NearestT<'a>(&'a Mesh, &'a Ray, &'a Crossing);
+struct NearestT<'a>(Meshes<'a>, &'a Ray, &'a Crossing);
 
 impl Kernel for NearestT<'_> {
     type Output = f64;

@@ -43,7 +43,7 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
 use crate::accel::node::{LEAF, Node};
 use crate::geometry::{Bounds, DMat3, DVec3, Transform, single};
-use crate::shape::Mesh;
+use crate::shape::Meshes;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
 /// A point in the space of a tree, and what its limit is there.
@@ -58,7 +58,7 @@ struct TreePoint {
 impl TreePoint {
     /// `None` for a point that is so far away that float32 tells nothing apart.
     #[inline(always)]
-    fn new((tree, mesh): (&MeshTree, &Mesh), point: DVec3, place: &Transform) -> Option<Self> {
+    fn new((tree, mesh): (&MeshTree, Meshes<'_>), point: DVec3, place: &Transform) -> Option<Self> {
         let space = &tree.space;
         let (in_mesh, stretch, off) = if place.is_identity() {
             (point, 1.0, 0.0)
@@ -113,7 +113,7 @@ fn largest_stretch(map: &DMat3) -> f64 {
 pub(crate) fn each_near<L: Lanes>(
     l: L,
     scratch: &mut Scratch,
-    (tree, mesh): (&MeshTree, &Mesh),
+    (tree, mesh): (&MeshTree, Meshes<'_>),
     (point, place, with_copies): (DVec3, &Transform, bool),
     limit: f64,
     mut visit: impl FnMut(u32, [DVec3; 3]) -> f64,
@@ -121,7 +121,7 @@ pub(crate) fn each_near<L: Lanes>(
     let near = TreePoint::new((tree, mesh), point, place).filter(|_| tree.has_nodes());
     let Some(point) = near else {
         for &triangle in &tree.order {
-            visit(triangle, mesh.corners(triangle as usize));
+            visit(triangle, mesh.corners(triangle));
         }
         return;
     };

@@ -17,7 +17,7 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::accel::node::LEAF;
 use crate::accel::rays::packet::Packet;
 use crate::geometry::Ray;
-use crate::shape::Mesh;
+use crate::shape::Meshes;
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
@@ -42,7 +42,7 @@ impl Scratch {
 pub(crate) fn query_mesh<L: Lanes, Q: MeshQuery>(
     l: L,
     scratch: &mut Scratch,
-    (tree, mesh): (&MeshTree, &Mesh),
+    (tree, mesh): (&MeshTree, Meshes<'_>),
     ray: &Ray,
 ) -> Q::Found {
     scratch.packet.put(0, ray);
@@ -55,7 +55,7 @@ pub(crate) fn query_mesh<L: Lanes, Q: MeshQuery>(
 pub(crate) fn query_mesh_filtered<L: Lanes, Q: MeshQuery>(
     l: L,
     scratch: &mut Scratch,
-    (tree, mesh): (&MeshTree, &Mesh),
+    (tree, mesh): (&MeshTree, Meshes<'_>),
     (ray, filter): (&Ray, &MeshFilter),
 ) -> Q::Found {
     scratch.packet.put(0, ray);
@@ -68,7 +68,7 @@ pub(crate) fn query_mesh_filtered<L: Lanes, Q: MeshQuery>(
 fn query_prepared<L: Lanes, Q: MeshQuery>(
     l: L,
     scratch: &mut Scratch,
-    (tree, mesh): (&MeshTree, &Mesh),
+    (tree, mesh): (&MeshTree, Meshes<'_>),
 ) -> Q::Found {
     let Scratch { stack, packet, .. } = scratch;
     if packet.alive == 0 {

@@ -4,11 +4,52 @@ use std::cmp::Ordering;
 
 use super::{DeparturePoint, Doubtful, EdgeRule, Shear, TriangleHit};
 use crate::geometry::orientation::along_normal;
-use crate::geometry::{DVec2, DVec3, Ray, Side, arrays};
-use crate::shape::Mesh;
+use crate::geometry::{DVec2, DVec3, ROUNDED, Ray, Side, arrays};
+use crate::shape::Meshes;
 
 /// No triangle has this number.
 const NO_TRIANGLE: u32 = u32::MAX;
+
+/// All triangles.
+const ALL: [u32; 2] = [0, NO_TRIANGLE];
+
+/// Where a ray that leaves a surface in another space begins at joined meshes. What rounds most decides (`shoot/filter.rs`), and that may be
+/// the mesh.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Begin {
+    /// What the start is computed from: its largest number.
+    start: f64,
+    /// The largest coordinate of the ray's direction.
+    along: f64,
+    latest: f64,
+}
+
+impl Begin {
+    /// At one `t` for all.
+    pub(crate) const TOGETHER: Self = Self {
+        start: 0.0,
+        along: 1.0,
+        latest: 0.0,
+    };
+
+    /// For meshes whose largest number is at most `farthest`.
+    pub(crate) fn new(start: f64, along: f64, farthest: f64) -> Self {
+        let begin = Self {
+            start,
+            along,
+            latest: 0.0,
+        };
+        Self {
+            latest: begin.at(farthest),
+            ..begin
+        }
+    }
+
+    /// Of a mesh by its largest number.
+    pub(crate) fn at(&self, farthest: f64) -> f64 {
+        ROUNDED * self.start.max(farthest) / self.along
+    }
+}
 
 /// See [the module](self).
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +63,10 @@ pub(crate) struct MeshFilter {
     left: u32,
     /// Whether the ray leaves any surface, be it none of this mesh's space.
     is_departing: bool,
+    /// The numbers of the triangles that are met: from the first to before the second.
+    within: [u32; 2],
+    /// Where it begins at joined meshes.
+    begin: Begin,
 }
 
 impl MeshFilter {
@@ -32,6 +77,8 @@ impl MeshFilter {
         departure: None,
         left: NO_TRIANGLE,
         is_departing: false,
+        within: ALL,
+        begin: Begin::TOGETHER,
     };
 
     /// The ray does not meet one side.
@@ -57,6 +104,8 @@ impl MeshFilter {
         self.departure = None;
         self.left = NO_TRIANGLE;
         self.is_departing = is_departing;
+        self.within = ALL;
+        self.begin = Begin::TOGETHER;
     }
 
     /// The ray leaves a triangle at a point by the weights of its corners 1 and 2. If the triangle is one of this mesh, it has a number.
@@ -66,15 +115,37 @@ impl MeshFilter {
         self.left = triangle.unwrap_or(NO_TRIANGLE);
     }
 
+    /// The ray meets no other triangles than those with numbers from the first to before the second.
+    pub(crate) fn keep(&mut self, within: [u32; 2]) {
+        self.within = within;
+    }
+
+    /// At joined meshes the ray does not begin at one `t` for all.
+    pub(crate) fn begin(&mut self, begin: Begin) {
+        self.begin = begin;
+    }
+
+    /// From which `t` on all joined meshes may be met; zero where the ray begins at one `t` for all.
+    #[inline(always)]
+    pub(crate) fn latest_begin(&self) -> f64 {
+        self.begin.latest
+    }
+
+    /// Whether a ray that begins at each of some joined meshes at another `t` meets one of them at `t`. `farthest` is of that mesh.
+    #[inline(always)]
+    pub(crate) fn has_begun(&self, t: f64, farthest: impl FnOnce() -> f64) -> bool {
+        self.begin.latest == 0.0 || t > self.begin.latest || t > self.begin.at(farthest())
+    }
+
     /// Whether nothing of the mesh is known to be ahead of the start, but what stops the ray there.
     #[inline(always)]
-    pub(crate) fn leaves_all_of(&self, mesh: &Mesh) -> bool {
+    pub(crate) fn leaves_all_of(&self, mesh: Meshes<'_>) -> bool {
         self.left != NO_TRIANGLE && mesh.is_flat()
     }
 
     /// Whether a triangle is known to lie in the plane of the one that is left. It is met at the start, or not at all.
     #[inline(always)]
-    pub(crate) fn is_in_plane_left(&self, mesh: &Mesh, triangle: u32) -> bool {
+    pub(crate) fn is_in_plane_left(&self, mesh: Meshes<'_>, triangle: u32) -> bool {
         self.left != NO_TRIANGLE && mesh.are_in_one_plane(self.left, triangle)
     }
 
@@ -91,7 +162,7 @@ impl MeshFilter {
     /// Whether the ray meets every triangle ahead of its start that a ray without a filter meets.
     #[inline(always)]
     pub(crate) fn meets_everything(&self) -> bool {
-        self.cull.is_none() && self.skip == [NO_TRIANGLE; 2]
+        self.cull.is_none() && self.skip == [NO_TRIANGLE; 2] && self.within == ALL
     }
 
     /// The same for triangles in one place.
@@ -100,7 +171,7 @@ impl MeshFilter {
         &self,
         triangles: impl FnOnce() -> T,
     ) -> bool {
-        let skips = |triangle| self.skip.contains(&triangle);
+        let skips = |triangle| self.skips(triangle);
         self.meets_everything() || self.cull.is_none() && !triangles().any(skips)
     }
 
@@ -113,7 +184,7 @@ impl MeshFilter {
         (triangle, corners): (u32, [DVec3; 3]),
         settle: impl FnOnce(Doubtful) -> Option<TriangleHit>,
     ) -> Option<TriangleHit> {
-        if self.skip.contains(&triangle) {
+        if self.skips(triangle) {
             return None;
         }
         let hit = match &self.departure {
@@ -125,7 +196,13 @@ impl MeshFilter {
 
     /// Whether the filter lets a ray meet a triangle that its line meets.
     pub(crate) fn admits(&self, direction: DVec3, (triangle, corners): (u32, [DVec3; 3])) -> bool {
-        !self.skip.contains(&triangle) && self.faces(direction, corners)
+        !self.skips(triangle) && self.faces(direction, corners)
+    }
+
+    #[inline(always)]
+    fn skips(&self, triangle: u32) -> bool {
+        let [first, end] = self.within;
+        self.skip.contains(&triangle) || !(first..end).contains(&triangle)
     }
 
     /// Whether a ray comes to a side of a triangle that is not culled.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::square::SIDE;
 use crate::accel::{TILE, TileCamera};
-use crate::geometry::{DMat3, DVec3, PixelGrid, Rays, arrays};
+use crate::geometry::{Bounds, DMat3, DVec3, PixelGrid, Rays, arrays};
 use crate::scene::{Object, Scene};
 use crate::shape::Surface;
 
@@ -88,7 +88,7 @@ fn costs_more(scene: &Scene, grid: &PixelGrid, meshes: &[Placed]) -> bool {
     let in_tiles: usize = meshes.iter().map(in_tiles).sum();
     let triangles = |placed: &Placed| {
         let (mesh, _) = scene.plain_mesh(placed.object)?;
-        Some(mesh.triangles().len())
+        Some(mesh.len())
     };
     let triangles: usize = meshes.iter().filter_map(triangles).sum();
     in_tiles > MANY_IN_TILE * tiles
@@ -112,20 +112,21 @@ impl<'a> Plan<'a> {
         let (mut meshes, mut shapes) = (Vec::new(), Vec::new());
         let (mut others, mut are_shapes) = (0, true);
         for (index, object) in (0..).zip(scene.objects()) {
-            let place = || match source {
-                Source::Curved => Some(around(&grid, index, object)),
-                Source::Grid | Source::Fitted => placed(&grid, index, object),
+            let place = |bounds: Bounds| match source {
+                Source::Curved => Some(around(&grid, (index, object), bounds)),
+                Source::Grid | Source::Fitted => placed(&grid, (index, object), bounds),
             };
-            if scene.duplicates().contains(index) || object.is_hidden() {
+            let follows = scene.leader_of(index) != index;
+            if follows || scene.duplicates().contains(index) || object.is_hidden() {
                 is_tiled[index as usize] = true;
-            } else if scene.plain_mesh(index).is_some() {
+            } else if let Some((mesh, _)) = scene.plain_mesh(index) {
                 is_tiled[index as usize] = true;
-                meshes.extend(place());
+                meshes.extend(place(mesh.bounds()));
             } else {
                 others += 1;
                 are_shapes &= object.mesh().is_none();
                 if are_shapes && others <= MOST_SHAPES {
-                    shapes.extend(place());
+                    shapes.extend(place(object.shape().bounds()));
                 }
             }
         }
@@ -219,15 +220,15 @@ fn has_digits(grid: &PixelGrid) -> bool {
         && is_sound(grid.height)
 }
 
-/// Where an object may be seen; `None` for nowhere.
+/// Where an object in a box in its space may be seen; `None` for nowhere.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "a cast of a float saturates"
 )]
-fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
+fn placed(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> Option<Placed> {
     let axes = Axes::of(grid);
-    let (low, high, farthest) = seen(grid, object, &axes);
+    let (low, high, farthest) = seen(grid, object, bounds, &axes);
     // Far more than rounding, as a share of what coordinates are computed from.
     let rounding = 1e-9 * (farthest + grid.position.abs().max_element());
     let slack = rounding * axes.growth;
@@ -280,9 +281,8 @@ fn placed(grid: &PixelGrid, index: u32, object: &Object) -> Option<Placed> {
     })
 }
 
-/// An object as curved rays may see it: anywhere, from a distance on.
-fn around(grid: &PixelGrid, index: u32, object: &Object) -> Placed {
-    let bounds = object.shape().bounds();
+/// An object in a box in its space, as curved rays may see it: anywhere, from a distance on.
+fn around(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> Placed {
     let corners = arrays::map(bounds.corners(), |corner| {
         let world = object
             .transform()
@@ -345,10 +345,9 @@ impl Axes {
     }
 }
 
-/// The box around an object in the grid's coordinates, and the largest coordinate of its corners relative to the grid's position. Of
+/// The box around an object, which is in a box in its space, in the grid's coordinates, and the largest coordinate of its corners relative to the grid's position. Of
 /// perspective grids the first two coordinates are those on the viewplane.
-fn seen(grid: &PixelGrid, object: &Object, axes: &Axes) -> (DVec3, DVec3, f64) {
-    let bounds = object.shape().bounds();
+fn seen(grid: &PixelGrid, object: &Object, bounds: Bounds, axes: &Axes) -> (DVec3, DVec3, f64) {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut farthest: f64 = 0.0;
     for corner in bounds.corners() {

@@ -8,8 +8,8 @@ use crate::accel::{
 };
 use crate::geometry::Hit;
 use crate::geometry::arithmetic::quotient_by_inverse;
-use crate::scene::Object;
-use crate::shape::Mesh;
+use crate::scene::{Object, Scene};
+use crate::shape::Meshes;
 use crate::shoot::hits::HitSlices;
 use crate::simd::{InLanes, LANES, Lanes, WIDE, set_bits};
 
@@ -18,25 +18,47 @@ use crate::simd::{InLanes, LANES, Lanes, WIDE, set_bits};
 struct SeenObject<'a> {
     index: u32,
     object: &'a Object,
-    mesh: &'a Mesh,
+    mesh: Meshes<'a>,
     tree: &'a MeshTree,
 }
 
-/// Writes the hits of a block, each with the mask of its half; `false` where one of them is not sound.
+impl SeenObject<'_> {
+    /// The object that all these triangles are of, and their numbers there in their place; `None` where they are of several.
+    #[inline(always)]
+    fn only_object(&self, scene: &Scene, primitives: &mut [i32; LANES]) -> Option<i32> {
+        if self.mesh.one().is_some() {
+            return Some(self.index.cast_signed());
+        }
+        let object = scene.surface_at(self.index, primitives[0]).object;
+        let [start, end] = scene
+            .numbers_of(object.cast_unsigned())?
+            .map(u32::cast_signed);
+        let mut is_same = true;
+        for primitive in primitives {
+            is_same &= start <= *primitive && *primitive < end;
+            *primitive -= start;
+        }
+        is_same.then_some(object)
+    }
+}
+
+/// Writes the hits of a block, each with the mask of its half; `false` where one of them is not sound, or they are of several objects.
 #[inline(always)]
 fn put_sound<L: Lanes>(
     l: L,
     (at, out): (usize, &mut HitSlices<'_>),
-    seen: &SeenObject<'_>,
-    primitives: &[i32; LANES],
+    (scene, seen): (&Scene, &SeenObject<'_>),
+    mut primitives: [i32; LANES],
     [(sound, first), (sound_too, second)]: [(u8, [L::Doubles; 3]); 2],
 ) -> bool {
-    let are_sound = sound & sound_too == u8::MAX;
-    if are_sound {
-        let object = seen.index.cast_signed();
-        out.put_block(l, at, object, primitives, [first, second]);
+    if sound & sound_too != u8::MAX {
+        return false;
     }
-    are_sound
+    let object = seen.only_object(scene, &mut primitives);
+    if let Some(object) = object {
+        out.put_block(l, at, object, &primitives, [first, second]);
+    }
+    object.is_some()
 }
 
 impl TileTask<'_> {
@@ -129,7 +151,8 @@ impl TileTask<'_> {
             }};
         }
         let halves = [half!(0), half!(1)];
-        put_sound(l, (at, out), seen, bytemuck::cast_ref(&primitives), halves)
+        let seen = (self.plan.scene, seen);
+        put_sound(l, (at, out), seen, bytemuck::cast(primitives), halves)
     }
 
     /// The same for a block whose pixels all meet one triangle.
@@ -158,8 +181,8 @@ impl TileTask<'_> {
         put_sound(
             l,
             (at, out),
-            seen,
-            bytemuck::cast_ref(&primitives),
+            (self.plan.scene, seen),
+            bytemuck::cast(primitives),
             [first, second],
         )
     }
@@ -182,6 +205,12 @@ impl TileTask<'_> {
             (leaf_lanes, here),
             bytemuck::cast_mut(&mut hits.primitive),
         );
+        if seen.mesh.one().is_none() {
+            for lane in set_bits(here) {
+                let surface = self.plan.scene.surface_at(seen.index, hits.primitive[lane]);
+                (hits.object[lane], hits.primitive[lane]) = (surface.object, surface.primitive);
+            }
+        }
         for half in 0..2 {
             let [low, high] = here.to_le_bytes();
             let lanes = if half == 0 { low } else { high };

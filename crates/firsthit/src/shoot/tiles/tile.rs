@@ -16,7 +16,7 @@ use crate::accel::{
     VisibilityBuffer, fill_buffer,
 };
 use crate::geometry::{DVec3, Hit, PixelGrid, Ray, arrays};
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 use crate::shape::triangle::{EdgeRule, Shear, are_close};
 use crate::shoot::batch::Memory;
 use crate::shoot::hits::HitSlices;
@@ -275,9 +275,10 @@ impl<'a> TileTask<'a> {
 
     /// Whether `new` is the first of two hits of a pixel.
     fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
+        let object = self.plan.scene.object(new);
         if new.object == old.object
             && are_close(new.t, old.t)
-            && let Some((mesh, _)) = self.plan.scene.plain_mesh(new.object.cast_unsigned())
+            && let Some(mesh) = object.and_then(Object::mesh)
         {
             mesh.ask_for_planes();
         }
@@ -391,7 +392,7 @@ impl Kernel for Decision<'_> {
         let primitive = tree.triangle_at(leaf_lane).cast_signed();
         let crossing = hit.crossing(primitive);
         ray.holds(hit.t)
-            .then(|| scaled.hit(index, crossing))
+            .then(|| scaled.hit(self.scene.surface_at(index, primitive), crossing))
             .flatten()
     }
 }

@@ -126,6 +126,9 @@ fn small() -> Vec<u8> {
         Object::new(plain).named("plain"),
         Object::new(Sphere::new(DVec3::ZERO, 2.0).unwrap()),
         Object::new(Cuboid::new(DVec3::ZERO, DVec3::ONE).unwrap()),
+        // They share a tree.
+        Object::new(mesh(&points[..3], vec![[0, 1, 2]])),
+        Object::new(mesh(&points[1..5], vec![[0, 1, 2], [1, 2, 3]])),
     ];
     fhs::save(&path, &Scene::new(objects).unwrap(), &world(), &()).unwrap();
     fs::read(path).unwrap()
@@ -252,7 +255,7 @@ fn what_is_no_built_scene_is_refused_in_a_line() {
     other[8] = 1;
     let error = attack(&other, false).unwrap_err();
     assert!(
-        error.contains("version 1, where this firsthit reads version 3"),
+        error.contains("version 1, where this firsthit reads version 4"),
         "{error}"
     );
     assert!(fhs::open(&folder.path("missing.fhs"), false).is_err());

@@ -5,6 +5,7 @@ mod hostile;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use firsthit::camera::{Aim, Description, Equirectangular, Focus, Opening, StandardView};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
@@ -21,6 +22,7 @@ use firsthit::{
     Scene, Shader, Sphere, Texture, TextureMap, ToneMap, Transform, View, Viewplane, fhs,
 };
 
+use crate::joined::pieces;
 use crate::support::{Numbers, bits, bumpy_sphere, mesh, rays};
 
 /// A folder that is removed at the end.
@@ -28,7 +30,10 @@ struct Folder(PathBuf);
 
 impl Folder {
     fn new(name: &str) -> Self {
-        let name = format!("firsthit-fhs-{name}-{}", std::process::id());
+        // Tests that run at the same time may have the same name for theirs.
+        static MADE: AtomicUsize = AtomicUsize::new(0);
+        let number = MADE.fetch_add(1, Ordering::Relaxed);
+        let name = format!("firsthit-fhs-{name}-{}-{number}", std::process::id());
         let folder = std::env::temp_dir().join(name);
         fs::create_dir_all(&folder).unwrap();
         Self(folder)
@@ -390,6 +395,30 @@ fn a_mapped_scene_is_met_as_the_one_that_was_saved() {
     let again = fhs::open(&path, true).unwrap().into_scene().unwrap();
     assert_eq!(again.bounds(), built.bounds());
     assert_same(&again, &Scene::new(built.objects().to_vec()).unwrap(), 300);
+}
+
+/// Objects that share a tree, all of them and after some have left.
+#[test]
+fn joined_objects_are_opened_as_they_were_saved() {
+    let folder = Folder::new("joined");
+    let path = folder.path("a.fhs");
+    for seed in 0..3 {
+        let mut built = Scene::new(pieces(seed)).unwrap();
+        for step in 0..3 {
+            fhs::save(&path, &built, &World::default(), &()).unwrap();
+            let mut opened = fhs::open(&path, true).unwrap().into_scene().unwrap();
+            if step == 0 {
+                assert_eq!(opened.tree_bytes(), built.tree_bytes());
+            }
+            assert_same(&opened, &built, 500);
+            for object in [step, 2 * step + 3] {
+                let place = turned(0.3, DVec3::new(0.2, 0.1, -0.4));
+                built.move_object(object, place).unwrap();
+                opened.move_object(object, place).unwrap();
+            }
+            assert_same(&opened, &built, 500);
+        }
+    }
 }
 
 /// Whoever opens the file may shoot any number of rays.

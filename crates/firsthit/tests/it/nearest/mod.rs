@@ -37,7 +37,7 @@ fn bits(all: &ClosestPoints) -> Vec<Bits> {
 
 /// Compares every instruction set with brute force, for one and for several nearest points, without and with a radius.
 /// Returns the nearest.
-fn checked(scene: &Scene, points: &[[f64; 3]]) -> ClosestPoints {
+pub(crate) fn checked(scene: &Scene, points: &[[f64; 3]]) -> ClosestPoints {
     let judge = |wanted| {
         let judged = closest_points_with(Method::BruteForce, scene, points, wanted, &()).unwrap();
         for set in InstructionSet::available() {

@@ -1,0 +1,380 @@
+//! Objects in one space whose meshes share a tree.
+//!
+//! A ray comes to all of them at once, as if they were one mesh. One of them, the leader, stands for all in the tree over the objects, and
+//! its number with that of a triangle in the shared tree says what was met ([`Scene::surface_at`]).
+//!
+//! 1. Join objects with the same transform and mask whose meshes nobody else has, that hide nothing and are in no other's place. Leave
+//!    out what is so fine beside the others that float32 could not tell its triangles apart.
+//! 2. Build one tree over all triangles.
+//! 3. An object that is moved, hidden or changed leaves: its triangles are taken out of the leaves, and it gets a tree of its own.
+
+mod find;
+
+use std::sync::Arc;
+
+#[cfg(feature = "fhs")]
+use find::{Key, key};
+pub(super) use find::{found, kept};
+
+use super::build::TreeBuilder;
+use super::{Object, Scene};
+use crate::accel::MeshTree;
+use crate::error::Result;
+use crate::geometry::SurfaceId;
+use crate::shape::{JoinedMeshes, Mesh, Meshes};
+
+/// The tree of an object's mesh.
+#[derive(Debug, Clone)]
+pub(crate) enum ObjectTree {
+    /// The object is no mesh.
+    None,
+    /// That of its mesh, shared by all objects that share the mesh.
+    Own(Arc<MeshTree>),
+    /// That of a group, and which of its members the object is.
+    Shared(Arc<Group>, u32),
+}
+
+impl ObjectTree {
+    /// The tree of the object's mesh alone.
+    pub(crate) fn own(&self) -> Option<&Arc<MeshTree>> {
+        match self {
+            Self::Own(tree) => Some(tree),
+            Self::None | Self::Shared(..) => None,
+        }
+    }
+
+    /// Its group, if it has one.
+    pub(crate) fn group(&self) -> Option<&Arc<Group>> {
+        match self {
+            Self::Shared(group, _) => Some(group),
+            Self::None | Self::Own(_) => None,
+        }
+    }
+
+    /// The tree that rays go through.
+    pub(crate) fn any(&self) -> Option<&Arc<MeshTree>> {
+        match self {
+            Self::None => None,
+            Self::Own(tree) => Some(tree),
+            Self::Shared(group, _) => Some(&group.tree),
+        }
+    }
+}
+
+/// Objects that share a tree.
+#[derive(Debug, Clone)]
+pub(crate) struct Group {
+    /// The object of each mesh, in increasing order; `None` for those that have left.
+    objects: Vec<Option<u32>>,
+    meshes: Arc<JoinedMeshes>,
+    tree: Arc<MeshTree>,
+    leader: u32,
+}
+
+impl Group {
+    fn new(
+        members: Vec<Option<u32>>,
+        meshes: Arc<JoinedMeshes>,
+        tree: Arc<MeshTree>,
+    ) -> Option<Self> {
+        Some(Self {
+            leader: *members.iter().flatten().next()?,
+            objects: members,
+            meshes,
+            tree,
+        })
+    }
+
+    /// Of these objects; `None` where they cannot be joined, or there is no memory for it.
+    fn build(
+        members: Vec<u32>,
+        objects: &[Object],
+        build: impl FnOnce(&Mesh) -> Option<MeshTree>,
+    ) -> Option<Self> {
+        let meshes = meshes(&members, objects)?;
+        let tree = build(&meshes.as_one().ok()?).filter(MeshTree::has_nodes)?;
+        let members = members.into_iter().map(Some).collect();
+        Self::new(members, Arc::new(meshes), Arc::new(tree))
+    }
+
+    /// Of these objects and a tree that nobody vouches for, which `tree` makes.
+    ///
+    /// # Errors
+    ///
+    /// In words, what is wrong.
+    #[cfg(feature = "fhs")]
+    pub(crate) fn from_parts(
+        members: &[u32],
+        objects: &[Object],
+        tree: impl FnOnce(Meshes<'_>) -> std::result::Result<MeshTree, &'static str>,
+    ) -> std::result::Result<Self, &'static str> {
+        let keys = members
+            .iter()
+            .map(|&member| objects.get(member as usize).and_then(key));
+        let keys: Option<Vec<Key>> = keys.collect();
+        let is_common = |keys: &Vec<Key>| keys.windows(2).all(|pair| pair[0] == pair[1]);
+        let is_ordered = members.is_sorted_by(|a, b| a < b);
+        if !(is_ordered && members.len() > 1 && keys.is_some_and(|keys| is_common(&keys))) {
+            return Err("it joins objects that are not alike");
+        }
+        let meshes = meshes(members, objects).ok_or("it joins too many triangles")?;
+        let tree = tree(Meshes::Joined(&meshes))?;
+        if !tree.has_nodes() {
+            return Err("its tree has no nodes");
+        }
+        let members = members.iter().copied().map(Some).collect();
+        let made = Self::new(members, Arc::new(meshes), Arc::new(tree));
+        made.ok_or("it joins nothing")
+    }
+
+    /// The object that stands for all in the tree over the objects.
+    pub(crate) fn leader(&self) -> u32 {
+        self.leader
+    }
+
+    pub(crate) fn tree(&self) -> &Arc<MeshTree> {
+        &self.tree
+    }
+
+    /// Whether none of its objects has left.
+    pub(super) fn is_whole(&self) -> bool {
+        self.objects.iter().all(Option::is_some)
+    }
+
+    /// The objects, each with the range of its triangles' numbers in the tree.
+    pub(crate) fn members(&self) -> impl Iterator<Item = (u32, [u32; 2])> {
+        let numbered = self.objects.iter().enumerate();
+        numbered.filter_map(|(member, object)| Some(((*object)?, self.meshes.range(member))))
+    }
+
+    /// The object that has a triangle, and its number there; `None` for one that has left.
+    #[inline]
+    pub(crate) fn locate(&self, triangle: u32) -> Option<(u32, u32)> {
+        let (member, triangle) = self.meshes.locate(triangle);
+        Some((self.objects[member]?, triangle))
+    }
+
+    /// The least and the largest [`Object::farthest`].
+    pub(crate) fn farthest(&self) -> [f64; 2] {
+        self.meshes.farthest()
+    }
+
+    /// Whether the others remain a group when some objects leave: two at least, in a tree that is not more empty than full. Where triangles
+    /// lie in one place, one that is in no leaf may have to take the place of another.
+    fn can_spare(&self, stays: impl Fn(u32) -> bool) -> bool {
+        let mut count = 0;
+        let mut triangles = 0;
+        for (object, [first, end]) in self.members() {
+            if stays(object) {
+                count += 1;
+                triangles += (end - first) as usize;
+            }
+        }
+        let all = Meshes::Joined(&self.meshes).len();
+        let is_whole = self.is_whole() && count == self.objects.len();
+        is_whole || (count > 1 && 2 * triangles >= all && !self.tree.has_copies())
+    }
+
+    /// The group of the objects that stay, under their new numbers, where it [can spare](Self::can_spare) the others. In place where nobody
+    /// else has the tree.
+    fn keeping(mut self, new: impl Fn(u32) -> Option<u32>) -> Option<Self> {
+        let (mut around, mut ranges) = (Vec::new(), Vec::new());
+        for (member, object) in self.objects.iter_mut().enumerate() {
+            let Some(old) = *object else {
+                continue;
+            };
+            *object = new(old);
+            if object.is_none() {
+                around.push(self.meshes.bounds_of(member));
+                ranges.push(member);
+            }
+        }
+        if !ranges.is_empty() {
+            let is_out = |triangle| {
+                ranges
+                    .binary_search(&self.meshes.locate(triangle).0)
+                    .is_ok()
+            };
+            Arc::make_mut(&mut self.tree).take_out(&around, is_out);
+        }
+        self.leader = *self.objects.iter().flatten().next()?;
+        self.objects
+            .iter()
+            .flatten()
+            .is_sorted_by(|a, b| a < b)
+            .then_some(self)
+    }
+}
+
+/// The meshes of objects.
+fn meshes(members: &[u32], objects: &[Object]) -> Option<JoinedMeshes> {
+    let of = |&member: &u32| {
+        let object = &objects[member as usize];
+        Some((object.mesh().cloned()?, object.farthest()))
+    };
+    let (meshes, farthest) = members.iter().filter_map(of).unzip();
+    JoinedMeshes::new(meshes, farthest)
+}
+
+impl Scene {
+    /// The groups of objects that share a tree.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = &Arc<Group>> {
+        let leads = |(object, tree): (u32, &'_ ObjectTree)| {
+            tree.group().is_some_and(|group| group.leader == object)
+        };
+        let numbered = (0..).zip(&self.trees);
+        numbered
+            .filter(move |&pair| leads(pair))
+            .filter_map(|(_, tree)| tree.group())
+    }
+
+    fn group(&self, object: u32) -> Option<&Arc<Group>> {
+        self.trees.get(object as usize)?.group()
+    }
+
+    /// The group that an object stands for.
+    #[inline]
+    pub(crate) fn group_led_by(&self, object: u32) -> Option<&Arc<Group>> {
+        self.group(object).filter(|group| group.leader == object)
+    }
+
+    /// The object that stands for an object in the tree over the objects: itself, or the leader of its group.
+    #[inline]
+    pub(crate) fn leader_of(&self, object: u32) -> u32 {
+        self.group(object).map_or(object, |group| group.leader)
+    }
+
+    /// The triangles and the tree that rays come to at an object: those of its group if it leads one, none if another does.
+    #[inline]
+    pub(crate) fn at_mesh(&self, object: u32) -> Option<(Meshes<'_>, &MeshTree)> {
+        match self.trees.get(object as usize)? {
+            ObjectTree::None => None,
+            ObjectTree::Own(tree) => {
+                let mesh: &Mesh = self.objects[object as usize].mesh()?;
+                Some((Meshes::One(mesh), tree))
+            }
+            ObjectTree::Shared(group, _) => (group.leader == object)
+                .then(|| (Meshes::Joined(&group.meshes), group.tree.as_ref())),
+        }
+    }
+
+    /// The numbers of the triangles of an object that shares a tree: the first, and the first that is another's.
+    #[inline]
+    pub(crate) fn numbers_of(&self, object: u32) -> Option<[u32; 2]> {
+        match self.trees.get(object as usize)? {
+            ObjectTree::Shared(group, member) => Some(group.meshes.range(*member as usize)),
+            ObjectTree::None | ObjectTree::Own(_) => None,
+        }
+    }
+
+    /// The number that a part of an object has where rays come to it.
+    #[inline]
+    pub(crate) fn number_of(&self, object: u32, primitive: u32) -> u32 {
+        match self.numbers_of(object) {
+            // A number that the object has not is none of another.
+            Some([first, end]) if primitive >= end - first => u32::MAX,
+            Some([first, _]) => first + primitive,
+            None => primitive,
+        }
+    }
+
+    /// The object, and the part of it, that a number stands for where rays come to `object`.
+    #[inline]
+    pub(crate) fn surface_at(&self, object: u32, primitive: i32) -> SurfaceId {
+        let (object, primitive) = match &self.trees[object as usize] {
+            ObjectTree::Shared(group, _) if group.leader == object => group
+                .locate(primitive.cast_unsigned())
+                .map_or((object, primitive), |(object, triangle)| {
+                    (object, triangle.cast_signed())
+                }),
+            _ => (object, primitive),
+        };
+        SurfaceId {
+            object: object.cast_signed(),
+            primitive,
+        }
+    }
+
+    /// Gives objects trees of their own, in place of their share in a group's. Returns whether any had one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`](crate::Error::Limit) where there is no memory for them; nothing has changed then.
+    pub(super) fn part(&mut self, objects: &[u32]) -> Result<bool> {
+        let mut leaving = objects.to_vec();
+        leaving.retain(|&object| self.group(object).is_some());
+        leaving.sort_unstable();
+        if leaving.is_empty() {
+            return Ok(false);
+        }
+        let of_leaving = leaving.iter().map(|&k| &self.objects[k as usize]);
+        let builder = TreeBuilder::new(self.build, of_leaving);
+        let stays = |object: u32| leaving.binary_search(&object).is_err();
+        let own = |object: u32| {
+            let mesh = self.objects[object as usize].mesh();
+            let tree = mesh.map(|mesh| builder.build(mesh)).transpose()?;
+            let tree = tree.map_or(ObjectTree::None, |tree| ObjectTree::Own(Arc::new(tree)));
+            Ok((object as usize, tree))
+        };
+        let mut trees: Vec<(usize, ObjectTree)> = leaving
+            .iter()
+            .map(|&object| own(object))
+            .collect::<Result<_>>()?;
+        let mut spared = Vec::new();
+        for group in self.groups() {
+            let members = || group.members().map(|(object, _)| object);
+            if members().all(stays) {
+                continue;
+            }
+            if group.can_spare(stays) {
+                spared.push(group.leader as usize);
+                continue;
+            }
+            let rest: Vec<u32> = members().filter(|&object| stays(object)).collect();
+            let build = |mesh: &Mesh| builder.build(mesh).ok();
+            let anew = (rest.len() > 1).then(|| Group::build(rest.clone(), &self.objects, build));
+            if let Some(anew) = anew.flatten() {
+                trees.extend(Arc::new(anew).shares());
+            } else {
+                for object in rest {
+                    trees.push(own(object)?);
+                }
+            }
+        }
+        // From here on nothing fails.
+        for leader in spared {
+            let tree = std::mem::replace(&mut self.trees[leader], ObjectTree::None);
+            let ObjectTree::Shared(group, _) = tree else {
+                continue;
+            };
+            for (object, _) in group.members() {
+                self.trees[object as usize] = ObjectTree::None;
+            }
+            let kept =
+                Arc::unwrap_or_clone(group).keeping(|object| stays(object).then_some(object));
+            trees.extend(kept.map(Arc::new).iter().flat_map(Group::shares));
+        }
+        for (object, tree) in trees {
+            self.trees[object] = tree;
+        }
+        Ok(true)
+    }
+}
+
+impl Group {
+    /// Its objects, each with the tree that it then has.
+    fn shares(self: &Arc<Self>) -> impl Iterator<Item = (usize, ObjectTree)> {
+        let share = |(member, object): (u32, &Option<u32>)| {
+            let tree = ObjectTree::Shared(Arc::clone(self), member);
+            Some(((*object)? as usize, tree))
+        };
+        (0..).zip(&self.objects).filter_map(share)
+    }
+
+    /// Makes its tree that of its objects.
+    pub(crate) fn join(self: &Arc<Self>, trees: &mut [ObjectTree]) {
+        for (object, tree) in self.shares() {
+            trees[object] = tree;
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! Objects in one space share a tree. What they answer is what each answers alone, to the bit: brute force asks object by object.
+
+use std::sync::Arc;
+
+use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, Engine, First, trace, trace_with};
+use firsthit::{
+    Camera, Cuboid, DAffine3, DQuat, DVec2, DVec3, Departure, Filtered, InstructionSet, Mesh,
+    Object, Ray, RayFilter, Rays, Scene, Sphere, SurfaceId, Transform,
+};
+
+use crate::filters::{filtered, leaving_together, same};
+use crate::nearest::checked;
+use crate::support::generators::{PLACES, cloud, placed, soup};
+use crate::support::{Numbers, agree, bits, bumpy_sphere, cases, mesh, scene};
+
+type Triangles = (Vec<DVec3>, Vec<[u32; 3]>);
+
+/// Triangles dealt out to so many meshes at random, none of which is empty.
+fn dealt((points, triangles): &Triangles, parts: usize, numbers: &mut Numbers) -> Vec<Arc<Mesh>> {
+    let mut lists = vec![Vec::new(); parts];
+    for (k, triangle) in triangles.iter().enumerate() {
+        let part = if k < parts { k } else { numbers.below(parts) };
+        lists[part].push(*triangle);
+    }
+    let whole = mesh(points, triangles.clone());
+    let part = |(k, list): (usize, Vec<[u32; 3]>)| {
+        if k % 2 == 0 {
+            // As the groups of an OBJ file.
+            return Arc::new(Mesh::new(Arc::clone(whole.positions()), list).unwrap());
+        }
+        let corners = list.iter().flatten().map(|&k| points[k as usize]);
+        let own = (0..list.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+        mesh(&corners.collect::<Vec<_>>(), own.collect())
+    };
+    lists.into_iter().enumerate().map(part).collect()
+}
+
+fn turned() -> Transform {
+    let place = DAffine3::from_scale_rotation_translation(
+        DVec3::new(0.7, -1.2, 1.0),
+        DQuat::from_rotation_y(0.7),
+        DVec3::new(0.3, 0.1, -0.2),
+    );
+    Transform::new(place).unwrap()
+}
+
+/// Pieces in the world's space and in another one, among objects that are not joined.
+pub(crate) fn pieces(seed: u64) -> Vec<Object> {
+    let mut numbers = Numbers::new(seed);
+    let kind = |numbers: &mut Numbers| match seed % 3 {
+        0 => bumpy_sphere(9, seed),
+        1 => cloud(150, numbers),
+        // With triangles in one place, and some without an area.
+        _ => soup(60, numbers),
+    };
+    let (here, there) = (kind(&mut numbers), kind(&mut numbers));
+    let mut objects: Vec<Object> = dealt(&here, 9, &mut numbers)
+        .into_iter()
+        .map(Object::new)
+        .collect();
+    let there = dealt(&there, 4, &mut numbers).into_iter();
+    objects.extend(there.map(|mesh| Object::new(mesh).placed(turned())));
+    objects.push(Object::new(
+        Sphere::new(0.5 * numbers.point(), 0.5).unwrap(),
+    ));
+    objects.push(Object::new(
+        Cuboid::new(DVec3::splat(-0.4), DVec3::splat(0.3)).unwrap(),
+    ));
+    let beside = Transform::translation(0.1 * numbers.point()).unwrap();
+    objects.push(objects[3].clone().placed(beside));
+    // In any order.
+    for k in (1..objects.len()).rev() {
+        objects.swap(k, numbers.below(k + 1));
+    }
+    objects
+}
+
+fn check_queries<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
+    let first = trace_with(&BruteForce, scene, rays, First, &()).unwrap();
+    let any = trace_with(&BruteForce, scene, rays, Any, &()).unwrap();
+    let count = trace_with(&BruteForce, scene, rays, Count, &()).unwrap();
+    let all = trace_with(&BruteForce, scene, rays, All::default(), &()).unwrap();
+    for set in InstructionSet::available() {
+        let cpu = Cpu::with(set);
+        same(&trace_with(&cpu, scene, rays, First, &()).unwrap(), &first);
+        assert_eq!(trace_with(&cpu, scene, rays, Any, &()).unwrap(), any);
+        assert_eq!(trace_with(&cpu, scene, rays, Count, &()).unwrap(), count);
+        let fast = trace_with(&cpu, scene, rays, All::default(), &()).unwrap();
+        assert_eq!(fast.offsets, all.offsets);
+        same(&fast.hits, &all.hits);
+    }
+    any.iter().filter(|&&is_met| is_met).count()
+}
+
+fn check_pictures(scene: &Scene) {
+    let (eye, up) = (DVec3::new(1.0, -3.0, 1.5), DVec3::Z);
+    let camera = Camera::look_at(eye, DVec3::ZERO, up, 45.0, 40, 33).unwrap();
+    let slow = trace_with(&BruteForce, scene, &camera, First, &()).unwrap();
+    for set in InstructionSet::available() {
+        same(
+            &trace_with(&Cpu::with(set), scene, &camera, First, &()).unwrap(),
+            &slow,
+        );
+    }
+}
+
+#[test]
+fn joined_objects_answer_as_each_does_alone() {
+    let mut met = 0;
+    for seed in 0..6 {
+        let scene = scene(pieces(seed));
+        let (rays, _) = filtered(&scene, cases(600), seed);
+        met += check_queries(&scene, &rays[..]);
+        let (rays, filters) = filtered(&scene, cases(1000), seed + 50);
+        met += check_queries(&scene, &Filtered::each(&rays, &filters));
+        let (rays, filters) = leaving_together(&scene);
+        met += check_queries(&scene, &Filtered::each(&rays, &filters));
+        check_pictures(&scene);
+    }
+    assert!(met > cases(10_000), "{met}");
+}
+
+#[test]
+fn objects_that_share_a_tree_have_one_of_the_size_of_one_mesh() {
+    let (points, triangles) = bumpy_sphere(20, 3);
+    let whole = mesh(&points, triangles.clone());
+    let parts = triangles.chunks(40).map(|part| {
+        let positions = Arc::clone(whole.positions());
+        Object::new(Arc::new(Mesh::new(positions, part.to_vec()).unwrap()))
+    });
+    let joined = scene(parts.collect());
+    let one = scene(vec![Object::new(whole)]);
+    assert!(joined.objects().len() > 30);
+    assert!(joined.tree_bytes() < one.tree_bytes() + 1000);
+}
+
+#[test]
+fn rays_that_ask_for_one_of_joined_objects_meet_no_other() {
+    let mut met = 0;
+    for seed in 0..3 {
+        let scene = scene(pieces(seed));
+        let (rays, mut filters) = filtered(&scene, cases(1500), seed);
+        let mut numbers = Numbers::new(seed);
+        let crossings = trace(&scene, &rays, All::default(), &()).unwrap();
+        for (k, filter) in filters.iter_mut().enumerate() {
+            let on_the_way = crossings.offsets[k]..crossings.offsets[k + 1];
+            filter.only = Some(match on_the_way.len() {
+                0 => numbers.below(scene.objects().len()) as i32,
+                count => crossings.hits.object[on_the_way.start + numbers.below(count)],
+            });
+        }
+        met += check_queries(&scene, &Filtered::each(&rays, &filters));
+    }
+    assert!(met > cases(100), "{met}");
+}
+
+/// All of a scene in one tree, which needs no tree over objects, at every place and scale.
+#[test]
+fn a_scene_that_is_all_joined_is_one_mesh_to_its_rays() {
+    for (seed, (scale, offset)) in (0..).zip(PLACES) {
+        let mut numbers = Numbers::new(seed);
+        let (points, triangles) = cloud(400, &mut numbers);
+        let mut points = placed(&points, scale, offset);
+        if seed % 2 == 0 {
+            points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
+        }
+        let one = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
+        let parts = dealt(&(points.clone(), triangles), 20, &mut numbers);
+        let joined = scene(parts.into_iter().map(Object::new).collect());
+        let rays = crate::support::generators::rays(&points, scale, cases(2000), &mut numbers);
+        check_queries(&joined, &rays[..]);
+        // As one mesh they have the same `t`.
+        let (of_parts, of_one) = (
+            trace(&joined, &rays, First, &()).unwrap(),
+            trace(&one, &rays, First, &()).unwrap(),
+        );
+        for (t, other) in of_parts.t.iter().zip(&of_one.t) {
+            assert!(t == other || (t - other).abs() <= 4.0 * f64::EPSILON * t.abs());
+        }
+    }
+}
+
+/// A ray that leaves another space begins a little beyond its start, by the numbers of each object: those far away have more.
+#[test]
+fn rays_from_another_space_begin_at_each_joined_object_where_they_do_alone() {
+    let tile = |x: f64, height: f64| {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let points = points.map(|[u, v]| DVec3::new(x + u, v, height));
+        Object::new(mesh(&points, vec![[0, 1, 2], [0, 2, 3]]))
+    };
+    let mut numbers = Numbers::new(3);
+    let (mut early, mut late) = (0, 0);
+    for _ in 0..cases(2000) {
+        let height = 2e-12 * numbers.unit() * numbers.unit();
+        let left = mesh(
+            &[DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y].map(|p| 0.5 * p),
+            vec![[0, 1, 2], [0, 2, 3]],
+        );
+        let raised = Transform::translation(DVec3::new(0.1, 0.1, 1e-30)).unwrap();
+        let scene = scene(vec![
+            tile(0.0, height),
+            tile(3.0, 0.1),
+            Object::new(left).placed(raised),
+            tile(0.0, 1.0),
+        ]);
+        let departure = Departure {
+            surface: SurfaceId {
+                object: 2,
+                primitive: 0,
+            },
+            barycentric: DVec2::splat(0.25),
+            side: None,
+        };
+        let filter = RayFilter {
+            departure: Some(departure),
+            ..RayFilter::NONE
+        };
+        let start = DVec3::new(0.1 + 0.25, 0.1 + 0.125, 1e-30);
+        let rays = [Ray::new(start, DVec3::new(0.01, 0.02, 1.0))];
+        let rays = Filtered::new(&rays, filter);
+        check_queries(&scene, &rays);
+        let first = trace(&scene, &rays, First, &()).unwrap();
+        early += usize::from(first.object == [0]);
+        late += usize::from(first.object == [3]);
+    }
+    assert!(early > cases(100) && late > cases(100), "{early} {late}");
+}
+
+#[test]
+fn objects_that_move_or_hide_leave_those_that_they_were_joined_with() {
+    for seed in 0..cases(12) {
+        let mut numbers = Numbers::new(seed);
+        let mut changed = scene(pieces(seed));
+        for step in 0..8 {
+            let objects = changed.objects().len();
+            let some: Vec<usize> = (0..=numbers.below(4))
+                .map(|_| numbers.below(objects))
+                .collect();
+            let before = changed.clone();
+            match step % 3 {
+                0 => {
+                    let to = |k| (k, Transform::translation(0.3 * numbers.point()).unwrap());
+                    let places: Vec<_> = some.iter().copied().map(to).collect();
+                    changed.move_objects(&places).unwrap();
+                }
+                1 => {
+                    let all: Vec<_> = some.iter().map(|&k| (k, step != 4)).collect();
+                    changed.hide_objects(&all).unwrap();
+                }
+                _ => {
+                    let kept = |k: &usize| !some.contains(k);
+                    let objects = (0..objects)
+                        .filter(kept)
+                        .map(|k| changed.objects()[k].clone());
+                    let mut objects: Vec<Object> = objects.collect();
+                    objects.push(Object::new(mesh(
+                        &[numbers.point(), numbers.point(), numbers.point()],
+                        vec![[0, 1, 2]],
+                    )));
+                    changed = changed.with_objects(objects).unwrap();
+                }
+            }
+            let anew = scene(changed.objects().to_vec());
+            let (rays, filters) = filtered(&anew, cases(400), seed + step);
+            check_queries(&changed, &rays[..]);
+            check_queries(&changed, &Filtered::each(&rays, &filters));
+            check_pictures(&changed);
+            // The scene that it was made of has not changed.
+            let ray = Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z);
+            agree(&before, &ray);
+            assert_eq!(
+                bits(&Cpu::default().first_hit(&changed, &ray)),
+                bits(&Cpu::default().first_hit(&anew, &ray))
+            );
+        }
+    }
+}
+
+#[test]
+fn the_nearest_points_of_joined_objects_are_those_of_each() {
+    for seed in 0..6 {
+        let scene = scene(pieces(seed));
+        let mut numbers = Numbers::new(seed);
+        let points: Vec<[f64; 3]> = (0..cases(500))
+            .map(|_| (2.0 * numbers.point()).to_array())
+            .collect();
+        checked(&scene, &points);
+    }
+}
