@@ -73,6 +73,13 @@ fn meet_anywhere(p: &Face, q: &Face) -> bool {
     })
 }
 
+/// Whether an edge of one of two triangles goes through the inside of the other.
+pub(super) fn cross(p: &Face, q: &Face) -> bool {
+    crossing_sides(p, q, None).is_some_and(|[of_p, of_q]| {
+        (0..3).any(|k| edge_crosses(k, p, &of_p, q) || edge_crosses(k, q, &of_q, p))
+    })
+}
+
 /// Triangles with one vertex in common, the corner `k` of `p` and `l` of `q`.
 fn meet_beyond(p: &Face, q: &Face, [k, l]: [usize; 2]) -> bool {
     crossing_sides(p, q, Some([k, l])).is_some_and(|[of_p, of_q]| {
@@ -103,6 +110,15 @@ fn edge_meets(k: usize, p: &Face, sides: &[Ordering; 3], q: &Face) -> bool {
             is_inside([0, 1, 2].map(edge))
         }
     }
+}
+
+/// Whether the edge of `p` from the corner `k` on goes through the inside of `q`.
+fn edge_crosses(k: usize, p: &Face, sides: &[Ordering; 3], q: &Face) -> bool {
+    let l = (k + 1) % 3;
+    let [a, b] = [p.corners[k], p.corners[l]];
+    let edge = |m: usize| orient_3d([a, b, q.corners[m], q.corners[(m + 1) % 3]]);
+    let is_parted = sides[k] != Equal && sides[k] == sides[l].reverse();
+    is_parted && edge(0) != Equal && edge(1) == edge(0) && edge(2) == edge(0)
 }
 
 /// Whether signs are those of what is inside or at the border.

@@ -1,15 +1,17 @@
 //! Closed surfaces that are inside out.
 //!
-//! 1. Faces that meet at an edge of two faces, wound consistently, are of one shell. A shell is closed if along each of its edges as
-//!    many faces go one way as the other.
-//! 2. Decide the sign of a closed shell's volume: by float64 and an error bound, or without rounding.
-//! 3. A cavity is a shell with a negative volume too, but within another one. So a shell is inside out if its volume is negative and
+//! 1. Faces that meet at an edge of two faces are of one shell. At an edge of more, so are those of shells that have it an odd number of
+//!    times. A shell is closed if it has each of its edges an even number of times.
+//! 2. Where its faces do not face alike, the fewer count as turned (`Mesh::turned`).
+//! 3. Decide the sign of a closed shell's volume: by float64 and an error bound, or without rounding. A shell that cannot face one way
+//!    has none.
+//! 4. A cavity is a shell with a negative volume too, but within another one. So a shell is inside out if its volume is negative and
 //!    its box is in the box of no shell with a positive volume.
 
 use std::cmp::Ordering;
 
 use super::report::Found;
-use super::subject::{CHUNK, Subject, stop_if_asked};
+use super::subject::{CHUNK, EdgeUse, Subject, stop_if_asked};
 use crate::accel::Bvh;
 use crate::error::Result;
 use crate::geometry::exact_sum::ExactSum;
@@ -23,18 +25,13 @@ pub(super) fn inside_out(
     found: &mut Found<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
-    let shells = closed_shells(subject);
-    let mut signs = Vec::new();
-    for (k, shell) in shells.iter().enumerate() {
-        if k.is_multiple_of(CHUNK) {
-            stop_if_asked(watch)?;
-        }
-        signs.push(sign_of_volume(subject, shell));
-    }
-    let boxes: Vec<Bounds> = shells.iter().map(|shell| around(subject, shell)).collect();
+    let shells = subject.shells(watch)?;
+    let boxes: Vec<Bounds> = shells.iter().map(|shell| shell.bounds(subject)).collect();
     let of_sign = |wanted: Ordering| {
-        let numbers = 0..signs.len();
-        numbers.filter(|&k| signs[k] == wanted).collect::<Vec<_>>()
+        let numbers = 0..shells.len();
+        numbers
+            .filter(|&k| shells[k].sign == wanted)
+            .collect::<Vec<_>>()
     };
     let outer = of_sign(Ordering::Greater);
     let count = u32::try_from(outer.len()).unwrap_or(u32::MAX);
@@ -48,55 +45,138 @@ pub(super) fn inside_out(
             outer.contains(inner.low) && outer.contains(inner.high)
         });
         if !is_cavity {
-            found.add(subject, &shells[k], subject.middle(shells[k][0]));
+            let faces = &shells[k].faces;
+            found.add(subject, faces, subject.middle(faces[0]));
         }
     }
     Ok(())
 }
 
-pub(super) fn around(subject: &Subject<'_>, shell: &[u32]) -> Bounds {
-    Bounds::of(shell.iter().flat_map(|&triangle| subject.corners(triangle)))
+/// A closed surface.
+#[derive(Debug)]
+pub(super) struct Shell {
+    /// Its triangles, in order.
+    pub(super) faces: Vec<u32>,
+    /// The sign of the volume that it is around; equal where it cannot face one way, too.
+    pub(super) sign: Ordering,
 }
 
-/// The triangles of each closed shell, in order; the shells by their lowest triangle.
-pub(super) fn closed_shells(subject: &Subject<'_>) -> Vec<Vec<u32>> {
+impl Shell {
+    pub(super) fn bounds(&self, subject: &Subject<'_>) -> Bounds {
+        let faces = self.faces.iter();
+        Bounds::of(faces.flat_map(|&triangle| subject.corners(triangle)))
+    }
+}
+
+/// The triangles that edges join.
+fn joined(subject: &Subject<'_>) -> DisjointSets {
     let mut sets = DisjointSets::new(subject.welded.len());
     for uses in subject.edge_uses() {
-        if let [a, b] = uses
-            && a.is_forward != b.is_forward
-        {
+        if let [a, b] = uses {
             sets.unite(a.triangle, b.triangle);
         }
     }
-    let mut is_closed = vec![true; subject.welded.len()];
-    let mut is_used = vec![false; subject.welded.len()];
-    for uses in subject.edge_uses() {
-        let forward = uses.iter().filter(|edge| edge.is_forward).count();
-        for edge in uses {
-            let first = sets.first(edge.triangle) as usize;
-            is_closed[first] &= 2 * forward == uses.len();
-            is_used[edge.triangle as usize] = true;
+    let mut of_sets = Vec::new();
+    for uses in subject.edge_uses().filter(|uses| uses.len() > 2) {
+        by_set(uses, &mut sets, &mut of_sets);
+        let odd = of_sets.chunk_by(|a, b| a.0 == b.0);
+        let mut odd = odd.filter(|uses| uses.len() % 2 == 1).map(|uses| uses[0].0);
+        if let Some(first) = odd.next() {
+            odd.for_each(|other| sets.unite(first, other));
         }
     }
-    let mut members: Vec<(u32, u32)> = (0..subject.len())
-        .filter(|&triangle| is_used[triangle as usize])
-        .map(|triangle| (sets.first(triangle), triangle))
-        .filter(|&(first, _)| is_closed[first as usize])
-        .collect();
-    members.sort_unstable();
-    let shells = members.chunk_by(|a, b| a.0 == b.0);
-    shells
-        .map(|shell| shell.iter().map(|&(_, triangle)| triangle).collect())
-        .collect()
+    sets
 }
 
-/// The sign of the volume that a closed shell is around.
-pub(super) fn sign_of_volume(subject: &Subject<'_>, shell: &[u32]) -> Ordering {
+/// What the edges of a set of triangles say, the worst of them last.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Edges {
+    /// There are none, or they are not looked at.
+    Unused,
+    /// As many triangles go along each edge one way as the other.
+    Balanced,
+    /// Each belongs to an even number.
+    Even,
+    Open,
+}
+
+/// What the edges of each set say, at its first triangle, some triangles turned.
+fn edges_of(
+    subject: &Subject<'_>,
+    sets: &mut DisjointSets,
+    is_turned: impl Fn(u32) -> bool,
+) -> Vec<Edges> {
+    let mut edges = vec![Edges::Unused; subject.welded.len()];
+    let mut of_sets = Vec::new();
+    for uses in subject.edge_uses() {
+        by_set(uses, sets, &mut of_sets);
+        for uses in of_sets.chunk_by(|a, b| a.0 == b.0) {
+            let forward = (uses.iter())
+                .filter(|(_, edge)| edge.is_forward != is_turned(edge.triangle))
+                .count();
+            let edge = match uses.len() {
+                count if count % 2 == 1 => Edges::Open,
+                count if 2 * forward == count => Edges::Balanced,
+                _ => Edges::Even,
+            };
+            let of_set = &mut edges[uses[0].0 as usize];
+            *of_set = (*of_set).max(edge);
+        }
+    }
+    edges
+}
+
+/// The closed shells, by their lowest triangle.
+pub(super) fn closed_shells(subject: &Subject<'_>, watch: &dyn Watch) -> Result<Vec<Shell>> {
+    let mut sets = joined(subject);
+    stop_if_asked(watch)?;
+    let mut edges = edges_of(subject, &mut sets, |_| false);
+    let mut turned = Vec::new();
+    if edges.contains(&Edges::Even) {
+        turned = subject.mesh.turned()?;
+        edges = edges_of(subject, &mut sets, |triangle| turned[triangle as usize]);
+    }
+    let is_turned = |triangle: u32| turned.get(triangle as usize).is_some_and(|&turned| turned);
+    let mut members: Vec<(u32, u32)> = (0..subject.len())
+        .map(|triangle| (sets.first(triangle), triangle))
+        .filter(|&(first, _)| matches!(edges[first as usize], Edges::Balanced | Edges::Even))
+        .collect();
+    members.sort_unstable();
+    let mut shells = Vec::new();
+    for (k, shell) in members.chunk_by(|a, b| a.0 == b.0).enumerate() {
+        if k.is_multiple_of(CHUNK) {
+            stop_if_asked(watch)?;
+        }
+        let faces: Vec<u32> = shell.iter().map(|&(_, triangle)| triangle).collect();
+        let sign = if edges[shell[0].0 as usize] == Edges::Balanced {
+            sign_of_volume(subject, &faces, is_turned)
+        } else {
+            Ordering::Equal
+        };
+        shells.push(Shell { faces, sign });
+    }
+    Ok(shells)
+}
+
+/// The uses of an edge with the sets of their triangles, those of one set side by side.
+fn by_set(uses: &[EdgeUse], sets: &mut DisjointSets, of_sets: &mut Vec<(u32, EdgeUse)>) {
+    of_sets.clear();
+    of_sets.extend(uses.iter().map(|&edge| (sets.first(edge.triangle), edge)));
+    of_sets.sort_unstable_by_key(|&(set, _)| set);
+}
+
+/// The sign of the volume that a closed shell is around, some of its triangles turned.
+fn sign_of_volume(
+    subject: &Subject<'_>,
+    shell: &[u32],
+    is_turned: impl Fn(u32) -> bool,
+) -> Ordering {
+    let way = |triangle: u32| if is_turned(triangle) { -1.0 } else { 1.0 };
     let [origin, ..] = subject.corners(shell[0]);
     let (mut volume, mut size) = (0.0, 0.0);
     for &triangle in shell {
         let [a, b, c] = subject.corners(triangle).map(|corner| corner - origin);
-        volume += a.cross(b).dot(c);
+        volume += way(triangle) * a.cross(b).dot(c);
         let [a, b, c] = [a, b, c].map(DVec3::abs);
         let minors = DVec3::new(
             b.y * c.z + b.z * c.y,
@@ -115,7 +195,7 @@ pub(super) fn sign_of_volume(subject: &Subject<'_>, shell: &[u32]) -> Ordering {
     // The volume of what is closed does not depend on the point that it is seen from.
     let mut exact = ExactSum::ZERO;
     for &triangle in shell {
-        add_determinant(&mut exact, subject.corners(triangle), 1.0);
+        add_determinant(&mut exact, subject.corners(triangle), way(triangle));
     }
     exact.sign()
 }

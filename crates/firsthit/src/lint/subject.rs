@@ -1,7 +1,10 @@
 //! A mesh made ready for checks: vertices welded, edges with the triangles at them.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
+use super::shells::{Shell, closed_shells};
 use crate::error::{Error, Result};
 use crate::geometry::orientation::projection_axis;
 use crate::geometry::{DVec3, Transform};
@@ -34,6 +37,8 @@ pub(super) struct Subject<'a> {
     pub(super) copies: Vec<Vec<u32>>,
     /// The uses of edges, those of one edge side by side, by triangles with three places that are not repeated.
     pub(super) edges: Vec<EdgeUse>,
+    /// The closed shells, once they are asked for.
+    shells: OnceLock<Vec<Shell>>,
 }
 
 /// An edge of a triangle.
@@ -97,7 +102,18 @@ impl<'a> Subject<'a> {
             has_area,
             copies,
             edges,
+            shells: OnceLock::new(),
         })
+    }
+
+    /// The closed shells. Remembered once they are found.
+    pub(super) fn shells(&self, watch: &dyn Watch) -> Result<&[Shell]> {
+        if let Some(shells) = self.shells.get() {
+            return Ok(shells);
+        }
+        let shells = closed_shells(self, watch)?;
+        let shells: &Vec<Shell> = parallel::once(&self.shells, || shells);
+        Ok(shells)
     }
 
     /// How many triangles there are.

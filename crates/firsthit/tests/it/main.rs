@@ -48,6 +48,7 @@ mod newcomers;
 mod open;
 mod oracle;
 mod outputs;
+mod overlaps;
 mod point_clouds;
 mod precision;
 mod progressive;

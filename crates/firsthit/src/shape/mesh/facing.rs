@@ -68,13 +68,22 @@ impl Mesh {
         } else if edges.is_balanced {
             Facing::AsGiven
         } else {
-            self.turned()?.map_or(Facing::Undecided, Facing::Turned)
+            let turned = self.turned()?;
+            if self.is_balanced(&turned)? {
+                Facing::Turned(turned)
+            } else {
+                Facing::Undecided
+            }
         };
         Ok(parallel::once(known, || facing))
     }
 
-    /// Which triangles of a closed mesh are to be turned, if that makes them all face alike.
-    fn turned(&self) -> Result<Option<Vec<bool>>> {
+    /// Which triangles are to be turned, so that those at edges of two facets face alike and most stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`](crate::Error::Limit) when there is no memory to sort the edges.
+    pub(crate) fn turned(&self) -> Result<Vec<bool>> {
         let count = self.triangles.len();
         memory::check("the edges of a mesh", count.saturating_mul(96))?;
         let welded = self.welded()?.triangles;
@@ -126,16 +135,21 @@ impl Mesh {
             let (set, is_around) = way(facet);
             *turned = (is_odd == is_around) == (votes[set as usize] < 0);
         }
-        let mut uses: Vec<([u32; 2], bool)> = (welded.iter().zip(&turned))
+        Ok(turned)
+    }
+
+    /// Whether as many triangles go along each edge one way as the other, some of them turned.
+    fn is_balanced(&self, turned: &[bool]) -> Result<bool> {
+        let welded = self.welded()?.triangles;
+        let mut uses: Vec<([u32; 2], bool)> = (welded.iter().zip(turned))
             .flat_map(|(&places, &is_turned)| {
                 edges(places).map(move |(ends, is_up)| (ends, is_up != is_turned))
             })
             .collect();
         sort(&mut uses, Ord::cmp);
-        let is_balanced = uses.chunk_by(|one, other| one.0 == other.0).all(|at_edge| {
+        Ok(uses.chunk_by(|one, other| one.0 == other.0).all(|at_edge| {
             2 * at_edge.iter().filter(|&&(_, is_up)| is_up).count() == at_edge.len()
-        });
-        Ok(is_balanced.then_some(turned))
+        }))
     }
 }
 
