@@ -180,5 +180,11 @@ def test_files_in_a_scene_file_show_the_variants_that_it_names(tmp_path):
     assert materials() == ["plain", "red", "blue", "red"]
     assert materials(variant="blue") == ["blue", "red", "blue", "red"]
     (tmp_path / "a.toml").write_text(text + '[[objects]]\nfile = "a.gltf"\nvariant = "re\\u202e"')
-    with pytest.raises(fh.FileFormatError, match=r"a\.toml:15:11: 'a.gltf' has no variant"):
+    there = r'there are "red", "blue"'
+    unknown = r"a\.toml:15:11: 'a.gltf' has no variant \"re\\u\{202e\}\"; " + there
+    with pytest.raises(fh.FileFormatError, match=unknown):
         fh.load(tmp_path / "a.toml")
+    for name in ("a.toml", "a.gltf"):
+        (tmp_path / "a.toml").write_text(text)
+        with pytest.raises(ValueError, match=f'variant must be one of .*, got "green"; {there}'):
+            fh.load(tmp_path / name, variant="green")

@@ -159,6 +159,20 @@ pub fn escape_controls(text: &str) -> String {
     line
 }
 
+/// What to tell of names beside one that is not among them: the first of those there are, or `none`.
+pub(crate) fn there_are(names: &[String], none: &str) -> String {
+    /// So many are listed at most.
+    const MOST: usize = 20;
+    match names.get(..MOST) {
+        _ if names.is_empty() => none.to_owned(),
+        Some(first) if names.len() > MOST => {
+            let (first, more) = (first.join(", "), names.len() - MOST);
+            format!("there are {first} and {more} more")
+        }
+        _ => format!("there are {}", names.join(", ")),
+    }
+}
+
 /// JSON whose strings have the characters that [`escape_controls`] escapes as JSON's own escapes: it can be shown on a
 /// terminal, and its strings are those of `json`.
 ///

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 #[cfg(feature = "fhs")]
 use crate::fhs;
-use crate::io::{FORMATS, Format, Report, format_of, read};
+use crate::io::{FORMATS, Format, Report, format_of, read, unknown_variant};
 use crate::scene::EnvironmentMap;
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
@@ -67,18 +67,10 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
 
 /// Refuses a variant that no file has.
 fn with_variant(loaded: Loaded, settings: &LoadSettings) -> Result<Loaded> {
-    match &settings.variant {
-        Some(asked) if !loaded.variants.contains(asked) => {
-            let known = loaded.variants.iter().map(|known| format!("{known:?}"));
-            let known: Vec<String> = known.collect();
-            let got = if known.is_empty() {
-                format!("{asked:?}; it has none")
-            } else {
-                format!("{asked:?}; there are {}", known.join(", "))
-            };
-            Err(Error::argument("variant", "one of the file's", got))
-        }
-        _ => Ok(loaded),
+    let asked = settings.variant.as_deref();
+    match asked.and_then(|asked| unknown_variant(asked, &loaded.variants)) {
+        Some(unknown) => Err(Error::argument("variant", "one of the file's", unknown)),
+        None => Ok(loaded),
     }
 }
 

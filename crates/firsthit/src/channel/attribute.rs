@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::CHUNK;
-use crate::error::{Error, Result, escape_controls};
+use crate::error::{Error, Result, escape_controls, there_are};
 use crate::memory::filled;
 use crate::parallel;
 use crate::scene::{Object, Scene};
@@ -20,9 +20,6 @@ pub struct AttributeValues {
     /// The numbers, those of one hit after the other; NaN where there are none.
     pub values: Vec<f64>,
 }
-
-/// So many names an error lists at most.
-const NAMES: usize = 20;
 
 /// An attribute of the meshes that were hit, by its name, at each hit: a property that a file or a program gave the mesh, or its
 /// `normals`, `uvs`, `colors` or `alphas`. Of several with this name [`Mesh::attribute`] takes one; `of` chooses.
@@ -139,14 +136,7 @@ fn unknown(name: &str, of: Option<PropertyOf>, scene: &Scene) -> Error {
     let known = known.filter(|known| of.is_none_or(|of| known.of == of));
     let mut names: Vec<String> = known.map(|known| escape_controls(known.name)).collect();
     names.dedup();
-    let there = match names.len() {
-        0 => "no mesh has any".to_owned(),
-        count if count > NAMES => {
-            let first = names.get(..NAMES).unwrap_or_default().join(", ");
-            format!("there are {first} and {} more", count - NAMES)
-        }
-        _ => format!("there are {}", names.join(", ")),
-    };
+    let there = there_are(&names, "no mesh has any");
     let got = format!("'{}'; {there}", escape_controls(name));
     Error::argument(
         "attribute",

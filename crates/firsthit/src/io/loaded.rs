@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::error::Result;
+use crate::error::{Result, there_are};
 use crate::geometry::summary::summary;
 use crate::scene::Scene;
 use crate::world::World;
@@ -53,4 +53,14 @@ impl Loaded {
     pub fn into_scene(self) -> Result<Scene> {
         self.world.into_scene_after(self.scene.as_ref())
     }
+}
+
+/// What to tell of a variant that is asked for, where none of a file's has that name.
+pub(crate) fn unknown_variant(asked: &str, names: &[String]) -> Option<String> {
+    if names.iter().any(|name| name == asked) {
+        return None;
+    }
+    let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
+    let there = there_are(&quoted, "it has none");
+    Some(format!("{asked:?}; {there}"))
 }

@@ -53,6 +53,7 @@ pub(crate) use environment::{load_environment, load_environment_part};
 pub(crate) use format::{Format, format_of};
 pub(crate) use formats::{FORMATS, load_part};
 pub use loaded::Loaded;
+pub(crate) use loaded::unknown_variant;
 pub(crate) use report::Report;
 pub use settings::{LoadSettings, UNITS};
 pub(crate) use source::has_extension;

@@ -17,7 +17,7 @@ use crate::fhs;
 use crate::geometry::{DAffine3, DVec3, Transform};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::OBJECT_BYTES;
-use crate::io::{Report, TOO_FAR, UNITS, has_extension, load_part};
+use crate::io::{Report, TOO_FAR, UNITS, has_extension, load_part, unknown_variant};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 use crate::world::World;
@@ -241,19 +241,23 @@ fn part(path: &Path, report: &mut Report) -> Result<World> {
     load_part(path, report)
 }
 
-/// The world of a file in the variant that its table names, if it names one, and whether the file has that.
-fn part_in(path: &Path, variant: Option<&str>, report: &mut Report) -> Result<(World, bool)> {
+/// The world of a file in the variant that its table names, if it names one; where the file has none of that name, what to tell of it.
+fn part_in(
+    path: &Path,
+    variant: Option<&str>,
+    report: &mut Report,
+) -> Result<(World, Option<String>)> {
     let Some(variant) = variant else {
-        return Ok((part(path, report)?, true));
+        return Ok((part(path, report)?, None));
     };
     let asked = report.settings.variant.replace(variant.to_owned());
     let of_others = std::mem::take(&mut report.variants);
     let read = part(path, report);
     report.settings.variant = asked;
     let own = std::mem::replace(&mut report.variants, of_others);
-    let is_there = own.iter().any(|name| name == variant);
+    let unknown = unknown_variant(variant, &own);
     report.add_variants(own);
-    Ok((read?, is_there))
+    Ok((read?, unknown))
 }
 
 /// The files that were read: each once, however often it is named.
@@ -281,13 +285,12 @@ impl Files {
             return Err(refused("a scene file holds no other scene files"));
         }
         let world = match part_in(&path, own.as_deref(), report) {
-            Ok((_, false)) => {
-                let variant = escape_controls(own.as_deref().unwrap_or_default());
+            Ok((_, Some(unknown))) => {
                 let name = escape_controls(name);
-                let what = format!("'{name}' has no variant \"{variant}\" of its materials");
+                let what = format!("'{name}' has no variant {unknown}");
                 return Err(section.fault_at("variant", what));
             }
-            Ok((world, true)) => world,
+            Ok((world, None)) => world,
             Err(error @ (Error::Parse { .. } | Error::Read { .. })) => {
                 return Err(refused(&error.to_string()));
             }
