@@ -96,16 +96,9 @@ def pose4(value: npt.ArrayLike | None) -> list[list[float]]:
 
 def rigid(pose: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return a 4 x 4 matrix that is a rotation and a translation, to 1e-4."""
-    matrix = np.array(pose4(pose))
-    turn = matrix[:3, :3]
-    off = np.abs(turn.T @ turn - np.eye(3)).max()
-    is_rigid = np.isfinite(matrix).all() and off < 1e-4 and np.linalg.det(turn) > 0.0
-    if not is_rigid or matrix[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
-        raise ValueError(
-            "pose must be a rotation and a translation, without a scale or a mirror, got "
-            f"{matrix.tolist()}"
-        )
-    return matrix
+    matrix = pose4(pose)
+    _firsthit.check_pose(matrix)
+    return np.array(matrix)
 
 
 def _matrix(name: str, value: npt.ArrayLike, shape: tuple[int, int]) -> list[list[float]]:

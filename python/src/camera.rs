@@ -450,6 +450,13 @@ pub(crate) fn rotation(vector: [f64; 3]) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| rotation.row(row).to_array())
 }
 
+/// Refuses a pose that is no rotation and translation.
+#[pyfunction]
+pub(crate) fn check_pose(py: Python<'_>, pose: [[f64; 4]; 4]) -> PyResult<()> {
+    let checked = Convention::OpenGl.pose(pose);
+    checked.map(|_| ()).map_err(|error| raise(py, &error))
+}
+
 /// A pose with a rounded rotation: with the nearest one, and how far off it was.
 #[pyfunction]
 pub(crate) fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64)> {

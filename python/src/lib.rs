@@ -40,7 +40,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::attributes::{attribute, attribute_names};
     #[pymodule_export]
-    use crate::camera::{Camera, orthonormalised, rotation};
+    use crate::camera::{Camera, check_pose, orthonormalised, rotation};
     #[pymodule_export]
     use crate::colors::color_names;
     #[pymodule_export]

@@ -10,7 +10,7 @@ use firsthit::sensor::{
     Sensor as AnySensor, Spinning,
 };
 use firsthit::trajectory::{BodyAxes, TrajectoryFormat, read_kitti, read_kitti_times};
-use firsthit::{DQuat, DVec3, Error, Pose};
+use firsthit::{DAffine3, DMat3, DQuat, DVec3, Error, Pose};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -569,9 +569,10 @@ impl Trajectory {
             .as_chunks::<12>();
         let mut rotations = Vec::with_capacity(4 * matrices.len());
         for (index, m) in matrices.iter().enumerate() {
-            let row = |k: usize| [m[4 * k], m[4 * k + 1], m[4 * k + 2], m[4 * k + 3]];
-            let pose = pose_of([row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]);
-            let pose = pose.map_err(|error| {
+            let column = |k: usize| DVec3::new(m[k], m[4 + k], m[8 + k]);
+            let rotation = DMat3::from_cols(column(0), column(1), column(2));
+            let pose = DAffine3::from_mat3_translation(rotation, column(3));
+            let pose = Pose::from_matrix(&pose).map_err(|error| {
                 PyValueError::new_err(format!("matrices: at index {index}: {error}"))
             })?;
             rotations.extend(pose.rotation.to_array());

@@ -1,5 +1,6 @@
 """Calibrated cameras against OpenCV, COLMAP and the papers' formulas."""
 
+import json
 import math
 
 import firsthit as fh
@@ -596,9 +597,33 @@ def test_poses_of_three_decimals_become_the_nearest_rotation_with_a_warning():
         with pytest.warns(fh.FirsthitWarning, match="rotation is rounded"):
             camera.moved(pose)
     assert warned > 30
-    for wrong in (np.diag([1.01, 1.01, 1.01, 1]), np.diag([1, 1, -1, 1])):
-        with pytest.raises(ValueError, match="without a scale or a mirror"):
-            fh.Camera.from_intrinsics(pose=wrong, **given)
+
+
+def test_a_refused_pose_says_how_far_it_is_off_and_how_far_it_may_be(tmp_path):
+    given = {"K": (60, 60, 32, 24), "rows": 48, "columns": 64, "convention": "blender"}
+    camera = fh.Camera.from_intrinsics(**given)
+    rig = fh.Rig([("a", camera)])
+    off = r"1\.0e-2 off the nearest rotation, and what is rounded by up to 1e-3 is mended"
+    for scales, why in (
+        ((1.01, 1, 1), off),
+        ((1, 1, -1), "it mirrors"),
+        ((1, 0, 1), "it flattens space"),
+    ):
+        pose = np.diag([*scales, 1.0])
+        model = {"fl_x": 60, "fl_y": 60, "cx": 32, "cy": 24, "w": 64, "h": 48}
+        model["frames"] = [{"file_path": "a.png", "transform_matrix": pose.tolist()}]
+        (tmp_path / "transforms.json").write_text(json.dumps(model))
+        for refused in (
+            lambda pose=pose: fh.Camera.from_intrinsics(pose=pose, **given),
+            lambda pose=pose: camera.moved(pose),
+            lambda pose=pose: rig.moved(pose),
+            lambda: fh.Camera.from_nerfstudio(tmp_path / "transforms.json"),
+        ):
+            with pytest.raises(ValueError, match=f"without a scale or a mirror, got .*{why}"):
+                refused()
+    off = "products of its columns are off by 2.01e-2, at most 0.0001 is expected"
+    with pytest.raises(ValueError, match=f"matrices: at index 1: .*{off}"):
+        fh.Trajectory.from_matrices([0, 1], [np.eye(4), np.diag([1.01, 1, 1, 1])], body="camera")
 
 
 def test_an_opencv_fisheye_sees_nothing_beyond_its_field_of_view():

@@ -1,7 +1,7 @@
 //! How other programs write a camera: which way its axes point, which way its matrix goes, where the first pixel's centre is.
 
 use super::{Camera, Lens, PixelMatrix, View, Viewplane};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{DAffine3, DMat3, DVec3, named, require};
 
 named! {
@@ -97,13 +97,7 @@ impl Convention {
         require("pose", expected, fine, format!("{matrix:?}"))?;
         let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
         let rotation = DMat3::from_cols(column(0), column(1), column(2));
-        let expected = "a rotation and a translation, without a scale or a mirror";
-        require(
-            "pose",
-            expected,
-            is_rotation(&rotation),
-            format!("{matrix:?}"),
-        )?;
+        require_rotation(&rotation, || format!("{matrix:?}"))?;
         let given = DAffine3::from_mat3_translation(rotation, column(3));
         let world_from_camera = if self.way() == Way::WorldFromCamera {
             given
@@ -163,9 +157,44 @@ impl Convention {
 }
 
 /// Whether a matrix is a rotation to 1e-4: neither scaled nor sheared nor mirrored. One with a NaN is none.
-pub(super) fn is_rotation(matrix: &DMat3) -> bool {
+fn is_rotation(matrix: &DMat3) -> bool {
     let off = (matrix.transpose() * *matrix - DMat3::IDENTITY).to_cols_array();
     off.iter().all(|x| x.abs() < 1e-4) && matrix.determinant() > 0.0
+}
+
+/// Fails for a pose whose `matrix` is no rotation to 1e-4, with how far it is off one; `got` is the pose.
+pub(super) fn require_rotation(matrix: &DMat3, got: impl FnOnce() -> String) -> Result<()> {
+    if is_rotation(matrix) {
+        return Ok(());
+    }
+    let volume = matrix.determinant();
+    let why = if volume < 0.0 {
+        "it mirrors".to_owned()
+    } else if volume > 0.0 {
+        let off = largest(&(polar_factor(matrix, 64) - *matrix));
+        format!(
+            "its numbers are up to {off:.1e} off the nearest rotation, and what is rounded by up to {FARTHEST:.0e} is mended"
+        )
+    } else {
+        "it flattens space".to_owned()
+    };
+    let expected = "a rotation and a translation, without a scale or a mirror";
+    let got = format!("{}; {why}", got());
+    Err(Error::argument("pose", expected, got))
+}
+
+/// So far a number of a rounded pose may be from that of the nearest rotation.
+const FARTHEST: f64 = 1e-3;
+
+/// The polar factor of a matrix that does not mirror, by Newton's method: near a rotation each step squares what is off, and far from it
+/// halves it (Higham, "Computing the Polar Decomposition", 1986).
+fn polar_factor(matrix: &DMat3, steps: u32) -> DMat3 {
+    (0..steps).fold(*matrix, |m, _| (m + m.inverse().transpose()) * 0.5)
+}
+
+fn largest(matrix: &DMat3) -> f64 {
+    let numbers = matrix.to_cols_array();
+    numbers.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
 /// A pose whose rotation is none to 1e-4, but no number of which is farther than 1e-3 from one, as where a file has three decimals: the
@@ -180,7 +209,6 @@ pub(super) fn is_rotation(matrix: &DMat3) -> bool {
 /// assert!((again[0][0].hypot(again[0][1]) - 1.0).abs() < 1e-15 && off < 1e-3);
 /// ```
 pub fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64)> {
-    const FARTHEST: f64 = 1e-3;
     let column = |k: usize| DVec3::new(pose[0][k], pose[1][k], pose[2][k]);
     let given = DMat3::from_cols(column(0), column(1), column(2));
     let square = (given.transpose() * given - DMat3::IDENTITY).to_cols_array();
@@ -189,10 +217,8 @@ pub fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64)> {
     if !is_near || is_rotation(&given) {
         return None;
     }
-    // The polar factor by Newton's method, each step of which squares what is off (Higham, "Computing the Polar Decomposition", 1986).
-    let nearest = (0..5).fold(given, |m, _| (m + m.inverse().transpose()) * 0.5);
-    let off = (nearest - given).to_cols_array();
-    let off = off.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let nearest = polar_factor(&given, 5);
+    let off = largest(&(nearest - given));
     let mut turned = pose;
     for (k, row) in turned.iter_mut().take(3).enumerate() {
         row[..3].copy_from_slice(&nearest.row(k).to_array());

@@ -303,9 +303,7 @@ impl Camera {
     /// not finite.
     pub fn moved(&self, world_from_body: &DAffine3) -> Result<Self> {
         let turn = &world_from_body.matrix3;
-        let expected = "a rotation and a translation, without a scale or a mirror";
-        let fine = convention::is_rotation(turn);
-        require("pose", expected, fine, format!("{turn:?}"))?;
+        convention::require_rotation(turn, || format!("{turn:?}"))?;
         let aim = *turn * self.view.aim;
         let view = View {
             position: world_from_body.transform_point3(self.view.position),
