@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import marshal
 import math
 from dataclasses import dataclass, fields
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -492,3 +495,31 @@ def _given(
         if color is not None:
             given.append((name, color_of(name, color, is_light=True)))
     return given
+
+
+_values = attrgetter(*(each.name for each in fields(Material)))
+
+#: The materials of objects by what they are made of, and those that have only a colour by that, to
+#: the bit: a zero with a sign is another number.
+_known: WeakValueDictionary[bytes, Material] = WeakValueDictionary()
+
+
+def colored(color: npt.ArrayLike) -> Material:
+    """Return the material of a colour; one for all objects that have it."""
+    made = color_of("color", color)
+    key = marshal.dumps(made, 2)
+    return _known.get(key) or _known.setdefault(key, Material(made))
+
+
+def shared(material: Material) -> Material:
+    """Return the material that objects were given already, if one is alike to the bit."""
+    if type(material) is not Material:
+        return material
+    # A texture is known by its place: it stays there as long as the material that is kept.
+    values = [id(each) if isinstance(each, Texture) else each for each in _values(material)]
+    try:
+        key = marshal.dumps(values, 2)
+    except ValueError:
+        # A name of a class that is not str itself.
+        return material
+    return _known.setdefault(key, material)

@@ -9,7 +9,7 @@ import numpy as np
 from . import _firsthit
 from ._arrays import cast, index, numbers
 from ._filters import ALL
-from ._material import Material
+from ._material import Material, colored, shared
 from ._shapes import Mesh, Shape
 
 if TYPE_CHECKING:
@@ -139,12 +139,13 @@ class Object:
     def __repr__(self) -> str:
         return f"Object({self._name!r}, {self._shape!r})"
 
-    def _native(self, looks: dict[int, list[_firsthit._Material]]) -> _firsthit._Object:
+    def _native(self, looks: dict[tuple[int, ...], list[_firsthit._Material]]) -> _firsthit._Object:
         """Return what it is made from; objects with the same materials share those of ``looks``."""
-        materials = looks.get(id(self._materials))
+        same = tuple(map(id, self._materials))
+        materials = looks.get(same)
         if materials is None:
             materials = [material._native() for material in self._materials]
-            looks[id(self._materials)] = materials
+            looks[same] = materials
         seen = self._is_hidden, self._is_removed
         shape, labels = self._shape._native(), self._labels
         return shape, self._name, self._transform, materials, self._mask, seen, labels
@@ -277,8 +278,8 @@ def materials_of(
         for each in made:
             if not isinstance(each, Material):
                 raise TypeError(f"material must be a Material or several, got {each!r}")
-        return made
+        return tuple(map(shared, made))
     if color is None:
         painted = isinstance(shape, Mesh) and shape.colors is not None
-        return (Material(),) if painted else ()
-    return (Material(color),)
+        return (colored((1.0, 1.0, 1.0)),) if painted else ()
+    return (colored(color),)

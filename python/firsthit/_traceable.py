@@ -53,7 +53,7 @@ class Built:
         #: The environment that it was last lit by, which way is up there, and what that is.
         self._lit: tuple[Environment, Vector, _firsthit.Scene] | None = None
         environment, up, is_guessed = around
-        looks: dict[int, list[_firsthit._Material]] = {}
+        looks: dict[tuple[int, ...], list[_firsthit._Material]] = {}
         self.native = native or _firsthit.Scene(
             [made._native(looks) for made in objects],
             [light_native(light) for light in lights],
@@ -70,7 +70,7 @@ class Built:
         """
         objects = list(self.objects)
         replaced, moved, hidden = [], [], []
-        looks: dict[int, list[_firsthit._Material]] = {}
+        looks: dict[tuple[int, ...], list[_firsthit._Material]] = {}
         for identifier, made in changed.items():
             old, objects[identifier] = objects[identifier], made
             if not made._is_made_of(old):

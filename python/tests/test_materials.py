@@ -1,7 +1,11 @@
 """Materials, textures, and what files bring along."""
 
 import copy
+import gc
+import math
 import pickle
+import tracemalloc
+import weakref
 
 import firsthit as fh
 import numpy as np
@@ -31,6 +35,76 @@ def colors_at(scene, points):
 def test_texels_are_seen_where_they_are():
     scene = scene_of(fh.Material(texture=fh.Texture(TEXELS)), uvs=UVS)
     assert np.allclose(colors_at(scene, CENTRES), np.float64(TEXELS[..., :3].reshape(4, 3)) / 255)
+
+
+def test_a_color_at_each_add_takes_no_material_of_its_own():
+    mesh = fh.Mesh(SQUARE, HALVES)
+
+    def bytes_of(count, **look):
+        scene = fh.Scene()
+        scene.add(mesh, **{name: make(0) for name, make in look.items()})
+        tracemalloc.start()
+        for k in range(count):
+            scene.add(mesh, **{name: make(k) for name, make in look.items()})
+        taken = tracemalloc.get_traced_memory()[0]
+        tracemalloc.stop()
+        return taken / count
+
+    one = fh.Material("red")
+    least = bytes_of(1000, material=lambda _: one)
+    for look in (
+        {"color": lambda _: "red"},
+        {"color": lambda k: (0.25, 0.5, k % 3)},
+        {"material": lambda k: fh.Material("gold", roughness=k % 3 / 2, name="coin")},
+    ):
+        assert bytes_of(1000, **look) < least + 30, look
+
+
+def test_objects_share_materials_that_are_alike_to_the_bit():
+    mesh, texture = fh.Mesh(SQUARE, HALVES, uvs=UVS), fh.Texture(TEXELS)
+    scene = fh.Scene()
+
+    def added(**look):
+        scene.add(mesh, **look)
+        return scene.objects[-1].materials[0]
+
+    class Name(str):
+        __slots__ = ()
+
+    class Own(fh.Material):
+        pass
+
+    assert added(color="red") is added(color=(1, 0, 0))
+    assert added(material=fh.Material(texture=texture)) is added(
+        material=fh.Material("white", texture=texture)
+    )
+    several = [
+        {"color": (0.0, 1, 1)},
+        {"color": (-0.0, 1, 1)},
+        {"material": fh.Material(texture=texture, cutoff=0.25)},
+        {"material": fh.Material(texture=fh.Texture(TEXELS), cutoff=0.25)},
+        {"material": fh.Material(alpha_texture=texture)},
+        {"material": fh.Material("blue", name="a")},
+        {"material": fh.Material("blue", name=Name("a"))},
+        {"material": Own("blue", name="a")},
+        {"material": fh.Material("blue", name="a", normal_scale=0.0)},
+        {"material": fh.Material("blue", name="a", normal_scale=-0.0)},
+    ]
+    looks = [added(**look) for look in several]
+    assert len({*map(id, looks)}) == len(looks)
+    assert math.copysign(1, looks[1].color[0]) == -1
+    for look, made in zip(several[2:], looks[2:], strict=True):
+        assert made is look["material"]
+
+
+def test_materials_that_no_object_has_any_more_are_not_kept():
+    scene = fh.Scene()
+    for look in ({"color": (0.123, 0.5, 0.25)}, {"material": fh.Material("red", name="one")}):
+        scene.add(fh.Mesh(SQUARE, HALVES), **look)
+    known = [weakref.ref(made.materials[0]) for made in scene.objects]
+    del scene, look
+    gc.collect()
+    assert [made() for made in known] == [None, None]
 
 
 def test_alpha_masks_cut_surfaces_out():
