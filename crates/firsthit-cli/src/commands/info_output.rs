@@ -107,6 +107,17 @@ pub(super) fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>
     let channels = metadata.channels.iter().map(channel);
     let channels = channels.map(|line| escape_controls(&line));
     lines.extend(listed(most, "  ", channels));
+    let names = metadata.names.as_ref();
+    let left_out = names.iter().flat_map(|names| &names.left_out);
+    let left_out: Vec<String> = left_out
+        .map(|(of, count)| format!("{count} of {}", escape_controls(of)))
+        .collect();
+    if !left_out.is_empty() {
+        let what = left_out.join(", ");
+        lines.push(format!(
+            "names          without {what}: there is room for 256 KiB"
+        ));
+    }
 }
 
 /// A setting of a scan: words without quotes, numbers as they are written elsewhere.

@@ -379,3 +379,33 @@ fn cryptomattes_go_to_files_that_hold_them() {
         lab.fails(&arguments, 2, words);
     }
 }
+
+#[test]
+fn names_beyond_256_kib_that_a_picture_lacks_are_counted_by_info() {
+    let lab = Lab::new();
+    let name = "x".repeat(200);
+    let triangle = |k: usize| format!("o {name}{k}\nf 1 2 3\n");
+    let all: String = (0..1500).map(triangle).collect();
+    lab.write("many.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{all}"));
+    lab.ok("render many.obj --size 4x3 --channels object -o a.exr");
+    // Each takes 200 to 204 bytes and 8 more.
+    let bytes = |k: usize| name.len() + k.to_string().len() + 8;
+    let mut taken = 0;
+    let fit = (0..1500).take_while(|&k| {
+        taken += bytes(k);
+        taken <= 1 << 18
+    });
+    let lacking = 1500 - fit.count();
+    assert!(lacking > 100, "{lacking}");
+    let info = lab.ok("info a.exr");
+    let line = info
+        .text()
+        .lines()
+        .find(|line| line.starts_with("names"))
+        .unwrap()
+        .to_owned();
+    let wanted = format!("{lacking} of object: there is room for 256 KiB");
+    assert!(line.contains(&wanted), "{line}");
+    lab.ok("render many.obj --size 4x3 --channels z -o b.exr");
+    assert!(!lab.ok("info b.exr").text().contains("\nnames"));
+}
