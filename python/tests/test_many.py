@@ -506,9 +506,12 @@ def test_a_matrix_of_sights_takes_what_visible_takes(how, tmp_path):
     assert (seen != looked.visible(np.array(a)[:, None], b)).any()
     made = fh.visible_many(looked, a, b, tmp_path / "how", block=(2, 8), **how)
     np.testing.assert_array_equal(fh.many.bits(tmp_path / "how"), seen)
-    with pytest.raises(fh.FileWriteError, match="another"):
+    (what, value), *_ = how.items()
+    with pytest.raises(fh.FileWriteError, match=f"its {what} is {value}, this one's not given"):
         fh.visible_many(looked, a, b, tmp_path / "how", block=(2, 8))
     plain = fh.visible_many(looked, a, b, tmp_path / "plain", block=(2, 8))
+    with pytest.raises(fh.FileWriteError, match=f"its {what} is not given, this one's {value}"):
+        fh.visible_many(looked, a, b, tmp_path / "plain", block=(2, 8), **how)
     assert plain.digest != made.digest
 
 

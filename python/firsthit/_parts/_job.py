@@ -109,8 +109,13 @@ def refuse_other(path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any]
     """Refuse a folder whose job is another one."""
     for key, value in wanted.items():
         if known.get(key) != value:
-            why = f"the folder is another job's: its {key} is {known.get(key)}, this one's {value}"
+            other, own = _shown(known.get(key)), _shown(value)
+            why = f"the folder is another job's: its {key} is {other}, this one's {own}"
             raise FileWriteError(f"{path}: {why}; take another folder", os.fspath(path))
+
+
+def _shown(value: object) -> str:
+    return "not given" if value is None else str(value)
 
 
 def range_of(part: tuple[int, int] | None, count: int) -> range:

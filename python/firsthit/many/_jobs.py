@@ -174,7 +174,11 @@ class Job:
         """
         path = self.out / JOB
         known = job_in(self.out, FORM.folder) or begin_job(path, self._said)
-        refuse_other(path, known, self._compared())
+        not_given = dict.fromkeys(name for name in known if name not in self._said)
+        wanted = {**self._compared(), **not_given}
+        # What the digest is of tells more.
+        wanted["job"] = wanted.pop("job")
+        refuse_other(path, known, wanted)
         remove_leftovers(self.out)
         self._known = known
 
