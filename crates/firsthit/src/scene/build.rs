@@ -27,7 +27,7 @@ named! {
     /// `Fast` where few rays will be shot for each triangle, `Best` where many will, or nobody knows how many.
     #[default]
     "auto" => Auto;
-    /// In a third of the time or less. A ray may meet twice as many boxes, or three times.
+    /// In a third of the time, or half of it where sizes of triangles differ much. A ray may meet twice as many boxes.
     "fast" => Fast;
     /// The tree that rays go through in the least time.
     "best" => Best;

@@ -4,6 +4,7 @@ pub(super) mod binary;
 mod binned_sah;
 mod collapse;
 mod fill;
+mod lowest;
 mod mesh;
 mod morton;
 mod objects;
