@@ -262,7 +262,11 @@ impl<const N: usize> Grid<N> {
     fn split(items: &mut [Item], block: Block) -> Option<Split> {
         let grid = Self::new(items)?;
         let cut = cheapest(&grid.fill(items), block)?;
-        let middle = partition(items, |item| grid.bin(item, cut.axis) < cut.plane);
+        let Cut { axis, plane, .. } = cut;
+        let (low, scale, plane) = (grid.low[axis], grid.scale[axis], plane as f32);
+        // As `bin` does.
+        let is_left = |Item(item): &Item| (item.low[axis] + item.high[axis] - low) * scale < plane;
+        let middle = partition(items, is_left);
         (middle > 0 && middle < items.len()).then_some(Split {
             middle,
             left: cut.left,
@@ -328,15 +332,13 @@ fn cheapest<const N: usize>(bins: &Bins<N>, block: Block) -> Option<Cut> {
     best.1
 }
 
+/// Puts those that are left in front; returns their number. Without a branch: what is left cannot be foretold.
 fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool) -> usize {
-    let (mut low, mut high) = (0, items.len());
-    while low < high {
-        if is_left(&items[low]) {
-            low += 1;
-        } else {
-            high -= 1;
-            items.swap(low, high);
-        }
+    let mut left = 0;
+    for k in 0..items.len() {
+        let goes_left = is_left(&items[k]);
+        items.swap(left, k);
+        left += usize::from(goes_left);
     }
-    low
+    left
 }
