@@ -15,6 +15,8 @@ use crate::memory;
 /// From this depth on ranges are halved. The heuristic alone can split off one box at a time, and make a tree as deep
 /// as it has boxes.
 pub(in crate::accel) const SAH_DEPTH: u32 = 64;
+/// No tree is deeper: from [`SAH_DEPTH`] on the number of items, which is below 2^32, is halved.
+pub(super) const DEEPEST: u32 = SAH_DEPTH + 32;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
 

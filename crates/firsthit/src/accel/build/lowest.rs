@@ -11,6 +11,7 @@ use std::ops::Range;
 use super::binary::{self, Binary, Primitives};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse;
+use super::reinsert::reinsert;
 use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::memory;
 
@@ -66,7 +67,7 @@ pub(super) fn nodes(leaves: &[Seen], large: f64) -> Vec<Node> {
         nodes: binary,
         order,
     } = binary::binary(&mut items, &Groups);
-    let upper = collapse::collapse(&binary);
+    let upper = collapse::collapse(&reinsert(binary));
     // Of groups of several leaves, whose nodes come after those above.
     let mut place = index(upper.nodes.len());
     let child = |group: &Range<usize>| {

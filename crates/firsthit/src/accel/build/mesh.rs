@@ -4,12 +4,13 @@
 //! 2. Decide whether vertices in one place are one to a leaf (`weld.rs`).
 //! 3. Build a binary tree over the triangles' boxes (`binary.rs`). A range is a leaf when it has at most sixteen
 //!    triangles over at most sixteen vertices.
-//! 4. Collapse it to nodes of sixteen children (`collapse.rs`).
-//! 5. Fill the leaves (`fill.rs`).
+//! 4. Find better places for its large subtrees (`reinsert.rs`).
+//! 5. Collapse it to nodes of sixteen children (`collapse.rs`).
+//! 6. Fill the leaves (`fill.rs`).
 //!
-//! For few rays another build (`quick.rs`) takes the place of steps 3 to 5. Both end with:
+//! For few rays another build (`quick.rs`) takes the place of steps 3 to 6. Both end with:
 //!
-//! 6. List the copies: triangles that are in no leaf, since a lower one has the same corners and wins every tie.
+//! 7. List the copies: triangles that are in no leaf, since a lower one has the same corners and wins every tie.
 
 use std::collections::HashMap;
 
@@ -19,6 +20,7 @@ use super::binary::{self, Binary, Primitives};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse::{self, Wide};
 use super::quick;
+use super::reinsert::reinsert;
 use super::weld::Sharing;
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::{MOST_LEAVES, Meshlet};
@@ -112,7 +114,7 @@ pub(super) struct Parts {
     pub(super) order: Vec<u32>,
 }
 
-/// Steps 3 to 5.
+/// Steps 3 to 6.
 fn full(triangles: &Triangles<'_>) -> Parts {
     let sharing = &triangles.sharing;
     let item = |index: u32| Item::new(Box32::of(sharing.triangle(index)), index);
@@ -127,6 +129,7 @@ fn full(triangles: &Triangles<'_>) -> Parts {
         order,
     } = binary::binary(&mut items, triangles);
     drop(items);
+    let binary = reinsert(binary);
     let Wide { nodes, ranges } = collapse::collapse(&binary);
     drop(binary);
     let leaf = |&(first, length): &(u32, u32)| {

@@ -10,4 +10,5 @@ mod morton;
 mod objects;
 mod quick;
 mod refit;
+mod reinsert;
 mod weld;
