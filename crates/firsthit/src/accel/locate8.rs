@@ -17,7 +17,7 @@
 
 use super::mesh_tree::MeshTree;
 use crate::geometry::arithmetic::Scalar;
-use crate::geometry::{DVec3, Ray, arrays};
+use crate::geometry::{DVec3, arrays};
 use crate::shape::Meshes;
 use crate::shape::triangle::{Plain, PlainStart, Plane, Start};
 use crate::simd::{Aligned, InLanes, Kernel, LANES, Lanes, WIDE};
@@ -26,64 +26,6 @@ use crate::simd::{Aligned, InLanes, Kernel, LANES, Lanes, WIDE};
 pub(crate) struct RayBundle<L: Lanes> {
     pub(crate) origin: [L::Doubles; 3],
     pub(crate) direction: [L::Doubles; 3],
-}
-
-/// Up to eight rays, each with a triangle that it is known to meet.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct EightPairs {
-    /// Origins, directions and the corners a, b, c; three axes each.
-    numbers: Aligned<[[f64; WIDE]; 15]>,
-}
-
-impl EightPairs {
-    pub(super) const NONE: Self = Self {
-        numbers: Aligned([[0.0; WIDE]; 15]),
-    };
-
-    /// Puts a pair into a lane.
-    #[inline(always)]
-    pub(super) fn put(&mut self, lane: usize, ray: &Ray, [a, b, c]: [DVec3; 3]) {
-        let vectors = [ray.origin, ray.direction, a, b, c];
-        for (k, vector) in vectors.into_iter().enumerate() {
-            for axis in 0..3 {
-                self.numbers.0[3 * k + axis][lane % WIDE] = vector[axis];
-            }
-        }
-    }
-
-    /// The ray in a lane, without its ends, and the corners of its triangle.
-    pub(super) fn get(&self, lane: usize) -> (Ray, [DVec3; 3]) {
-        let vector = |k: usize| {
-            DVec3::from_array(arrays::from_fn(|axis| {
-                self.numbers.0[3 * k + axis][lane % WIDE]
-            }))
-        };
-        let ray = Ray::new(vector(0), vector(1));
-        (ray, [vector(2), vector(3), vector(4)])
-    }
-
-    /// [`locate8`] of the first `count`.
-    #[inline(always)]
-    pub(super) fn locate<L: Lanes>(&self, l: L, count: usize) -> (u8, Aligned<[[f64; WIDE]; 3]>) {
-        let number = |k: usize| l.load64(&self.numbers.0[k]);
-        let rays = RayBundle {
-            origin: [number(0), number(1), number(2)],
-            direction: [number(3), number(4), number(5)],
-        };
-        let corners = [
-            [number(6), number(7), number(8)],
-            [number(9), number(10), number(11)],
-            [number(12), number(13), number(14)],
-        ];
-        #[expect(clippy::cast_possible_truncation, reason = "eight bits")]
-        let wanted = ((1_u32 << count) - 1) as u8;
-        let (sound, crossings) = locate8_at(l, &rays, &corners, wanted);
-        let mut out = Aligned([[0.0; WIDE]; 3]);
-        for (numbers, out) in crossings.into_iter().zip(&mut out.0) {
-            l.store64(numbers, out);
-        }
-        (sound, out)
-    }
 }
 
 /// The corners of sixteen triangles in lanes, corner by corner and axis by axis.
@@ -232,7 +174,7 @@ pub(crate) fn locate8<L: Lanes>(
 
 /// The same with the corners in lanes.
 #[inline(always)]
-fn locate8_at<L: Lanes>(
+pub(super) fn locate8_at<L: Lanes>(
     l: L,
     rays: &RayBundle<L>,
     corners: &[[L::Doubles; 3]; 3],

@@ -91,6 +91,7 @@ impl MeshTree {
     }
 
     /// The index in the mesh of a triangle, by its leaf and lane (see [`super::TriangleId`]).
+    #[inline(always)]
     pub(crate) fn triangle_at(&self, leaf_lane: u32) -> u32 {
         self.triangle(
             &self.leaves[leaf_lane as usize / LANES],
@@ -99,6 +100,7 @@ impl MeshTree {
     }
 
     /// The corners of that triangle, as the mesh has them.
+    #[inline(always)]
     pub(crate) fn corners_at(&self, mesh: Meshes<'_>, leaf_lane: u32) -> [DVec3; 3] {
         self.corners(
             mesh,

@@ -7,6 +7,13 @@ use crate::simd::LANES;
 /// A leaf and a lane are one number of 32 bits ([`super::TriangleId`]).
 pub(super) const MOST_LEAVES: usize = (1 << 28) - 1;
 
+/// That number.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "there are sixteen lanes")]
+pub(super) fn leaf_lane(leaf: u32, lane: usize) -> u32 {
+    leaf * LANES as u32 + (lane % LANES) as u32
+}
+
 /// Triangles over vertices of their own, in the tree's space, as float32. Plain data: every byte of it has a meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]

@@ -19,6 +19,7 @@ mod bounds;
 mod build;
 mod bvh;
 mod edges;
+mod eight_pairs;
 mod extent;
 mod filter;
 mod locate8;

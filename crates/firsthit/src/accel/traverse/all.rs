@@ -13,8 +13,9 @@ use std::cell::{Cell, RefCell};
 
 use super::mesh_packet::{MeshRay, SettleExactly};
 use super::query::{MeshQuery, Visitor};
+use crate::accel::eight_pairs::EightPairs;
 use crate::accel::filter::Candidates;
-use crate::accel::locate8::EightPairs;
+use crate::accel::meshlet::leaf_lane;
 use crate::geometry::{DVec2, DVec3, Ray, SurfaceId};
 use crate::shape::Crossing;
 use crate::shape::triangle::{self, Doubtful, EdgeRule, TriangleHit};
@@ -96,8 +97,6 @@ impl Gathered {
 struct Waiting {
     count: usize,
     pairs: EightPairs,
-    /// Where the rays begin and end.
-    ends: [[f64; 2]; WIDE],
     nodes: [u32; WIDE],
 }
 
@@ -105,7 +104,6 @@ impl Waiting {
     const NONE: Self = Self {
         count: 0,
         pairs: EightPairs::NONE,
-        ends: [[0.0; 2]; WIDE],
         nodes: [0; WIDE],
     };
 
@@ -113,8 +111,7 @@ impl Waiting {
     fn entries(&self) -> impl Iterator<Item = (Ray, [DVec3; 3], u32)> {
         (0..self.count).map(|lane| {
             let (ray, corners) = self.pairs.get(lane);
-            let [t_min, t_max] = self.ends[lane];
-            (ray.beyond(t_min).up_to(t_max), corners, self.nodes[lane])
+            (ray, corners, self.nodes[lane])
         })
     }
 }
@@ -164,7 +161,12 @@ impl CrossingList {
 
     /// Adds the crossing with a triangle that the ray meets for certain; where may be computed later.
     #[inline(always)]
-    fn push_certain<L: Lanes>(&mut self, l: L, ray: &Ray, primitive: i32, corners: [DVec3; 3]) {
+    fn push_certain<L: Lanes>(
+        &mut self,
+        l: L,
+        ray: &MeshRay<'_>,
+        (primitive, leaf_lane): (i32, u32),
+    ) {
         let is_eight = GATHERED.with_borrow_mut(|gathered| {
             let unknown = Crossing {
                 t: f64::NAN,
@@ -174,8 +176,9 @@ impl CrossingList {
             if let Some(node) = gathered.add(self, unknown) {
                 let waiting = &mut gathered.waiting;
                 let lane = waiting.count % WIDE;
-                waiting.pairs.put(lane, ray, corners);
-                waiting.ends[lane] = [ray.t_min, ray.t_max];
+                let in_mesh = ray.packet.ray(ray.lane);
+                let at_mesh = (ray.tree, ray.mesh);
+                waiting.pairs.put(lane, &in_mesh, at_mesh, leaf_lane);
                 waiting.nodes[lane] = node;
                 waiting.count += 1;
             }
@@ -239,13 +242,12 @@ impl Kernel for LocateWaiting {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
         let waiting = GATHERED.with_borrow(|gathered| gathered.waiting);
-        let (sound, out) = waiting.pairs.locate(l, waiting.count);
+        let located = waiting.pairs.locate(l, waiting.count);
         GATHERED.with_borrow_mut(|gathered| {
             gathered.waiting.count = 0;
             for (lane, (ray, corners, node)) in waiting.entries().enumerate() {
-                let hit = if sound >> lane & 1 == 1 {
-                    let [t, v, w] = [out.0[0][lane], out.0[1][lane], out.0[2][lane]];
-                    Some(TriangleHit::new([t, v, w]))
+                let hit = if located.sound >> lane & 1 == 1 {
+                    Some(TriangleHit::new(located.at(lane)))
                 } else {
                     triangle::locate(&ray, corners, |doubtful| l.call(SettleExactly(doubtful)))
                 };
@@ -291,10 +293,8 @@ impl MeshQuery for All {
         let triangle = ray.tree.triangle(in_leaf, lane);
         let copies = ray.tree.copies_of(triangle);
         if is_certain && ray.limits.begin_before(low) && copies.is_empty() {
-            let corners = ray.corners(leaf, lane);
-            let in_mesh = ray.packet.ray(ray.lane);
-            self.list
-                .push_certain(l, &in_mesh, triangle.cast_signed(), corners);
+            let triangle = (triangle.cast_signed(), leaf_lane(leaf, lane));
+            self.list.push_certain(l, ray, triangle);
         } else if let Some(crossing) = ray.intersect(l, Self::EDGES, in_leaf, lane) {
             self.list.push(crossing);
             // Copies have the same corners in the same order.
@@ -314,7 +314,7 @@ impl MeshQuery for All {
     }
 
     #[inline(always)]
-    fn deferred(&self) -> Option<(u32, usize)> {
+    fn deferred(&self) -> Option<u32> {
         None
     }
 

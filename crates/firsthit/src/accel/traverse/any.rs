@@ -63,7 +63,7 @@ impl MeshQuery for Any {
     }
 
     #[inline(always)]
-    fn deferred(&self) -> Option<(u32, usize)> {
+    fn deferred(&self) -> Option<u32> {
         None
     }
 

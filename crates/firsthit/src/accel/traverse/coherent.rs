@@ -10,7 +10,7 @@
 //! Transactions on Graphics 24(3), 2005. It departs in step 4: there the caller knows which rays are coherent, here
 //! trying finds out.
 
-use super::deferred::finish_packet;
+use super::deferred::Deferred;
 use super::frustum::PacketFrustum;
 use super::frustum_leaf::LeafView;
 use super::mesh_packet::MeshPacket;
@@ -25,11 +25,11 @@ const BUDGET: u32 = 16;
 
 /// Answers the open rays of a packet. Returns `false` when it gave up; some rays may then be open still.
 #[inline(always)]
-pub(super) fn coherent<L: Lanes, Q: MeshQuery>(
+pub(super) fn coherent<'a, L: Lanes, Q: MeshQuery>(
     l: L,
     stack: &mut Stack,
-    (number, packet): (usize, &mut MeshPacket<'_>),
-    sink: &mut (impl Sink<Q::Found> + ?Sized),
+    (number, packet): (usize, &mut MeshPacket<'a>),
+    (deferred, sink): (&mut Deferred<'a>, &mut (impl Sink<Q::Found> + ?Sized)),
 ) -> bool {
     let Some(frustum) = PacketFrustum::new(l, packet) else {
         return false;
@@ -37,7 +37,7 @@ pub(super) fn coherent<L: Lanes, Q: MeshQuery>(
     let rays = packet.packet;
     let mut queries: [Q; RAYS] = queries(&rays.t_max_high);
     let is_done = frustum.run(l, stack, packet, &mut queries);
-    finish_packet(l, (number, packet), (frustum.rays, is_done), &queries, sink);
+    deferred.finish_packet(l, (number, packet), (frustum.rays, is_done), &queries, sink);
     is_done
 }
 

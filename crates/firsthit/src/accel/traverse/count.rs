@@ -57,7 +57,7 @@ impl MeshQuery for Count {
     }
 
     #[inline(always)]
-    fn deferred(&self) -> Option<(u32, usize)> {
+    fn deferred(&self) -> Option<u32> {
         None
     }
 

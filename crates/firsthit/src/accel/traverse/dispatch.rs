@@ -7,6 +7,7 @@
 //! Where packet after packet gives up, some of the next are not tried.
 
 use super::coherent::coherent;
+use super::deferred::Deferred;
 use super::interleaved::{InFlight, interleaved};
 use super::masked::masked;
 use super::mesh_packet::MeshPacket;
@@ -31,25 +32,36 @@ impl Dispatcher {
 
     /// Puts the answer of each open ray of `packets` into `sink`, in any order.
     #[inline(always)]
-    pub(crate) fn run<L: Lanes, Q: MeshQuery>(
+    pub(crate) fn run<'a, L: Lanes, Q: MeshQuery>(
         &mut self,
         l: L,
-        packets: &mut [MeshPacket<'_>],
+        packets: &mut [MeshPacket<'a>],
         sink: &mut (impl Sink<Q::Found> + ?Sized),
     ) {
         let (mut of_coherent, mut of_masked) = (Trials::new(), Trials::new());
         let stack = &mut self.stack;
+        let mut deferred = Deferred::new();
         for (number, packet) in packets.iter_mut().enumerate() {
             // A packet of few rays, as the last one of a batch is, says nothing about the next.
             if Q::IN_PACKETS && packet.goes_together() && of_coherent.tries() {
-                of_coherent.learn(coherent::<L, Q>(l, stack, (number, packet), sink));
+                of_coherent.learn(coherent::<L, Q>(
+                    l,
+                    stack,
+                    (number, packet),
+                    (&mut deferred, &mut *sink),
+                ));
             }
             let has_masks = Q::IN_PACKETS && !Q::ORDERED;
             if has_masks && packet.goes_together() && of_masked.tries() {
-                of_masked.learn(masked::<L, Q>(l, stack, (number, packet), sink));
+                of_masked.learn(masked::<L, Q>(
+                    l,
+                    stack,
+                    (number, packet),
+                    (&mut deferred, &mut *sink),
+                ));
             }
         }
-        interleaved::<L, Q>(l, &mut self.in_flight, packets, sink);
+        interleaved::<L, Q>(l, &mut self.in_flight, packets, (&mut deferred, &mut *sink));
     }
 }
 

@@ -94,7 +94,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
     }
 
     #[inline(always)]
-    fn deferred(&self) -> Option<(u32, usize)> {
+    fn deferred(&self) -> Option<u32> {
         self.query.deferred()
     }
 

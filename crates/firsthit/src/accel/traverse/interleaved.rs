@@ -86,7 +86,7 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
     l: L,
     in_flight: &mut InFlight,
     packets: &[MeshPacket<'a>],
-    sink: &mut (impl Sink<Q::Found> + ?Sized),
+    (deferred, sink): (&mut Deferred<'a>, &mut (impl Sink<Q::Found> + ?Sized)),
 ) {
     let Some(&any) = packets.first() else {
         return;
@@ -98,7 +98,6 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
     };
     let mut slots: [Slot<'a, Q>; LANES] = [Slot::new(any, 0, 0); LANES];
     let InFlight { lists, stack } = in_flight;
-    let mut deferred = Deferred::new();
     let mut nodes = 0_u16;
     let mut leaves = 0_u16;
     let mut free = u16::MAX;

@@ -11,7 +11,7 @@
 //! 20(3), 2001, for the masks. It departs in step 1, which rules out most children of a wide node for all rays at once,
 //! whatever their directions.
 
-use super::deferred::finish_packet;
+use super::deferred::Deferred;
 use super::mesh_packet::{FEWEST, MeshPacket};
 use super::query::{MeshQuery, Sink, queries};
 use super::stack::Stack;
@@ -32,11 +32,11 @@ const _: () = assert!(FAR + 2.0 <= FARTHEST as f64);
 /// Answers the open rays of a packet, but for those whose start float32 does not resolve. Returns `false` when it gave
 /// up; any ray may then be open still.
 #[inline(always)]
-pub(super) fn masked<L: Lanes, Q: MeshQuery>(
+pub(super) fn masked<'a, L: Lanes, Q: MeshQuery>(
     l: L,
     stack: &mut Stack,
-    (number, packet): (usize, &mut MeshPacket<'_>),
-    sink: &mut (impl Sink<Q::Found> + ?Sized),
+    (number, packet): (usize, &mut MeshPacket<'a>),
+    (deferred, sink): (&mut Deferred<'a>, &mut (impl Sink<Q::Found> + ?Sized)),
 ) -> bool {
     let all = packet.packet;
     let rays = packet.open & l.lt(l.load(&all.blur), l.splat(1e-2));
@@ -80,7 +80,7 @@ pub(super) fn masked<L: Lanes, Q: MeshQuery>(
             alive &= !visit(l, packet, index & !LEAF, here, &mut queries);
         }
     }
-    finish_packet(l, (number, packet), (rays, is_done), &queries, sink);
+    deferred.finish_packet(l, (number, packet), (rays, is_done), &queries, sink);
     is_done
 }
 
@@ -280,7 +280,12 @@ mod tests {
             }
             let mut packet = MeshPacket::new(self.tree, self.mesh, &packet);
             let mut stack = Stack::new();
-            let is_done = masked::<L, Any>(l, &mut stack, (0, &mut packet), &mut Nowhere);
+            let is_done = masked::<L, Any>(
+                l,
+                &mut stack,
+                (0, &mut packet),
+                (&mut Deferred::new(), &mut Nowhere),
+            );
             Outcome {
                 is_done,
                 open: packet.open,
@@ -354,7 +359,12 @@ mod tests {
             packet.prepare(l, tree, RAYS);
             let mut packet = MeshPacket::new(tree, mesh, &packet);
             let mut answers = Answers([None; RAYS]);
-            let is_done = masked::<L, Any>(l, &mut Stack::new(), (0, &mut packet), &mut answers);
+            let is_done = masked::<L, Any>(
+                l,
+                &mut Stack::new(),
+                (0, &mut packet),
+                (&mut Deferred::new(), &mut answers),
+            );
             assert!(!is_done || packet.open == 0);
             for (lane, answer) in answers.0.iter().enumerate() {
                 let is_open = packet.open >> lane & 1 == 1;

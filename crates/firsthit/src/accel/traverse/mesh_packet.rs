@@ -5,7 +5,7 @@ use crate::accel::meshlet::Meshlet;
 use crate::accel::rays::limits::Limits;
 use crate::accel::rays::packet::{Packet, RAYS};
 use crate::accel::rays::trees::TreePerRay;
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::Ray;
 use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, Shear, TriangleHit};
 use crate::shape::{Crossing, Meshes};
 use crate::simd::{Kernel, Lanes};
@@ -120,35 +120,14 @@ impl MeshRay<'_> {
         is_met.then(|| hit.crossing(triangle.cast_signed()))
     }
 
-    /// The corners of the triangle in a lane of a leaf.
+    /// The crossing with a triangle of a leaf that the ray meets for certain.
     #[inline(always)]
-    pub(super) fn corners(&self, leaf: u32, lane: usize) -> [DVec3; 3] {
-        let leaf = &self.tree.leaves[leaf as usize];
-        self.tree.corners(self.mesh, leaf, lane)
-    }
-
-    /// The crossing with a triangle that the ray meets for certain.
-    #[inline(always)]
-    pub(super) fn locate<L: Lanes>(&self, l: L, leaf: u32, lane: usize) -> Option<Crossing> {
-        let corners = self.corners(leaf, lane);
+    pub(super) fn locate<L: Lanes>(&self, l: L, leaf_lane: u32) -> Option<Crossing> {
+        let corners = self.tree.corners_at(self.mesh, leaf_lane);
         let ray = self.packet.ray(self.lane);
         let hit = triangle::locate(&ray, corners, |doubtful| l.call(SettleExactly(doubtful)))?;
-        let leaf = &self.tree.leaves[leaf as usize];
-        ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
-    }
-
-    /// The crossing with a triangle at a known `[t, v, w]`.
-    #[inline(always)]
-    pub(super) fn crossing_at(
-        &self,
-        leaf: u32,
-        lane: usize,
-        numbers: [f64; 3],
-    ) -> Option<Crossing> {
-        let hit = TriangleHit::new(numbers);
-        let leaf = &self.tree.leaves[leaf as usize];
-        let ray = self.packet.ray(self.lane);
-        ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
+        let triangle = self.tree.triangle_at(leaf_lane).cast_signed();
+        ray.holds(hit.t).then(|| hit.crossing(triangle))
     }
 
     /// Whether `new` comes before `old`: by the float64 nearest to the exact `t`, then by the triangle's index. Of a ray that

@@ -49,8 +49,8 @@ pub(crate) trait MeshQuery: Visitor + Copy {
     );
     /// Sees a crossing that the exact test has found.
     fn see<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, crossing: Crossing);
-    /// The triangle that is the answer, as a leaf and a lane of it, if where it is met is not computed yet.
-    fn deferred(&self) -> Option<(u32, usize)>;
+    /// The triangle that is the answer, as a leaf and a lane of it in one number, if where it is met is not computed yet.
+    fn deferred(&self) -> Option<u32>;
     /// The answer, after the last leaf.
     fn finish<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Self::Found;
     /// The answer of a ray that meets one thing at most.
