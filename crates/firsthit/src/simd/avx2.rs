@@ -1,5 +1,6 @@
 //! The lanes in AVX2 with fused multiply-add: two registers each.
 
+use std::arch::asm;
 use std::arch::x86_64::*;
 
 use bytemuck::Pod;
@@ -80,27 +81,44 @@ fn widen_signs(x: __m256) -> D {
     })
 }
 
+/// The sign bits of a register, by an instruction that the compiler does not see through: it would put two such masks together from
+/// lanes, with five shuffles and comparisons in place of a shift.
+macro_rules! sign_bits {
+    ($name:ident, $instruction:literal, $register:ty) => {
+        #[target_feature(enable = "avx2")]
+        #[inline]
+        fn $name(x: $register) -> u32 {
+            let bits: u32;
+            // SAFETY: it reads and writes registers alone.
+            unsafe {
+                asm!(
+                    concat!($instruction, " {:e}, {}"),
+                    out(reg) bits,
+                    in(ymm_reg) x,
+                    options(pure, nomem, nostack, preserves_flags),
+                );
+            }
+            bits
+        }
+    };
+}
+
+sign_bits!(sign_bits, "vmovmskps", __m256);
+sign_bits!(sign_bits64, "vmovmskpd", __m256d);
+
 /// The sign bits of sixteen lanes.
 #[inline(always)]
-#[expect(
-    clippy::cast_sign_loss,
-    clippy::cast_possible_truncation,
-    reason = "eight bits each"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "eight bits each")]
 fn mask(x: F) -> u16 {
-    let [low, high] = x86!([_mm256_movemask_ps(x[0]), _mm256_movemask_ps(x[1])]);
-    low as u16 | (high as u16) << 8
+    let [low, high] = x86!([sign_bits(x[0]), sign_bits(x[1])]);
+    (low | high << 8) as u16
 }
 
 #[inline(always)]
-#[expect(
-    clippy::cast_sign_loss,
-    clippy::cast_possible_truncation,
-    reason = "four bits each"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "four bits each")]
 fn mask64(x: D) -> u8 {
-    let [low, high] = x86!([_mm256_movemask_pd(x[0]), _mm256_movemask_pd(x[1])]);
-    low as u8 | (high as u8) << 4
+    let [low, high] = x86!([sign_bits64(x[0]), sign_bits64(x[1])]);
+    (low | high << 4) as u8
 }
 
 /// Four lanes of each in turns.
