@@ -37,7 +37,7 @@ impl<L: Lanes> Sides<L> {
     pub(super) fn outside(&self, l: L, bound: L::Floats) -> u16 {
         let [u, v, w] = self.0;
         let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
-        l.lt(least, l.sub(l.splat(0.0), bound)) & l.lt(bound, most)
+        l.lt(bound, l.min(l.sub(l.splat(0.0), least), most))
     }
 
     /// The lanes that are inside for certain.
@@ -45,7 +45,7 @@ impl<L: Lanes> Sides<L> {
     pub(super) fn inside(&self, l: L, bound: L::Floats) -> u16 {
         let [u, v, w] = self.0;
         let (least, most) = (l.min(l.min(u, v), w), l.max(l.max(u, v), w));
-        l.lt(bound, least) | l.lt(most, l.sub(l.splat(0.0), bound))
+        l.lt(bound, l.max(least, l.sub(l.splat(0.0), most)))
     }
 
     /// The depth where the triangle is met, from the depths of its corners; and the size of one over the sides' sum, of

@@ -3,11 +3,11 @@
 //!
 //! 1. Count the leaf's vertices from the ray's start, and shear them so that the ray runs along the axis of the depth.
 //! 2. Compute the [`Sides`] of each triangle's edges. Reject a triangle when two sides have different signs, for
-//!    certain.
-//! 3. Reject a triangle when all its depths are before the ray's start or beyond the limit.
-//! 4. Mark a triangle as certain when all sides have the same sign, for certain.
-//! 5. Say between which depths each triangle is met: around the corners' mean with the sides as weights where it is
+//!    certain. Most leaves end here.
+//! 3. Mark a triangle as certain when all sides have the same sign, for certain.
+//! 4. Say between which depths each triangle is met: around the corners' mean with the sides as weights where it is
 //!    certain, else from its nearest to its farthest corner.
+//! 5. Reject a triangle when all its depths are before the ray's start or beyond the limit.
 //!
 //! The test is the exact one's: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", Journal of Computer
 //! Graphics Techniques 2(1), 2013. It departs in that every number has an error bound. Where a bound leaves the answer
@@ -16,7 +16,8 @@
 //! # Error bounds
 //!
 //! In units of `U` (see `bounds.rs`). D is the depth of a vertex, X the largest of a triangle's sheared coordinates, e
-//! its extent along an axis.
+//! its extent along an axis. For D there is one number for all vertices of a leaf: the depth of the first, and the leaf's extent. So the
+//! bounds are numbers, not lanes.
 //!
 //! **A sheared coordinate** is off by at most E. For a vertex that is P from the ray's start across the axis of the
 //! depth, E is the sum of these:
@@ -80,7 +81,7 @@ pub(crate) struct Candidates<L: Lanes> {
     pub(super) high: L::Floats,
 }
 
-/// The candidates of `leaf` at depths from 0 to `limit`; `None` without any.
+/// The candidates of `leaf` at depths from 0 to `limit`; `None` where the ray passes all triangles.
 #[inline(always)]
 pub(super) fn filter<L: Lanes>(
     l: L,
@@ -96,52 +97,32 @@ pub(super) fn filter<L: Lanes>(
             l.sub(l.sub(vertices, l.splat(high)), l.splat(low))
         }};
     }
+    let along = z;
     let z = l.mul(relative!(z, 2), l.splat(ray.forwards));
     let x = l.neg_mul_add(l.splat(ray.slope[0]), z, relative!(x, 0));
     let y = l.neg_mul_add(l.splat(ray.slope[1]), z, relative!(y, 1));
-    let [a, b, c] = &leaf.corners;
-    let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
-    let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
-    let deep = l.max(l.abs(nearest), l.abs(farthest));
-    let blur = l.splat(BLURS * ray.blur);
-    macro_rules! bound {
-        ($extent:expr, $more:expr) => {{
-            let fixed = l.splat(VERTEX * $extent + BLURS * ray.blur);
-            let error = l.mul_add(deep, l.splat(VERTEX), fixed);
-            let size = l.mul_add(
-                error,
-                l.splat(2.1),
-                l.splat(EXTENT_ACROSS * $extent + $more),
-            );
-            let share = l.mul_add(
-                error,
-                l.splat(SIDE_BY_ERROR),
-                l.mul(size, l.splat(SIDE_BY_SIZE)),
-            );
-            (l.mul(share, size), error, size)
-        }};
-    }
-    let (bound, error, size) = bound!(leaf.size, 0.0);
+    let rounding = Rounding::new(ray, leaf, along);
+    let side = rounding.side(leaf.size, 0.0);
 
+    let [a, b, c] = &leaf.corners;
     let (ax, bx, cx) = (l.permute(x, a), l.permute(x, b), l.permute(x, c));
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
     let sides = Sides::new(l, [ax, ay], [bx, by], [cx, cy]);
-    let outside = sides.outside(l, bound);
-    let slack = l.mul_add(deep, l.splat(DEPTH), blur);
-    let spread = l.sub(farthest, nearest);
-    let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
-    let between = l.le(nearest, l.splat(limit)) & l.le(l.splat(0.0), farthest);
-    let possible = leaf.filled & !outside & between;
+    let possible = leaf.filled & !sides.outside(l, l.splat(side.bound));
     if possible == 0 {
         return None;
     }
-    let (sure, ..) = bound!(leaf.extent, 2.0 * BOX_MARGIN);
-    let certain = sides.inside(l, sure);
+    let (az, bz, cz) = (l.permute(z, a), l.permute(z, b), l.permute(z, c));
+    let (nearest, farthest) = (l.min(l.min(az, bz), cz), l.max(l.max(az, bz), cz));
+    let spread = l.sub(farthest, nearest);
+    let slack = l.splat(rounding.depth());
+    let (nearest, farthest) = (l.sub(nearest, slack), l.add(farthest, slack));
+    let sure = rounding.side(leaf.extent, 2.0 * BOX_MARGIN);
+    let certain = sides.inside(l, l.splat(sure.bound));
     let [depth, over] = sides.depth(l, [az, bz, cz]);
-    let share = l.mul_add(error, l.splat(MEAN), l.mul(size, l.splat(MEAN_BY_SIZE)));
-    let mean_error = l.mul(l.mul(share, size), l.mul(spread, over));
-    let error = l.add(mean_error, slack);
+    let error = l.mul_add(l.splat(side.mean()), l.mul(spread, over), slack);
     let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);
+    // Whether one is left would be hard to predict.
     let possible = possible & l.le(low, l.splat(limit)) & l.le(l.splat(0.0), high);
     Some(Candidates {
         possible,
@@ -149,6 +130,56 @@ pub(super) fn filter<L: Lanes>(
         low,
         high,
     })
+}
+
+/// What rounding does to the triangles of a leaf, as a ray sees them.
+struct Rounding {
+    /// No vertex is deeper, or farther behind the ray's start.
+    deep: f32,
+    blur: f32,
+}
+
+impl Rounding {
+    #[inline(always)]
+    fn new(ray: &TreeRay, leaf: &Meshlet, along: usize) -> Self {
+        let [high, low] = ray.start[2];
+        let first = (leaf.vertices[along % 3][0] - high) - low;
+        Self {
+            // And a little more, for the rounding of all these.
+            deep: 1.000_001 * (first.abs() + leaf.extent),
+            blur: BLURS * ray.blur,
+        }
+    }
+
+    /// Of the sides of triangles with this extent along an axis, and so much `more` across the ray.
+    #[inline(always)]
+    fn side(&self, extent: f32, more: f32) -> SideRounding {
+        let error = VERTEX * self.deep + (VERTEX * extent + self.blur);
+        let size = 2.1 * error + (EXTENT_ACROSS * extent + more);
+        let bound = (SIDE_BY_ERROR * error + SIDE_BY_SIZE * size) * size;
+        SideRounding { error, size, bound }
+    }
+
+    /// Of a corner's depth.
+    #[inline(always)]
+    fn depth(&self) -> f32 {
+        DEPTH * self.deep + self.blur
+    }
+}
+
+/// E, X and B of the [error bounds](self).
+struct SideRounding {
+    error: f32,
+    size: f32,
+    bound: f32,
+}
+
+impl SideRounding {
+    /// That of the depth of a certain triangle, by the spread of its corners' depths over the sum of the sides.
+    #[inline(always)]
+    fn mean(&self) -> f32 {
+        (MEAN * self.error + MEAN_BY_SIZE * self.size) * self.size
+    }
 }
 
 #[cfg(test)]
