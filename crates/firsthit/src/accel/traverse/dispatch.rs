@@ -32,10 +32,10 @@ impl Dispatcher {
 
     /// Puts the answer of each open ray of `packets` into `sink`, in any order.
     #[inline(always)]
-    pub(crate) fn run<'a, L: Lanes, Q: MeshQuery>(
+    pub(crate) fn run<L: Lanes, Q: MeshQuery>(
         &mut self,
         l: L,
-        packets: &mut [MeshPacket<'a>],
+        packets: &mut [MeshPacket<'_>],
         sink: &mut (impl Sink<Q::Found> + ?Sized),
     ) {
         let (mut of_coherent, mut of_masked) = (Trials::new(), Trials::new());

@@ -180,13 +180,14 @@ impl Visitor for First {
         let lane = near.trailing_zeros() as usize % LANES;
         let is_one = near & near.wrapping_sub(1) == 0;
         let is_taken = is_one && near & sure != 0;
-        // The answer needs the triangle's index in the mesh.
-        let first = ray.tree.leaves[leaf as usize].first as usize;
-        if let Some(index) = ray.tree.order.get(first + lane) {
-            l.prefetch(index);
-        }
         // By arithmetic: whether there is a hit is hard to predict.
         let taken = 0_u32.wrapping_sub(is_taken.into());
+        // The answer needs the triangle's index in the mesh. Where none is taken, it is one that the cache has.
+        let first = ray.tree.leaves[leaf as usize].first;
+        let place = chosen(taken, first.wrapping_add(near.trailing_zeros()), 0);
+        if let Some(index) = ray.tree.order.get(place as usize) {
+            l.prefetch(index);
+        }
         self.best = chosen(taken, leaf_lane(leaf, lane), self.best);
         self.low = chosen_depth(taken, depths[0].0[lane], self.low);
         self.high = chosen_depth(taken, ends, self.high);
