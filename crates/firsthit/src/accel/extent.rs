@@ -1,5 +1,7 @@
 //! Boxes around a transformed mesh, found by its tree in place of all its triangles.
 
+use std::sync::Arc;
+
 use super::mesh_tree::MeshTree;
 use super::node::{LEAF, WIDTH};
 use crate::geometry::{Bounds, DAffine3, DVec3, arrays};
@@ -37,22 +39,42 @@ impl MeshTree {
         })
     }
 
-    /// Takes triangles out of the leaves; each is in one of the boxes `around`. Others that have the same corners must not be copies.
+    /// Takes triangles out of the leaves; each is in one of the boxes `around`. If one has copies they are taken out, too.
     pub(crate) fn take_out(&mut self, around: &[Bounds], is_out: impl Fn(u32) -> bool) {
+        let filled = || self.leaves.iter().map(|leaf| leaf.filled).collect();
+        let mut present: Arc<[u16]> = self.present.take().unwrap_or_else(filled);
+        let all = Arc::make_mut(&mut present);
+        self.each_near(around, |number, bit, triangle| {
+            if is_out(triangle) {
+                all[number as usize] &= !bit;
+            }
+        });
+        self.present = Some(present);
+    }
+
+    /// Takes all other triangles out of the leaves.
+    pub(crate) fn keep_only(&mut self, around: &[Bounds], is_in: impl Fn(u32) -> bool) {
+        let mut present: Vec<u16> = vec![0; self.leaves.len()];
+        self.each_near(around, |number, bit, triangle| {
+            if is_in(triangle) {
+                present[number as usize] |= bit & self.filled(number);
+            }
+        });
+        self.present = Some(present.into());
+    }
+
+    /// Calls `visit` with the leaf, the bit there and the number of each triangle that may be in one of some boxes.
+    fn each_near(&self, around: &[Bounds], mut visit: impl FnMut(u32, u16, u32)) {
         let mut leaves = Vec::new();
         for &around in around {
             self.leaves_near(around, &mut leaves);
         }
-        let order = &self.order;
-        self.leaves.edit(|all| {
-            for leaf in leaves {
-                let leaf = &mut all[leaf as usize];
-                for lane in set_bits(leaf.filled) {
-                    let triangle = order[leaf.first as usize + lane];
-                    leaf.filled &= !(u16::from(is_out(triangle)) << lane);
-                }
+        for number in leaves {
+            let leaf = &self.leaves[number as usize];
+            for lane in set_bits(leaf.filled) {
+                visit(number, 1 << lane, self.triangle(leaf, lane));
             }
-        });
+        }
     }
 
     /// Adds the leaves that may have triangles in a box.

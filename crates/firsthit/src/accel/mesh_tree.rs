@@ -3,6 +3,8 @@
 //! It has a [space](Space) of its own, in which no coordinate is larger than 1. So float32 is enough for a mesh of any
 //! size at any place, and constants bound its rounding (`bounds.rs`).
 
+use std::sync::Arc;
+
 use super::meshlet::Meshlet;
 use super::node::Node;
 use super::space::Space;
@@ -29,6 +31,8 @@ pub struct MeshTree {
     /// Pairs of the lowest of some triangles with the same corners, and another of them that is in no leaf; sorted. The lowest is
     /// always in a leaf, since it wins every tie. In a quick tree others may be too, and are then in no pair.
     pub(super) copies: Storage<[u32; 2]>,
+    /// Which triangles of each leaf are there still, where some have been [taken out](Self::take_out).
+    pub(super) present: Option<Arc<[u16]>>,
     /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
     pub(super) cost: f64,
     /// Whether it was [built in little time](Self::build_quick).
@@ -42,6 +46,7 @@ impl MeshTree {
             + size_of_val::<[_]>(&self.leaves)
             + size_of_val::<[_]>(&self.order)
             + size_of_val::<[_]>(&self.copies)
+            + self.present.as_deref().map_or(0, size_of_val)
     }
 
     /// Whether it was [built in little time](Self::build_quick).
@@ -49,9 +54,23 @@ impl MeshTree {
         self.is_quick
     }
 
+    /// Pairs of triangles in one place, to the last bit: one of a leaf, and one that is in none.
+    pub(crate) fn copies(&self) -> &[[u32; 2]] {
+        &self.copies
+    }
+
     /// Whether there are triangles in one place, to the last bit.
     pub(crate) fn has_copies(&self) -> bool {
         !self.copies.is_empty()
+    }
+
+    /// Which triangles of a leaf there are, a bit each.
+    #[inline(always)]
+    pub(super) fn filled(&self, leaf: u32) -> u16 {
+        match &self.present {
+            None => self.leaves[leaf as usize].filled,
+            Some(present) => present[leaf as usize],
+        }
     }
 
     /// The copies of a triangle of a leaf: the second of each pair.

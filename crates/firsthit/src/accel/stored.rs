@@ -117,6 +117,7 @@ impl MeshTree {
             leaves,
             order,
             copies,
+            present: None,
             cost: facts.cost,
             is_quick: false,
         })

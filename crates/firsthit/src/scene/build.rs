@@ -9,6 +9,7 @@ use crate::accel::MeshTree;
 use crate::error::Result;
 use crate::geometry::named;
 use crate::memory;
+use crate::parallel;
 use crate::shape::Mesh;
 
 named! {
@@ -66,6 +67,9 @@ const TREE_BYTES: usize = 160;
 
 /// The same of the fast build, where leaves are put together from parts that have them too.
 const FAST_TREE_BYTES: usize = 280;
+
+/// Meshes with fewer triangles are built side by side.
+const SMALL: usize = 1 << 14;
 
 /// Builds trees as a scene asks for them.
 pub(super) struct TreeBuilder {
@@ -137,16 +141,30 @@ pub(super) fn object_trees(
     for group in joined::found(objects, may_join, |mesh| builder.build(mesh).ok()) {
         group.join(&mut trees);
     }
-    for (k, object) in objects.iter().enumerate() {
-        let Some(mesh) = object.mesh().filter(|_| trees[k].any().is_none()) else {
-            continue;
-        };
-        let tree = match built.get(&Arc::as_ptr(mesh)) {
-            Some(built) => Arc::clone(built),
-            None => Arc::new(fitted(k).map_or_else(|| builder.build(mesh), Ok)?),
-        };
-        built.insert(Arc::as_ptr(mesh), Arc::clone(&tree));
-        trees[k] = ObjectTree::Own(tree);
+    let alone = missing.iter().filter(|&&k| trees[k].any().is_none());
+    let alone = alone.filter_map(|&k| Some((k, objects[k].mesh()?)));
+    let tree = |(k, mesh): (usize, &Arc<Mesh>)| {
+        let tree = fitted(k).map_or_else(|| builder.build(mesh), Ok)?;
+        Ok((k, Arc::new(tree)))
+    };
+    // One after the other large meshes take the memory of one, and all threads build each.
+    let (small, large): (Vec<_>, Vec<_>) =
+        alone.partition(|(_, mesh)| mesh.triangles().len() < SMALL);
+    let mut made = parallel::try_map(small, tree)?;
+    for one in large {
+        made.push(tree(one)?);
+    }
+    let pointer = |k: usize| objects[k].mesh().map(Arc::as_ptr);
+    built.extend(
+        made.into_iter()
+            .filter_map(|(k, tree)| Some((pointer(k)?, tree))),
+    );
+    for (tree, object) in trees.iter_mut().zip(objects) {
+        if let (None, Some(mesh)) = (tree.any(), object.mesh())
+            && let Some(built) = built.get(&Arc::as_ptr(mesh))
+        {
+            *tree = ObjectTree::Own(Arc::clone(built));
+        }
     }
     Ok(trees)
 }

@@ -43,7 +43,7 @@ impl Scene {
             .filter(|(_, place)| is_elsewhere(place))
             .map(|(&object, _)| object)
             .collect();
-        let has_parted = self.part(&leaving)?;
+        let has_parted = self.part(&leaving, true)?;
         for &(object, transform) in places {
             self.objects[object].place(transform);
         }
@@ -70,9 +70,17 @@ impl Scene {
         for &(object, _) in objects {
             self.check_object(object)?;
         }
+        let lacks_tree =
+            |&k: &usize| self.objects[k].mesh().is_some() && self.trees[k].any().is_none();
+        let shown = objects.iter().filter(|(_, is_hidden)| !*is_hidden);
+        let shown = shown.map(|&(object, _)| object).filter(lacks_tree);
+        let shown: Vec<u32> = shown.map(|k| self.check_object(k)).collect::<Result<_>>()?;
+        for (object, tree) in self.own_trees(&shown)? {
+            self.trees[object] = tree;
+        }
         let hidden = objects.iter().filter(|(_, is_hidden)| *is_hidden);
         let hidden = hidden.map(|&(object, _)| self.check_object(object));
-        self.part(&hidden.collect::<Result<Vec<u32>>>()?)?;
+        self.part(&hidden.collect::<Result<Vec<u32>>>()?, false)?;
         for &(object, is_hidden) in objects {
             self.objects[object].hide(is_hidden);
         }

@@ -20,7 +20,8 @@ use super::build::TreeBuilder;
 use super::{Object, Scene};
 use crate::accel::MeshTree;
 use crate::error::Result;
-use crate::geometry::SurfaceId;
+use crate::geometry::{Bounds, SurfaceId};
+use crate::parallel;
 use crate::shape::{JoinedMeshes, Mesh, Meshes};
 
 /// The tree of an object's mesh.
@@ -91,10 +92,13 @@ impl Group {
         objects: &[Object],
         build: impl FnOnce(&Mesh) -> Option<MeshTree>,
     ) -> Option<Self> {
-        let meshes = meshes(&members, objects)?;
-        let tree = build(&meshes.as_one().ok()?).filter(MeshTree::has_nodes)?;
+        let joined = meshes(&members, objects)?;
+        let tree = build(&joined.as_one().ok()?).filter(MeshTree::has_nodes)?;
+        if has_common_triangles(&joined, &tree) {
+            return None;
+        }
         let members = members.into_iter().map(Some).collect();
-        Self::new(members, Arc::new(meshes), Arc::new(tree))
+        Self::new(members, Arc::new(joined), Arc::new(tree))
     }
 
     /// Of these objects and a tree that nobody vouches for, which `tree` makes.
@@ -119,8 +123,8 @@ impl Group {
         }
         let meshes = meshes(members, objects).ok_or("it joins too many triangles")?;
         let tree = tree(Meshes::Joined(&meshes))?;
-        if !tree.has_nodes() {
-            return Err("its tree has no nodes");
+        if !tree.has_nodes() || has_common_triangles(&meshes, &tree) {
+            return Err("its tree has no nodes, or objects have triangles in common");
         }
         let members = members.iter().copied().map(Some).collect();
         let made = Self::new(members, Arc::new(meshes), Arc::new(tree));
@@ -159,51 +163,56 @@ impl Group {
         self.meshes.farthest()
     }
 
-    /// Whether the others remain a group when some objects leave: two at least, in a tree that is not more empty than full. Where triangles
-    /// lie in one place, one that is in no leaf may have to take the place of another.
-    fn can_spare(&self, stays: impl Fn(u32) -> bool) -> bool {
-        let mut count = 0;
-        let mut triangles = 0;
-        for (object, [first, end]) in self.members() {
-            if stays(object) {
-                count += 1;
-                triangles += (end - first) as usize;
-            }
-        }
-        let all = Meshes::Joined(&self.meshes).len();
-        let is_whole = self.is_whole() && count == self.objects.len();
-        is_whole || (count > 1 && 2 * triangles >= all && !self.tree.has_copies())
+    /// Whether the tree is more full than empty.
+    pub(super) fn is_dense(&self) -> bool {
+        let there = self
+            .members()
+            .map(|(_, [first, end])| (end - first) as usize);
+        2 * there.sum::<usize>() >= Meshes::Joined(&self.meshes).len()
     }
 
-    /// The group of the objects that stay, under their new numbers, where it [can spare](Self::can_spare) the others. In place where nobody
-    /// else has the tree.
+    /// The group of the objects that stay, under their new numbers; `None` where there are none, or their order is another one.
     fn keeping(mut self, new: impl Fn(u32) -> Option<u32>) -> Option<Self> {
-        let (mut around, mut ranges) = (Vec::new(), Vec::new());
+        let (mut staying, mut leaving) = (Vec::new(), Vec::new());
         for (member, object) in self.objects.iter_mut().enumerate() {
-            let Some(old) = *object else {
-                continue;
-            };
-            *object = new(old);
-            if object.is_none() {
-                around.push(self.meshes.bounds_of(member));
-                ranges.push(member);
+            if let Some(old) = *object {
+                *object = new(old);
+                let list = if object.is_some() {
+                    &mut staying
+                } else {
+                    &mut leaving
+                };
+                list.push(member);
             }
         }
-        if !ranges.is_empty() {
-            let is_out = |triangle| {
-                ranges
-                    .binary_search(&self.meshes.locate(triangle).0)
-                    .is_ok()
-            };
-            Arc::make_mut(&mut self.tree).take_out(&around, is_out);
+        let around = |list: &[usize]| -> Vec<Bounds> {
+            let boxes = list.iter().map(|&member| self.meshes.bounds_of(member));
+            boxes.collect()
+        };
+        let is_of = |list: &[usize], triangle| {
+            let (member, _) = self.meshes.locate(triangle);
+            list.binary_search(&member).is_ok()
+        };
+        if !leaving.is_empty() {
+            let mut tree = MeshTree::clone(&self.tree);
+            if leaving.len() < staying.len() {
+                tree.take_out(&around(&leaving), |triangle| is_of(&leaving, triangle));
+            } else {
+                tree.keep_only(&around(&staying), |triangle| is_of(&staying, triangle));
+            }
+            self.tree = Arc::new(tree);
         }
         self.leader = *self.objects.iter().flatten().next()?;
-        self.objects
-            .iter()
-            .flatten()
-            .is_sorted_by(|a, b| a < b)
-            .then_some(self)
+        let there = self.objects.iter().flatten();
+        there.is_sorted_by(|a, b| a < b).then_some(self)
     }
+}
+
+/// Whether a triangle of one mesh is in the place of another's. If one of them left, the tree would lack the other.
+fn has_common_triangles(meshes: &JoinedMeshes, tree: &MeshTree) -> bool {
+    let mesh = |triangle| meshes.locate(triangle).0;
+    let mut pairs = tree.copies().iter();
+    pairs.any(|&[first, copy]| mesh(first) != mesh(copy))
 }
 
 /// The meshes of objects.
@@ -295,69 +304,53 @@ impl Scene {
         }
     }
 
-    /// Gives objects trees of their own, in place of their share in a group's. Returns whether any had one.
+    /// Takes objects out of their groups. Those that are still to be seen get trees of their own.
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`](crate::Error::Limit) where there is no memory for them; nothing has changed then.
-    pub(super) fn part(&mut self, objects: &[u32]) -> Result<bool> {
+    /// [`Error::Limit`](crate::Error::Limit) where there is no memory for these; nothing has changed then.
+    pub(super) fn part(&mut self, objects: &[u32], are_seen: bool) -> Result<bool> {
         let mut leaving = objects.to_vec();
         leaving.retain(|&object| self.group(object).is_some());
         leaving.sort_unstable();
+        leaving.dedup();
         if leaving.is_empty() {
             return Ok(false);
         }
-        let of_leaving = leaving.iter().map(|&k| &self.objects[k as usize]);
-        let builder = TreeBuilder::new(self.build, of_leaving);
-        let stays = |object: u32| leaving.binary_search(&object).is_err();
-        let own = |object: u32| {
-            let mesh = self.objects[object as usize].mesh();
-            let tree = mesh.map(|mesh| builder.build(mesh)).transpose()?;
-            let tree = tree.map_or(ObjectTree::None, |tree| ObjectTree::Own(Arc::new(tree)));
-            Ok((object as usize, tree))
+        let mut trees: Vec<(usize, ObjectTree)> = if are_seen {
+            self.own_trees(&leaving)?
+        } else {
+            let none = |&object: &u32| (object as usize, ObjectTree::None);
+            leaving.iter().map(none).collect()
         };
-        let mut trees: Vec<(usize, ObjectTree)> = leaving
-            .iter()
-            .map(|&object| own(object))
-            .collect::<Result<_>>()?;
-        let mut spared = Vec::new();
-        for group in self.groups() {
-            let members = || group.members().map(|(object, _)| object);
-            if members().all(stays) {
+        let stays = |object: u32| leaving.binary_search(&object).is_err();
+        let groups: Vec<Arc<Group>> = self.groups().map(Arc::clone).collect();
+        for group in groups {
+            let mut members = group.members();
+            if members.all(|(object, _)| stays(object)) {
                 continue;
             }
-            if group.can_spare(stays) {
-                spared.push(group.leader as usize);
-                continue;
-            }
-            let rest: Vec<u32> = members().filter(|&object| stays(object)).collect();
-            let build = |mesh: &Mesh| builder.build(mesh).ok();
-            let anew = (rest.len() > 1).then(|| Group::build(rest.clone(), &self.objects, build));
-            if let Some(anew) = anew.flatten() {
-                trees.extend(Arc::new(anew).shares());
-            } else {
-                for object in rest {
-                    trees.push(own(object)?);
-                }
-            }
-        }
-        // From here on nothing fails.
-        for leader in spared {
-            let tree = std::mem::replace(&mut self.trees[leader], ObjectTree::None);
-            let ObjectTree::Shared(group, _) = tree else {
-                continue;
-            };
-            for (object, _) in group.members() {
-                self.trees[object as usize] = ObjectTree::None;
-            }
-            let kept =
-                Arc::unwrap_or_clone(group).keeping(|object| stays(object).then_some(object));
+            let kept = Group::clone(&group).keeping(|object| stays(object).then_some(object));
             trees.extend(kept.map(Arc::new).iter().flat_map(Group::shares));
         }
         for (object, tree) in trees {
             self.trees[object] = tree;
         }
         Ok(true)
+    }
+
+    /// A tree of its own for each of some objects whose meshes have none.
+    pub(super) fn own_trees(&self, objects: &[u32]) -> Result<Vec<(usize, ObjectTree)>> {
+        let numbered = objects
+            .iter()
+            .map(|&k| (k as usize, &self.objects[k as usize]));
+        let numbered: Vec<(usize, &Object)> = numbered.collect();
+        let builder = TreeBuilder::new(self.build, numbered.iter().map(|&(_, object)| object));
+        parallel::try_map(numbered, |(k, object)| {
+            let tree = object.mesh().map(|mesh| builder.build(mesh)).transpose()?;
+            let tree = tree.map_or(ObjectTree::None, |tree| ObjectTree::Own(Arc::new(tree)));
+            Ok((k, tree))
+        })
     }
 }
 

@@ -198,7 +198,12 @@ impl Scene {
     #[cfg(feature = "fhs")]
     pub(crate) fn has_poor_trees(&self) -> bool {
         let mut trees = self.trees.iter().filter_map(ObjectTree::any);
-        trees.any(|tree| tree.is_quick()) || !self.groups().all(|group| group.is_whole())
+        let lacks_tree = |(object, tree): (&Object, &ObjectTree)| {
+            object.mesh().is_some() && tree.any().is_none()
+        };
+        trees.any(|tree| tree.is_quick())
+            || !self.groups().all(|group| group.is_whole())
+            || self.objects.iter().zip(&self.trees).any(lacks_tree)
     }
 
     /// This scene where each of its trees is as the full build makes it, or a fitted one, and over what is there alone.

@@ -45,6 +45,7 @@ impl MeshTree {
             leaves: Storage::default(),
             order: (0..count(mesh.triangles().len())).collect(),
             copies: Storage::default(),
+            present: None,
             cost: 0.0,
             is_quick: false,
         }
@@ -95,6 +96,7 @@ impl MeshTree {
             space,
             nodes: nodes.into(),
             copies: copies(mesh, &order, &leaves).into(),
+            present: None,
             leaves: leaves.into(),
             order: order.into(),
             cost: 0.0,

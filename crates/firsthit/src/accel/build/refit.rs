@@ -75,6 +75,7 @@ impl MeshTree {
             leaves: leaves.into(),
             order: memory::copy(&self.order).into(),
             copies: Storage::default(),
+            present: None,
             cost: self.cost,
             is_quick: self.is_quick,
         };

@@ -30,6 +30,8 @@ pub(super) struct LeafRaster<'a, A> {
     /// Where the rays are off the grid.
     pub(super) displacements: Option<&'a Displacements>,
     pub(super) leaf: &'a Meshlet,
+    /// Which of its triangles there are.
+    pub(super) filled: u16,
     /// The index of the leaf's first triangle, to be prefetched.
     pub(super) first: Option<&'a u32>,
     pub(super) object: u32,
@@ -86,7 +88,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let blur = l.splat(frustum.depth_error);
         let nearest = l.sub(l.min(l.min(az, bz), cz), blur);
         let farthest = l.add(l.max(l.max(az, bz), cz), blur);
-        let mut alive = self.leaf.filled
+        let mut alive = self.filled
             & l.le(nearest, l.splat(limit))
             & l.le(l.splat(frustum.start_depth), farthest);
 

@@ -53,14 +53,16 @@ pub(crate) fn fill_buffer<L: Lanes>(
             let node = &tree.nodes[index as usize];
             open(l, tree, node, frustum, limit, stack);
         } else {
-            let leaf = &tree.leaves[(index & !LEAF) as usize];
+            let number = index & !LEAF;
+            let leaf = &tree.leaves[number as usize];
             let mut leaf = LeafRaster {
                 frustum,
                 displacements,
                 leaf,
+                filled: tree.filled(number),
                 first: tree.order.get(leaf.first as usize),
                 object,
-                leaf_lane: (index & !LEAF) * 16,
+                leaf_lane: number * 16,
                 buffer,
                 exact,
                 scratch: raster,

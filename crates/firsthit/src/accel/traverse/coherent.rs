@@ -71,7 +71,7 @@ impl PacketFrustum {
             } else {
                 let index = index & !LEAF;
                 let leaf = &tree.leaves[index as usize];
-                let met = self.triangles(l, leaf, limit, &mut view);
+                let met = self.triangles(l, leaf, limit, &mut view) & tree.filled(index);
                 budget = budget.saturating_sub(3 + met.count_ones());
                 for lane in set_bits(met) {
                     let triangle = (index, lane);

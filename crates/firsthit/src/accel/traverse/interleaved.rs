@@ -280,7 +280,8 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L) {
         let index = self.next & !LEAF;
-        let leaf = &self.ray.tree.leaves[index as usize];
+        let tree = self.ray.tree;
+        let leaf = (&tree.leaves[index as usize], tree.filled(index));
         let ray = self.ray.packet.tree_ray(self.ray.lane);
         if let Some(candidates) = filter(l, &ray, leaf, self.query.limit()) {
             self.query.visit(l, &self.ray, index, &candidates);

@@ -93,7 +93,8 @@ fn visit<L: Lanes, Q: MeshQuery>(
     here: u16,
     queries: &mut [Q; RAYS],
 ) -> u16 {
-    let leaf = &packet.tree.leaves[index as usize];
+    let tree = packet.tree;
+    let leaf = (&tree.leaves[index as usize], tree.filled(index));
     let mut answered = 0;
     for lane in set_bits(here) {
         let query = &mut queries[lane];

@@ -133,8 +133,10 @@ pub(crate) fn each_near<L: Lanes>(
         if index & LEAF == 0 {
             push_children(l, stack, &point, &tree.nodes[index as usize], limit);
         } else {
-            let leaf = &tree.leaves[(index & !LEAF) as usize];
+            let index = index & !LEAF;
+            let leaf = &tree.leaves[index as usize];
             let Bounded { mut possible, low } = bounded(l, &point, leaf, limit);
+            possible &= tree.filled(index);
             while possible != 0 {
                 let lane = nearest_lane(&low.0, possible);
                 possible &= !(1 << lane);

@@ -114,9 +114,10 @@ pub(super) fn traverse<L: Lanes, V: Visitor>(
                 stack.insert(base, key);
             }
         } else {
-            let leaf = &tree.leaves[(index & !LEAF) as usize];
+            let index = index & !LEAF;
+            let leaf = (&tree.leaves[index as usize], tree.filled(index));
             if let Some(candidates) = filter(l, &tree_ray, leaf, visitor.limit()) {
-                visitor.visit(l, ray, index & !LEAF, &candidates);
+                visitor.visit(l, ray, index, &candidates);
             }
         }
         let Some((_, next)) = stack.pop_within(visitor.limit()) else {

@@ -107,9 +107,8 @@ pub(in crate::scene) fn kept(
         {
             return Some(Arc::clone(group));
         }
-        let stays = |object| new(object).is_some();
-        let kept = group.can_spare(stays).then(|| Group::clone(group));
-        kept?.keeping(new).map(Arc::new)
+        let kept = Group::clone(group).keeping(new);
+        kept.filter(Group::is_dense).map(Arc::new)
     };
     groups.into_iter().filter_map(keep).collect()
 }
