@@ -57,7 +57,7 @@ impl MeshTree {
         let mut present: Vec<u16> = vec![0; self.leaves.len()];
         self.each_near(around, |number, bit, triangle| {
             if is_in(triangle) {
-                present[number as usize] |= bit & self.filled(number);
+                present[number as usize] |= self.present(number, bit);
             }
         });
         self.present = Some(present.into());

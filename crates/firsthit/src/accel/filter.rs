@@ -86,7 +86,7 @@ pub(crate) struct Candidates<L: Lanes> {
 pub(super) fn filter<L: Lanes>(
     l: L,
     ray: &TreeRay,
-    (leaf, filled): (&Meshlet, u16),
+    leaf: &Meshlet,
     limit: f32,
 ) -> Option<Candidates<L>> {
     let [x, y, z] = ray.axes;
@@ -108,7 +108,7 @@ pub(super) fn filter<L: Lanes>(
     let (ax, bx, cx) = (l.permute(x, a), l.permute(x, b), l.permute(x, c));
     let (ay, by, cy) = (l.permute(y, a), l.permute(y, b), l.permute(y, c));
     let sides = Sides::new(l, [ax, ay], [bx, by], [cx, cy]);
-    let possible = filled & !sides.outside(l, l.splat(side.bound));
+    let possible = leaf.filled & !sides.outside(l, l.splat(side.bound));
     if possible == 0 {
         return None;
     }
@@ -209,7 +209,7 @@ mod tests {
             let depth_per_t = ray.direction.abs().max_element() * tree.space.scale;
             let mut met = 0;
             for leaf in &tree.leaves {
-                let found = filter(l, &tree_ray, (leaf, leaf.filled), f32::INFINITY);
+                let found = filter(l, &tree_ray, leaf, f32::INFINITY);
                 let [mut lows, mut highs] = [[0.0; LANES]; 2];
                 let [mut possible, mut certain] = [0; 2];
                 if let Some(found) = found {

@@ -64,12 +64,12 @@ impl MeshTree {
         !self.copies.is_empty()
     }
 
-    /// Which triangles of a leaf there are, a bit each.
+    /// Those of some triangles of a leaf, a bit each, that have not been taken out.
     #[inline(always)]
-    pub(super) fn filled(&self, leaf: u32) -> u16 {
+    pub(super) fn present(&self, leaf: u32, triangles: u16) -> u16 {
         match &self.present {
-            None => self.leaves[leaf as usize].filled,
-            Some(present) => present[leaf as usize],
+            None => triangles,
+            Some(present) => triangles & present[leaf as usize],
         }
     }
 

@@ -158,6 +158,17 @@ impl Group {
         Some((self.objects[member]?, triangle))
     }
 
+    /// The object that has a triangle of the tree, and its number there; those of the leader where the object has left.
+    #[inline]
+    pub(crate) fn surface(&self, primitive: i32) -> SurfaceId {
+        let located = self.locate(primitive.cast_unsigned());
+        let (object, triangle) = located.unwrap_or((self.leader, primitive.cast_unsigned()));
+        SurfaceId {
+            object: object.cast_signed(),
+            primitive: triangle.cast_signed(),
+        }
+    }
+
     /// The least and the largest [`Object::farthest`].
     pub(crate) fn farthest(&self) -> [f64; 2] {
         self.meshes.farthest()
@@ -243,8 +254,9 @@ impl Scene {
 
     /// The group that an object stands for.
     #[inline]
-    pub(crate) fn group_led_by(&self, object: u32) -> Option<&Arc<Group>> {
-        self.group(object).filter(|group| group.leader == object)
+    pub(crate) fn group_led_by(&self, object: u32) -> Option<&Group> {
+        let group: &Group = self.group(object)?;
+        (group.leader == object).then_some(group)
     }
 
     /// The object that stands for an object in the tree over the objects: itself, or the leader of its group.
@@ -290,17 +302,12 @@ impl Scene {
     /// The object, and the part of it, that a number stands for where rays come to `object`.
     #[inline]
     pub(crate) fn surface_at(&self, object: u32, primitive: i32) -> SurfaceId {
-        let (object, primitive) = match &self.trees[object as usize] {
-            ObjectTree::Shared(group, _) if group.leader == object => group
-                .locate(primitive.cast_unsigned())
-                .map_or((object, primitive), |(object, triangle)| {
-                    (object, triangle.cast_signed())
-                }),
-            _ => (object, primitive),
-        };
-        SurfaceId {
-            object: object.cast_signed(),
-            primitive,
+        match &self.trees[object as usize] {
+            ObjectTree::Shared(group, _) if group.leader == object => group.surface(primitive),
+            _ => SurfaceId {
+                object: object.cast_signed(),
+                primitive,
+            },
         }
     }
 

@@ -54,9 +54,7 @@ pub(crate) use emitters::Emitters;
 pub(crate) use environment::Hemispheres;
 pub(crate) use extent::support;
 pub(crate) use interaction::compute_geometry;
-#[cfg(feature = "fhs")]
-pub(crate) use joined::Group;
-pub(crate) use joined::ObjectTree;
+pub(crate) use joined::{Group, ObjectTree};
 pub(crate) use light::{PreparedLight, Sun, form_factor};
 pub(crate) use material::Lambertian;
 #[cfg(feature = "fhs")]

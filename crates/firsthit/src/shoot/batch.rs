@@ -17,9 +17,9 @@ use crate::accel::{
     WalkStack,
 };
 use crate::error::{Error, Result};
-use crate::geometry::{DVec3, Ray, Rays};
+use crate::geometry::{DVec3, Ray, Rays, SurfaceId};
 use crate::parallel;
-use crate::scene::{OnTheWay, Scene};
+use crate::scene::{Group, OnTheWay, Scene};
 use crate::shape::Meshes;
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{self, Kernel, Lanes};
@@ -227,7 +227,7 @@ impl<S: Sink> Batch<'_, S> {
         for packet in packets {
             at_mesh.push(MeshPacket::new(tree, mesh, packet));
         }
-        let sink = OfMesh(self.scene, index, self.sink);
+        let sink = OfMesh(index, self.scene.group_led_by(index), self.sink);
         dispatch::<L, S::Query>(l, dispatcher, &mut at_mesh, sink);
     }
 
@@ -411,14 +411,21 @@ impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for Dispatch<'_, '_
     }
 }
 
-/// Takes the answers in a scene of one mesh, that of an object: they are final.
-struct OfMesh<'a, S>(&'a Scene, u32, S);
+/// Takes the answers in a scene of one mesh, that of an object or of a group which it leads: they are final.
+struct OfMesh<'a, S>(u32, Option<&'a Group>, S);
 
 impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<'_, S> {
     #[inline(always)]
     fn put(&mut self, packet: usize, lane: usize, found: Found<S::Query>) {
-        let Self(scene, object, sink) = self;
-        let surface = |primitive| scene.surface_at(*object, primitive);
+        let Self(object, group, sink) = self;
+        let (object, group) = (*object, *group);
+        let surface = |primitive| match group {
+            Some(group) => group.surface(primitive),
+            None => SurfaceId {
+                object: object.cast_signed(),
+                primitive,
+            },
+        };
         sink.put(packet * RAYS + lane, &S::Query::of_mesh(surface, found));
     }
 }

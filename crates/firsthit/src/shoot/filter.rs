@@ -2,7 +2,7 @@
 
 use super::scaled_ray::ScaledRay;
 use crate::geometry::{DVec3, Ray, RayFilter, Side, SurfaceId, arrays};
-use crate::scene::{Object, Scene};
+use crate::scene::{Group, Object, Scene};
 use crate::shape::triangle::{Begin, MeshFilter};
 use crate::shape::{Crossing, Shape, Surface};
 
@@ -135,7 +135,7 @@ pub(super) fn in_object(
             Place::Leader(index) => scene.group_led_by(index),
             Place::Object(_) => None,
         };
-        let [least, most] = group.map_or([object.farthest(); 2], |group| group.farthest());
+        let [least, most] = group.map_or([object.farthest(); 2], Group::farthest);
         let begin = Begin::new(start, along, most);
         let earliest = begin.at(least);
         ray.t_min = ray.t_min.max(earliest);

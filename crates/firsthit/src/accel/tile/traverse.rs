@@ -59,7 +59,7 @@ pub(crate) fn fill_buffer<L: Lanes>(
                 frustum,
                 displacements,
                 leaf,
-                filled: tree.filled(number),
+                filled: tree.present(number, leaf.filled),
                 first: tree.order.get(leaf.first as usize),
                 object,
                 leaf_lane: number * 16,

@@ -71,7 +71,8 @@ impl PacketFrustum {
             } else {
                 let index = index & !LEAF;
                 let leaf = &tree.leaves[index as usize];
-                let met = self.triangles(l, leaf, limit, &mut view) & tree.filled(index);
+                let met = self.triangles(l, leaf, limit, &mut view);
+                let met = tree.present(index, met);
                 budget = budget.saturating_sub(3 + met.count_ones());
                 for lane in set_bits(met) {
                     let triangle = (index, lane);

@@ -281,9 +281,10 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     fn visit<L: Lanes>(&mut self, l: L) {
         let index = self.next & !LEAF;
         let tree = self.ray.tree;
-        let leaf = (&tree.leaves[index as usize], tree.filled(index));
+        let leaf = &tree.leaves[index as usize];
         let ray = self.ray.packet.tree_ray(self.ray.lane);
-        if let Some(candidates) = filter(l, &ray, leaf, self.query.limit()) {
+        if let Some(mut candidates) = filter(l, &ray, leaf, self.query.limit()) {
+            candidates.possible = tree.present(index, candidates.possible);
             self.query.visit(l, &self.ray, index, &candidates);
         }
     }

@@ -94,12 +94,13 @@ fn visit<L: Lanes, Q: MeshQuery>(
     queries: &mut [Q; RAYS],
 ) -> u16 {
     let tree = packet.tree;
-    let leaf = (&tree.leaves[index as usize], tree.filled(index));
+    let leaf = &tree.leaves[index as usize];
     let mut answered = 0;
     for lane in set_bits(here) {
         let query = &mut queries[lane];
         let ray = packet.packet.tree_ray(lane);
-        if let Some(candidates) = filter(l, &ray, leaf, query.limit()) {
+        if let Some(mut candidates) = filter(l, &ray, leaf, query.limit()) {
+            candidates.possible = tree.present(index, candidates.possible);
             query.visit(l, &packet.ray(lane), index, &candidates);
             answered |= u16::from(query.limit() < 0.0) << lane;
         }

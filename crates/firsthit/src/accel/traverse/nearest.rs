@@ -136,7 +136,7 @@ pub(crate) fn each_near<L: Lanes>(
             let index = index & !LEAF;
             let leaf = &tree.leaves[index as usize];
             let Bounded { mut possible, low } = bounded(l, &point, leaf, limit);
-            possible &= tree.filled(index);
+            possible = tree.present(index, possible);
             while possible != 0 {
                 let lane = nearest_lane(&low.0, possible);
                 possible &= !(1 << lane);

@@ -115,8 +115,9 @@ pub(super) fn traverse<L: Lanes, V: Visitor>(
             }
         } else {
             let index = index & !LEAF;
-            let leaf = (&tree.leaves[index as usize], tree.filled(index));
-            if let Some(candidates) = filter(l, &tree_ray, leaf, visitor.limit()) {
+            let leaf = &tree.leaves[index as usize];
+            if let Some(mut candidates) = filter(l, &tree_ray, leaf, visitor.limit()) {
+                candidates.possible = tree.present(index, candidates.possible);
                 visitor.visit(l, ray, index, &candidates);
             }
         }
