@@ -50,6 +50,7 @@ impl MeshTree {
             }
         });
         self.present = Some(present);
+        self.find_children_left();
     }
 
     /// Takes all other triangles out of the leaves.
@@ -61,15 +62,31 @@ impl MeshTree {
             }
         });
         self.present = Some(present.into());
+        self.find_children_left();
+    }
+
+    fn find_children_left(&mut self) {
+        let mut left: Vec<u16> = vec![0; self.nodes.len()];
+        // Children stand behind their parents.
+        for k in (0..self.nodes.len()).rev() {
+            let node = &self.nodes[k];
+            for child in (0..WIDTH).filter(|&child| !node.is_vacant(child)) {
+                let index = node.children[child];
+                let number = index & !LEAF;
+                let has_some = if index & LEAF == 0 {
+                    left[number as usize] != 0
+                } else {
+                    self.present(number, u16::MAX) != 0
+                };
+                left[k] |= u16::from(has_some) << child;
+            }
+        }
+        self.children_left = Some(left.into());
     }
 
     /// Calls `visit` with the leaf, the bit there and the number of each triangle that may be in one of some boxes.
     fn each_near(&self, around: &[Bounds], mut visit: impl FnMut(u32, u16, u32)) {
-        let mut leaves = Vec::new();
-        for &around in around {
-            self.leaves_near(around, &mut leaves);
-        }
-        for number in leaves {
+        for number in self.leaves_near(around) {
             let leaf = &self.leaves[number as usize];
             for lane in set_bits(leaf.filled) {
                 visit(number, 1 << lane, self.triangle(leaf, lane));
@@ -77,22 +94,32 @@ impl MeshTree {
         }
     }
 
-    /// Adds the leaves that may have triangles in a box.
-    fn leaves_near(&self, around: Bounds, leaves: &mut Vec<u32>) {
+    /// The leaves that may have triangles in one of some boxes, and others where these are many.
+    fn leaves_near(&self, around: &[Bounds]) -> Vec<u32> {
+        /// With more boxes than this all leaves are looked at.
+        const FEW: usize = 16;
+        let all = 0..u32::try_from(self.leaves.len()).unwrap_or(u32::MAX);
+        if around.len() > FEW {
+            return all.collect();
+        }
         let rounding = ROUNDED * self.space.unscale;
-        let (low, high) = (around.low - rounding, around.high + rounding);
-        let mut stack = vec![0];
-        while let Some(index) = stack.pop() {
-            if index & LEAF != 0 {
-                leaves.push(index & !LEAF);
-                continue;
-            }
-            for (bounds, child) in self.children(index) {
-                if bounds.low.cmple(high).all() && low.cmple(bounds.high).all() {
-                    stack.push(child);
+        let mut is_near = vec![false; self.leaves.len()];
+        for around in around {
+            let (low, high) = (around.low - rounding, around.high + rounding);
+            let mut stack = vec![0];
+            while let Some(index) = stack.pop() {
+                if index & LEAF != 0 {
+                    is_near[(index & !LEAF) as usize] = true;
+                    continue;
+                }
+                for (bounds, child) in self.children(index) {
+                    if bounds.low.cmple(high).all() && low.cmple(bounds.high).all() {
+                        stack.push(child);
+                    }
                 }
             }
         }
+        all.filter(|&leaf| is_near[leaf as usize]).collect()
     }
 
     /// The largest value of an affine function with a gradient at the triangles' corners.

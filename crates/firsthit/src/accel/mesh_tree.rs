@@ -3,6 +3,7 @@
 //! It has a [space](Space) of its own, in which no coordinate is larger than 1. So float32 is enough for a mesh of any
 //! size at any place, and constants bound its rounding (`bounds.rs`).
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::meshlet::Meshlet;
@@ -12,7 +13,7 @@ use crate::geometry::DVec3;
 use crate::memory::Storage;
 use crate::shape::Meshes;
 use crate::shape::triangle::DeparturePoint;
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, set_bits};
 
 /// A 16-wide tree over the triangles of one mesh.
 #[derive(Debug, Clone)]
@@ -33,6 +34,8 @@ pub struct MeshTree {
     pub(super) copies: Storage<[u32; 2]>,
     /// Which triangles of each leaf are there still, where some have been [taken out](Self::take_out).
     pub(super) present: Option<Arc<[u16]>>,
+    /// Then, too, which children of each node have any.
+    pub(super) children_left: Option<Arc<[u16]>>,
     /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
     pub(super) cost: f64,
     /// Whether it was [built in little time](Self::build_quick).
@@ -71,6 +74,29 @@ impl MeshTree {
             None => triangles,
             Some(present) => triangles & present[leaf as usize],
         }
+    }
+
+    /// Which children of a node have triangles that have not been taken out.
+    #[inline(always)]
+    pub(super) fn children_left(&self, node: u32) -> u16 {
+        match &self.children_left {
+            None => u16::MAX,
+            Some(left) => left[node as usize],
+        }
+    }
+
+    /// All triangles of the tree that have not been taken out.
+    #[inline(never)]
+    pub(super) fn all_present(&self) -> Cow<'_, [u32]> {
+        if self.present.is_none() {
+            return Cow::Borrowed(&self.order);
+        }
+        let leaves = (0..).zip(&self.leaves);
+        let present = leaves.flat_map(|(number, leaf)| {
+            let lanes = set_bits(self.present(number, leaf.filled));
+            lanes.map(|lane| self.triangle(leaf, lane))
+        });
+        Cow::Owned(present.collect())
     }
 
     /// The copies of a triangle of a leaf: the second of each pair.

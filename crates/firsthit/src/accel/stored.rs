@@ -118,6 +118,7 @@ impl MeshTree {
             order,
             copies,
             present: None,
+            children_left: None,
             cost: facts.cost,
             is_quick: false,
         })

@@ -7,6 +7,7 @@
 //!    often the others go around it is the sum of their signs. It fits if they do not at all, or once the other way: a cavity.
 
 use std::cmp::Ordering;
+use std::collections::HashSet;
 
 use super::meeting::cross;
 use super::report::Found;
@@ -22,6 +23,9 @@ use crate::watch::Watch;
 
 /// In no shell that is looked at.
 const NONE: u32 = u32::MAX;
+
+/// A shell with fewer faces is looked through.
+const FEW: usize = 1000;
 
 pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Watch) -> Result<()> {
     let shells = subject.shells(watch)?;
@@ -130,6 +134,7 @@ impl<'a> Beside<'a> {
             faces,
             ..
         } = self;
+        let mut seen: HashSet<u32> = touched.iter().copied().collect();
         for &triangle in &self.shells[k].faces {
             stop_if_asked(watch)?;
             if overlaps[k] || shell_of[triangle as usize] == NONE {
@@ -144,11 +149,11 @@ impl<'a> Beside<'a> {
                 if shell as usize == k || !share(boxes[k], boxes[shell as usize]) {
                     return false;
                 }
-                let is_touched = touched.contains(&shell);
+                let is_touched = seen.contains(&shell);
                 if is_touched || meets(subject, &own, bounds, other) {
                     if cross(&own, &face(subject, other)) {
                         cut_by = Some(shell);
-                    } else if !is_touched {
+                    } else if seen.insert(shell) {
                         touched.push(shell);
                     }
                 }
@@ -202,14 +207,25 @@ impl<'a> Beside<'a> {
         let (own, bounds) = (self.boxes[k], self.boxes[other]);
         let mut is_without = !(bounds.contains(own.low) && bounds.contains(own.high));
         let mut is_within = false;
+        let faces = &self.shells[k].faces;
+        let is_there = |&face: &u32| {
+            let Bounds { low, high } = Bounds::of(self.subject.corners(face));
+            low.cmple(bounds.high).all() && bounds.low.cmple(high).all()
+        };
         let mut candidates = Vec::new();
-        self.tree.any_overlapping(bounds, &mut self.stack, |face| {
-            let face = self.faces[face as usize];
-            if self.shell_of[face as usize] as usize == k {
-                candidates.push(face);
-            }
-            false
-        });
+        if faces.len() < FEW {
+            // Where many small shells are on a large one, its box has all their faces.
+            let there = faces.iter().copied().filter(is_there);
+            candidates.extend(there.filter(|&face| self.shell_of[face as usize] != NONE));
+        } else {
+            self.tree.any_overlapping(bounds, &mut self.stack, |face| {
+                let face = self.faces[face as usize];
+                if self.shell_of[face as usize] as usize == k {
+                    candidates.push(face);
+                }
+                false
+            });
+        }
         let other = [u32::try_from(other).unwrap_or(NONE)];
         for face in candidates {
             let start = self.subject.middle(face);

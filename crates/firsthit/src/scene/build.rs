@@ -170,16 +170,13 @@ pub(super) fn object_trees(
 }
 
 impl Scene {
-    /// Whether an object's own tree may be fitted to one in its place, which differs from it in its vertices only.
+    /// Whether one in an object's place may differ from it in its vertices only, so that its tree can be fitted from the next step on.
     fn may_fit(&self, object: usize, moved: &Object) -> bool {
         let known = self.objects.get(object).and_then(Object::mesh);
         let is_alike = |(known, moved): (&Arc<Mesh>, &Arc<Mesh>)| {
-            known.triangles().len() == moved.triangles().len()
+            !Arc::ptr_eq(known, moved) && known.triangles().len() == moved.triangles().len()
         };
-        self.trees
-            .get(object)
-            .is_some_and(|tree| tree.own().is_some())
-            && known.zip(moved.mesh()).is_some_and(is_alike)
+        known.zip(moved.mesh()).is_some_and(is_alike)
     }
 
     /// The tree of an object's mesh for one that differs from it in its vertices only.

@@ -1,5 +1,6 @@
 //! What changes in a built scene: where its objects are, and which of them are hidden.
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use super::{Scene, extent};
@@ -8,7 +9,8 @@ use crate::geometry::Transform;
 
 impl Scene {
     /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by
-    /// one that is built anew. This takes microseconds: nothing is built but, now and then, the tree over the objects.
+    /// one that is built anew. This takes microseconds: nothing is built but, now and then, the tree over the objects, and once a tree of its
+    /// own for a mesh that shared one with others in its space.
     ///
     /// ```
     /// use firsthit::{DVec3, Object, Scene, Sphere, Transform, shoot};
@@ -44,6 +46,10 @@ impl Scene {
             .map(|(&object, _)| object)
             .collect();
         let has_parted = self.part(&leaving, true)?;
+        // What is where it was may share a tree still, and the box around all that do.
+        let moved: Vec<u32> = (moved.into_iter())
+            .filter(|&object| self.trees[object as usize].group().is_none())
+            .collect();
         for &(object, transform) in places {
             self.objects[object].place(transform);
         }
@@ -61,27 +67,35 @@ impl Scene {
     }
 
     /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides it. They keep their identifiers. Only
-    /// the tree over the objects is built anew. `Scene::lint` looks at hidden objects too.
+    /// the tree over the objects is built anew, and trees of meshes that are shown again and had shared one. `Scene::lint` looks at hidden objects too.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an object that is not there; then nothing has changed.
+    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for a tree; then nothing is hidden or
+    /// shown.
     pub fn hide_objects(&mut self, objects: &[(usize, bool)]) -> Result<()> {
         for &(object, _) in objects {
             self.check_object(object)?;
         }
-        let lacks_tree =
-            |&k: &usize| self.objects[k].mesh().is_some() && self.trees[k].any().is_none();
-        let shown = objects.iter().filter(|(_, is_hidden)| !*is_hidden);
-        let shown = shown.map(|&(object, _)| object).filter(lacks_tree);
-        let shown: Vec<u32> = shown.map(|k| self.check_object(k)).collect::<Result<_>>()?;
+        // Of an object that is there twice the last one counts.
+        let last: BTreeMap<usize, bool> = objects.iter().copied().collect();
+        let which = |is_hidden: bool| {
+            let alike = last.iter().filter(move |&(_, &hidden)| hidden == is_hidden);
+            alike.map(|(&object, _)| self.check_object(object))
+        };
+        let (hidden, shown) = (which(true), which(false));
+        let lacks_tree = |&object: &u32| {
+            let object = object as usize;
+            self.objects[object].mesh().is_some() && self.trees[object].any().is_none()
+        };
+        let mut shown = shown.collect::<Result<Vec<u32>>>()?;
+        shown.retain(lacks_tree);
+        let hidden = hidden.collect::<Result<Vec<u32>>>()?;
         for (object, tree) in self.own_trees(&shown)? {
             self.trees[object] = tree;
         }
-        let hidden = objects.iter().filter(|(_, is_hidden)| *is_hidden);
-        let hidden = hidden.map(|&(object, _)| self.check_object(object));
-        self.part(&hidden.collect::<Result<Vec<u32>>>()?, false)?;
-        for &(object, is_hidden) in objects {
+        self.part(&hidden, false)?;
+        for (&object, &is_hidden) in &last {
             self.objects[object].hide(is_hidden);
         }
         self.top.rebuild(&self.objects, &self.trees);

@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::Object;
+use super::joined::ObjectTree;
 use crate::geometry::Bounds;
 use crate::shape::Shape;
 
@@ -22,14 +23,15 @@ pub(crate) struct Duplicates {
 }
 
 impl Duplicates {
-    pub(super) fn new(objects: &[Object], bounds: &[Bounds]) -> Self {
+    /// An object that shares a tree has none, and is none.
+    pub(super) fn new(objects: &[Object], trees: &[ObjectTree], bounds: &[Bounds]) -> Self {
         let mut first: HashMap<[u64; 6], Vec<u32>> = HashMap::new();
         let mut found = Self {
             is_duplicate: vec![false; objects.len()],
             of: HashMap::new(),
         };
         for ((index, object), bounds) in (0_u32..).zip(objects).zip(bounds) {
-            if object.is_hidden() {
+            if object.is_hidden() || trees[index as usize].group().is_some() {
                 continue;
             }
             let ends = [bounds.low, bounds.high].map(|end| end.to_array().map(f64::to_bits));
@@ -143,7 +145,7 @@ mod tests {
         let expected = [
             false, false, true, true, false, false, false, false, true, false,
         ];
-        let duplicates = Duplicates::new(&objects, &bounds);
+        let duplicates = Duplicates::new(&objects, &vec![ObjectTree::None; objects.len()], &bounds);
         assert_eq!(duplicates.is_duplicate, expected);
         assert_eq!(duplicates.of(1), [2, 3]);
         assert_eq!(duplicates.of(6), [8]);

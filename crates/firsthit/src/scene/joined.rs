@@ -10,6 +10,7 @@
 
 mod find;
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 #[cfg(feature = "fhs")]
@@ -90,12 +91,20 @@ impl Group {
     fn build(
         members: Vec<u32>,
         objects: &[Object],
-        build: impl FnOnce(&Mesh) -> Option<MeshTree>,
+        build: impl Fn(&Mesh) -> Option<MeshTree>,
     ) -> Option<Self> {
-        let joined = meshes(&members, objects)?;
-        let tree = build(&joined.as_one().ok()?).filter(MeshTree::has_nodes)?;
-        if has_common_triangles(&joined, &tree) {
-            return None;
+        let mut members = members;
+        let mut joined = meshes(&members, objects)?;
+        let mut tree = build(&joined.as_one().ok()?).filter(MeshTree::has_nodes)?;
+        let common = with_common_triangles(&joined, &tree);
+        if !common.is_empty() {
+            let mut number = 0..;
+            members.retain(|_| !number.next().is_some_and(|number| common.contains(&number)));
+            if members.len() < 2 {
+                return None;
+            }
+            joined = meshes(&members, objects)?;
+            tree = build(&joined.as_one().ok()?).filter(MeshTree::has_nodes)?;
         }
         let members = members.into_iter().map(Some).collect();
         Self::new(members, Arc::new(joined), Arc::new(tree))
@@ -118,12 +127,16 @@ impl Group {
         let keys: Option<Vec<Key>> = keys.collect();
         let is_common = |keys: &Vec<Key>| keys.windows(2).all(|pair| pair[0] == pair[1]);
         let is_ordered = members.is_sorted_by(|a, b| a < b);
-        if !(is_ordered && members.len() > 1 && keys.is_some_and(|keys| is_common(&keys))) {
+        let mesh = |&member: &u32| objects.get(member as usize)?.mesh().map(Arc::as_ptr);
+        let meshes_of: HashSet<_> = members.iter().map(mesh).collect();
+        let are_distinct = meshes_of.len() == members.len();
+        let is_group = is_ordered && are_distinct && members.len() > 1;
+        if !(is_group && keys.is_some_and(|keys| is_common(&keys))) {
             return Err("it joins objects that are not alike");
         }
         let meshes = meshes(members, objects).ok_or("it joins too many triangles")?;
         let tree = tree(Meshes::Joined(&meshes))?;
-        if !tree.has_nodes() || has_common_triangles(&meshes, &tree) {
+        if !tree.has_nodes() || !with_common_triangles(&meshes, &tree).is_empty() {
             return Err("its tree has no nodes, or objects have triangles in common");
         }
         let members = members.iter().copied().map(Some).collect();
@@ -158,11 +171,12 @@ impl Group {
         Some((self.objects[member]?, triangle))
     }
 
-    /// The object that has a triangle of the tree, and its number there; those of the leader where the object has left.
+    /// The object that has a triangle of the tree, and its number there. Nobody meets one whose object has left, unless a file's boxes are
+    /// wrong; then it is said to be the leader's first.
     #[inline]
     pub(crate) fn surface(&self, primitive: i32) -> SurfaceId {
         let located = self.locate(primitive.cast_unsigned());
-        let (object, triangle) = located.unwrap_or((self.leader, primitive.cast_unsigned()));
+        let (object, triangle) = located.unwrap_or((self.leader, 0));
         SurfaceId {
             object: object.cast_signed(),
             primitive: triangle.cast_signed(),
@@ -219,11 +233,12 @@ impl Group {
     }
 }
 
-/// Whether a triangle of one mesh is in the place of another's. If one of them left, the tree would lack the other.
-fn has_common_triangles(meshes: &JoinedMeshes, tree: &MeshTree) -> bool {
+/// The meshes that have a triangle in the place of an earlier one's. If that left, the tree would lack the triangle.
+fn with_common_triangles(meshes: &JoinedMeshes, tree: &MeshTree) -> HashSet<usize> {
     let mesh = |triangle| meshes.locate(triangle).0;
-    let mut pairs = tree.copies().iter();
-    pairs.any(|&[first, copy]| mesh(first) != mesh(copy))
+    let pairs = tree.copies().iter();
+    let common = pairs.filter(|&&[first, copy]| mesh(first) != mesh(copy));
+    common.map(|&[_, copy]| mesh(copy)).collect()
 }
 
 /// The meshes of objects.

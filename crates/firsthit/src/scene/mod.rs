@@ -216,9 +216,11 @@ impl Scene {
             ..self.build
         };
         let mut scene = self.try_clone()?;
-        // Objects that have left a group may join another one.
-        let are_whole = self.groups().all(|group| group.is_whole());
-        scene.trees = object_trees(&self.objects, best, Some(self).filter(|_| are_whole))?;
+        scene.trees = object_trees(&self.objects, best, Some(self))?;
+        if !scene.groups().all(|group| group.is_whole()) {
+            // Objects that have left a group may join another one.
+            scene.trees = object_trees(&self.objects, best, None)?;
+        }
         scene.top.rebuild(&scene.objects, &scene.trees);
         Ok(scene)
     }

@@ -97,7 +97,7 @@ impl Candidate {
 impl TopTree {
     /// Of objects with these boxes around them, at most `i32::MAX`.
     pub(super) fn new(objects: &[Object], trees: &[ObjectTree], boxes: Vec<Bounds>) -> Self {
-        let duplicates = Duplicates::new(objects, &boxes);
+        let duplicates = Duplicates::new(objects, trees, &boxes);
         Self::with_duplicates(objects, trees, boxes, duplicates)
     }
 

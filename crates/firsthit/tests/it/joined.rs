@@ -1,11 +1,14 @@
 //! Objects in one space share a tree. What they answer is what each answers alone, to the bit: brute force asks object by object.
 
+use std::path::Path;
 use std::sync::Arc;
 
+use firsthit::load::{LoadSettings, load_bytes};
 use firsthit::shoot::{All, Any, BruteForce, Count, Cpu, Engine, First, trace, trace_with};
+use firsthit::world::World;
 use firsthit::{
     Camera, Cuboid, DAffine3, DQuat, DVec2, DVec3, Departure, Filtered, InstructionSet, Mesh,
-    Object, Ray, RayFilter, Rays, Scene, Sphere, SurfaceId, Transform,
+    Object, Ray, RayFilter, Rays, Scene, Sphere, SurfaceId, Transform, fhs,
 };
 
 use crate::filters::{filtered, leaving_together, same};
@@ -274,6 +277,106 @@ fn objects_that_move_or_hide_leave_those_that_they_were_joined_with() {
             );
         }
     }
+}
+
+/// Asks all of a changed scene, and one opened from its file.
+fn check_changed(changed: &Scene, seed: u64) {
+    let anew = scene(changed.objects().to_vec());
+    let (rays, filters) = filtered(&anew, cases(300), seed);
+    let filters = Filtered::each(&rays, &filters);
+    let mut numbers = Numbers::new(seed);
+    let mut points: Vec<[f64; 3]> = (0..cases(60))
+        .map(|_| (2.0 * numbers.point()).to_array())
+        .collect();
+    points.extend([[0.0, 0.0, 1e10], [1e300, 0.0, 0.0]]);
+    let world = World::default();
+    let bytes = fhs::encode(changed, &world, &()).unwrap();
+    let opened = load_bytes(Path::new("a.fhs"), &bytes, &LoadSettings::default()).unwrap();
+    for scene in [changed, &opened.into_scene().unwrap()] {
+        check_queries(scene, &rays[..]);
+        check_queries(scene, &filters);
+        checked(scene, &points);
+    }
+}
+
+/// An animation sets all poses at each step, of what stands still, too.
+#[test]
+fn objects_that_are_moved_to_where_they_are_stay_with_the_others() {
+    for seed in 0..3 {
+        let mut changed = scene(pieces(seed));
+        let places = changed.objects().iter().map(|object| *object.transform());
+        let places: Vec<_> = places.enumerate().collect();
+        for &place in &places {
+            changed.move_objects(&[place]).unwrap();
+        }
+        check_changed(&changed, seed);
+        let mut all = places;
+        all[2].1 = Transform::translation(DVec3::X).unwrap();
+        changed.move_objects(&all).unwrap();
+        check_changed(&changed, seed);
+    }
+}
+
+#[test]
+fn an_object_is_hidden_and_shown_in_one_call_and_in_several() {
+    let mut changed = scene(pieces(1));
+    changed
+        .hide_objects(&[(2, true), (2, false), (4, false), (4, true)])
+        .unwrap();
+    assert!(!changed.objects()[2].is_hidden() && changed.objects()[4].is_hidden());
+    check_changed(&changed, 1);
+    let all: Vec<_> = (0..changed.objects().len()).map(|k| (k, true)).collect();
+    changed.hide_objects(&all).unwrap();
+    check_changed(&changed, 2);
+    changed
+        .hide_objects(&[(3, false), (5, false), (6, false)])
+        .unwrap();
+    check_changed(&changed, 3);
+}
+
+#[test]
+fn a_mesh_that_is_moved_onto_a_joined_one_hides_no_other() {
+    let tile = |x: f64| {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let points = points.map(|[u, v]| DVec3::new(x + u, v, 0.0));
+        Object::new(mesh(&points, vec![[0, 1, 2], [0, 2, 3]]))
+    };
+    let beside = Transform::translation(DVec3::new(0.0, 0.0, 3.0)).unwrap();
+    let loose = tile(0.0).placed(beside);
+    for objects in [
+        vec![loose.clone(), tile(0.0), tile(2.0), tile(4.0)],
+        vec![tile(0.0), tile(2.0), tile(4.0), loose],
+    ] {
+        let mut changed = scene(objects);
+        let mover = if changed.objects()[0].transform().is_identity() {
+            3
+        } else {
+            0
+        };
+        changed.move_object(mover, Transform::IDENTITY).unwrap();
+        check_changed(&changed, 5);
+        let rays = [0.5, 2.5, 4.5].map(|x| Ray::new(DVec3::new(x, 0.3, 5.0), DVec3::NEG_Z));
+        assert!(
+            trace(&changed, &rays[..], Any, &())
+                .unwrap()
+                .iter()
+                .all(|&met| met)
+        );
+    }
+}
+
+/// All of a group with another transform: what a start is computed from is another number then.
+#[test]
+fn a_group_whose_objects_all_move_begins_anew() {
+    let mut changed = scene(pieces(0));
+    let far = Transform::translation(DVec3::new(0.0, 0.0, 3e5)).unwrap();
+    let objects = changed.objects().iter().map(|object| match object.mesh() {
+        Some(_) if object.transform().is_identity() => object.clone().placed(far),
+        _ => object.clone(),
+    });
+    let objects: Vec<Object> = objects.collect();
+    changed = changed.with_objects(objects).unwrap();
+    check_changed(&changed, 7);
 }
 
 #[test]

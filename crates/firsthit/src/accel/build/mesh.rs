@@ -46,6 +46,7 @@ impl MeshTree {
             order: (0..count(mesh.triangles().len())).collect(),
             copies: Storage::default(),
             present: None,
+            children_left: None,
             cost: 0.0,
             is_quick: false,
         }
@@ -97,6 +98,7 @@ impl MeshTree {
             nodes: nodes.into(),
             copies: copies(mesh, &order, &leaves).into(),
             present: None,
+            children_left: None,
             leaves: leaves.into(),
             order: order.into(),
             cost: 0.0,

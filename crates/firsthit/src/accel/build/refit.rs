@@ -76,6 +76,7 @@ impl MeshTree {
             order: memory::copy(&self.order).into(),
             copies: Storage::default(),
             present: None,
+            children_left: None,
             cost: self.cost,
             is_quick: self.is_quick,
         };

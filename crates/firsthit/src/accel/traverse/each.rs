@@ -92,7 +92,7 @@ impl Kernel for EachCandidate<'_> {
             }
             Approach::Somewhere => {
                 let mut t_max = ray.t_max;
-                for &triangle in &tree.order {
+                for &triangle in tree.all_present().iter() {
                     t_max = visit(triangle, t_max);
                     if t_max == END {
                         return;

@@ -41,7 +41,7 @@ use super::stack::Stack;
 use crate::accel::bounds::{NEAR, NEAR_FARTHEST, NEAR_LEAST, NEAR_SQUARED};
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::Meshlet;
-use crate::accel::node::{LEAF, Node};
+use crate::accel::node::LEAF;
 use crate::geometry::{Bounds, DMat3, DVec3, Transform, single};
 use crate::shape::Meshes;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
@@ -120,7 +120,7 @@ pub(crate) fn each_near<L: Lanes>(
 ) {
     let near = TreePoint::new((tree, mesh), point, place).filter(|_| tree.has_nodes());
     let Some(point) = near else {
-        for &triangle in &tree.order {
+        for &triangle in tree.all_present().iter() {
             visit(triangle, mesh.corners(triangle));
         }
         return;
@@ -131,7 +131,7 @@ pub(crate) fn each_near<L: Lanes>(
     let mut index = 0_u32;
     loop {
         if index & LEAF == 0 {
-            push_children(l, stack, &point, &tree.nodes[index as usize], limit);
+            push_children(l, stack, &point, tree, index, limit);
         } else {
             let index = index & !LEAF;
             let leaf = &tree.leaves[index as usize];
@@ -175,7 +175,15 @@ fn nearest_lane(of: &[f32; LANES], mask: u16) -> usize {
 
 /// Puts the children of a node that are within the limit onto the stack, the nearest on top.
 #[inline(always)]
-fn push_children<L: Lanes>(l: L, stack: &mut Stack, point: &TreePoint, node: &Node, limit: f32) {
+fn push_children<L: Lanes>(
+    l: L,
+    stack: &mut Stack,
+    point: &TreePoint,
+    tree: &MeshTree,
+    index: u32,
+    limit: f32,
+) {
+    let node = &tree.nodes[index as usize];
     let [x, y, z] = point.at;
     let (x, y, z) = (l.splat(x), l.splat(y), l.splat(z));
     macro_rules! gap {
@@ -187,7 +195,7 @@ fn push_children<L: Lanes>(l: L, stack: &mut Stack, point: &TreePoint, node: &No
     }
     let (x, y, z) = (gap!(x, 0), gap!(y, 1), gap!(z, 2));
     let squared = l.mul_add(x, x, l.mul_add(y, y, l.mul(z, z)));
-    let within = l.le(squared, l.splat(limit));
+    let within = tree.children_left(index) & l.le(squared, l.splat(limit));
     let mut all = Aligned([0.0; LANES]);
     l.store(squared, &mut all.0);
     let base = stack.len();

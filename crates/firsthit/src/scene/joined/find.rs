@@ -96,10 +96,10 @@ pub(in crate::scene) fn kept(
             let mesh = before.objects[object as usize].mesh()?;
             there.get(&Arc::as_ptr(mesh))
         };
-        let (_, common) = group.members().find_map(|(object, _)| found(object))?;
+        let common = key(&before.objects[group.leader as usize])?;
         let new = |object| {
             let (object, key) = found(object)?;
-            (key == common).then_some(*object)
+            (*key == common).then_some(*object)
         };
         if group
             .members()
