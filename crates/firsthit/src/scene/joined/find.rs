@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Group;
 use crate::accel::MeshTree;
-use crate::geometry::Bounds;
+use crate::geometry::{Bounds, DVec3};
 use crate::scene::top_tree::LARGEST_SLACK;
 use crate::scene::{Object, Scene, extent};
 use crate::shape::{Mesh, Positions};
@@ -133,7 +133,21 @@ pub(in crate::scene) fn found(
     groups.map(Arc::new).collect()
 }
 
-/// Parts objects so that float32 tells the triangles of each part from one another. Those that are alone are left out.
+/// Whether objects fill the box around them so much that a ray through it is expected to come to one.
+fn are_dense(members: &[u32], around: impl Fn(&u32) -> Bounds) -> bool {
+    /// Boxes that a ray meets, at least.
+    const FEWEST: f64 = 0.5;
+    let half_area = |bounds: Bounds| {
+        let DVec3 { x, y, z } = bounds.size();
+        x * y + y * z + z * x
+    };
+    let boxes = members.iter().map(&around);
+    let whole = boxes.clone().fold(Bounds::EMPTY, Bounds::union);
+    boxes.map(half_area).sum::<f64>() >= FEWEST * half_area(whole)
+}
+
+/// Parts objects so that float32 tells the triangles of each part from one another. Those that are alone, or far apart, are left out: a
+/// ray would come to their tree for nothing.
 fn in_sizes(objects: &[Object], mut members: Vec<u32>) -> Vec<Vec<u32>> {
     let mesh = |member: u32| objects[member as usize].mesh();
     let mut parts = Vec::new();
@@ -152,7 +166,7 @@ fn in_sizes(objects: &[Object], mut members: Vec<u32>) -> Vec<Vec<u32>> {
         };
         let (coarse, fine): (Vec<u32>, Vec<u32>) = members.into_iter().partition(is_coarse);
         let is_over = coarse.is_empty();
-        if coarse.len() > 1 {
+        if coarse.len() > 1 && are_dense(&coarse, around) {
             parts.push(coarse);
         }
         if is_over {
