@@ -28,7 +28,7 @@ pub(super) struct EightPairs {
     is_scaled: u8,
 }
 
-/// What is found of the eight: `t` and the weights of the corners 1 and 2.
+/// The crossings of the eight: `t` and the weights of the corners 1 and 2.
 pub(super) struct Located {
     /// The lanes in which these are those of the exact test.
     pub(super) sound: u8,

@@ -288,7 +288,7 @@ impl<'a> Beside<'a> {
         shells.iter().map(|&shell| self.sign(shell as usize)).sum()
     }
 
-    /// What a shell itself adds to that of those that a point is in.
+    /// The turns of a shell itself around a point, to be taken from the turns of all.
     fn own_turn(&self, k: usize, around: &[u32]) -> i32 {
         let is_in = around.iter().any(|&shell| shell as usize == k);
         if is_in { self.sign(k) } else { 0 }

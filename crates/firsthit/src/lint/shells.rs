@@ -88,7 +88,7 @@ fn joined(subject: &Subject<'_>) -> DisjointSets {
     sets
 }
 
-/// What the edges of a set of triangles say, the worst of them last.
+/// How a set of triangles closes at its edges, from the best to the worst.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Edges {
     /// There are none, or they are not looked at.
@@ -100,7 +100,7 @@ enum Edges {
     Open,
 }
 
-/// What the edges of each set say, at its first triangle, some triangles turned.
+/// How each set of triangles closes, at its first triangle, some triangles turned.
 fn edges_of(
     subject: &Subject<'_>,
     sets: &mut DisjointSets,

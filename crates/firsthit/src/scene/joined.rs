@@ -30,9 +30,9 @@ use crate::shape::{JoinedMeshes, Mesh, Meshes};
 pub(crate) enum ObjectTree {
     /// The object is no mesh.
     None,
-    /// That of its mesh, shared by all objects that share the mesh.
+    /// A tree over its mesh alone. All objects that have the mesh have the tree.
     Own(Arc<MeshTree>),
-    /// That of a group, and which of its members the object is.
+    /// The tree of a group, and which of its members the object is.
     Shared(Arc<Group>, u32),
 }
 

@@ -15,7 +15,7 @@ use super::reinsert::reinsert;
 use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::memory;
 
-/// What a node knows of a leaf, and its place on the curve.
+/// A leaf as a node knows it, and its place on the curve.
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
     pub(super) bounds: Box32,

@@ -31,7 +31,7 @@ pub(crate) struct Node {
 }
 
 impl Node {
-    /// What is crossed.
+    /// The surface that is crossed.
     pub(crate) fn surface(&self) -> SurfaceId {
         SurfaceId {
             object: self.object,

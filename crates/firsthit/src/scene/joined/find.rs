@@ -13,7 +13,7 @@ use crate::shape::{Mesh, Positions};
 /// Triangles smaller than this share of what all joined objects reach over are left out.
 const FINEST: f64 = 1.0 / (1 << 18) as f64;
 
-/// What objects must have in common to be joined: their transform, to the last bit, their mask, and the type of their vertices.
+/// The properties that joined objects have in common: their transform, to the last bit, their mask, and the type of their vertices.
 pub(super) type Key = ([[u64; 12]; 2], u32, bool);
 
 /// `None` for an object that is in no group.

@@ -17,7 +17,7 @@ const ALL: [u32; 2] = [0, NO_TRIANGLE];
 /// the mesh.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Begin {
-    /// What the start is computed from: its largest number.
+    /// The largest number that the start is computed from.
     start: f64,
     /// The largest coordinate of the ray's direction.
     along: f64,
