@@ -602,7 +602,7 @@ def test_poses_of_three_decimals_become_the_nearest_rotation_with_a_warning():
 def test_a_refused_pose_says_how_far_it_is_off_and_how_far_it_may_be(tmp_path):
     given = {"K": (60, 60, 32, 24), "rows": 48, "columns": 64, "convention": "blender"}
     camera = fh.Camera.from_intrinsics(**given)
-    rig = fh.Rig([("a", camera)])
+    rig = fh.Rig({"a": camera})
     off = r"1\.0e-2 off the nearest rotation, and what is rounded by up to 1e-3 is mended"
     for scales, why in (
         ((1.01, 1, 1), off),
@@ -616,7 +616,7 @@ def test_a_refused_pose_says_how_far_it_is_off_and_how_far_it_may_be(tmp_path):
         for refused in (
             lambda pose=pose: fh.Camera.from_intrinsics(pose=pose, **given),
             lambda pose=pose: camera.moved(pose),
-            lambda pose=pose: rig.moved(pose),
+            lambda pose=pose: rig.at(pose),
             lambda: fh.Camera.from_nerfstudio(tmp_path / "transforms.json"),
         ):
             with pytest.raises(ValueError, match=f"without a scale or a mirror, got .*{why}"):

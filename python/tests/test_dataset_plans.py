@@ -230,7 +230,7 @@ DRIVE = {"body": "forwards-left-up", "times": [0, 1], "positions": [[0, 0, 0], [
             lambda made: made.update(
                 poses={"kind": "list", "body": "forwards-left-up", "matrices": [[[2, 0, 0, 0]] * 4]}
             ),
-            "pose 0: pose must be a rotation and a translation",
+            "pose 0: pose must be a finite 4 x 4 matrix",
         ),
         (lambda made: made.update(poses={"kind": "path"}), "missing key `trajectory`"),
         (
