@@ -297,7 +297,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`](crate::Error::Argument) for focal lengths that are not positive, and all that [`Camera::new`] refuses.
+    /// [`Error::Argument`] for focal lengths that are not positive, and all that [`Camera::new`] refuses.
     pub fn from_intrinsics(
         matrix: &PixelMatrix,
         pose: &DAffine3,
