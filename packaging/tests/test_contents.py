@@ -115,8 +115,8 @@ def test_a_crate_has_its_licence_its_page_and_no_tests(name):
     folder = ROOT / "crates" / name
     sources = {*folder.glob("*.rs"), *(folder / "src").rglob("*.rs")}
     assert {path.relative_to(folder).as_posix() for path in sources} <= crate.keys()
-    # 3.4 MB of code, with its unit tests.
-    assert sum(map(len, crate.values())) < 3.8e6
+    # 3.7 MB of code, with its unit tests.
+    assert sum(map(len, crate.values())) < 3.9e6
     package = tomllib.loads(crate["Cargo.toml"].decode())["package"]
     for key in ["description", "documentation", "license", "readme", "rust-version"]:
         assert package[key]
