@@ -60,9 +60,10 @@ class Changes(Traceable):
         microseconds. The next call that needs the trees copies the list of objects, once for all
         moves since the last one, and refits the boxes above the moved objects: among a thousand
         objects some 100 microseconds, whatever the size of their meshes. If many have moved, and
-        now and then, it builds the tree over the objects anew. Calls that are running see the scene
-        as it was. `Scene.bounds`, and with it `Camera.framing`, then visits the vertices of turned
-        meshes once.
+        now and then, it builds the tree over the objects anew. Meshes in one space share a tree:
+        one that is moved for the first time gets its own, in the time of a build. Calls that are
+        running see the scene as it was. `Scene.bounds`, and with it `Camera.framing`, then visits
+        the vertices of turned meshes once.
 
         Parameters
         ----------

@@ -159,7 +159,7 @@ pub fn escape_controls(text: &str) -> String {
     line
 }
 
-/// What to tell of names beside one that is not among them: the first of those there are, or `none`.
+/// The text about names beside one that is not among them: the first of those there are, or `none`.
 pub(crate) fn there_are(names: &[String], none: &str) -> String {
     /// So many are listed at most.
     const MOST: usize = 20;

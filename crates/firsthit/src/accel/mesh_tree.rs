@@ -67,7 +67,7 @@ impl MeshTree {
         !self.copies.is_empty()
     }
 
-    /// Those of some triangles of a leaf, a bit each, that have not been taken out.
+    /// Keeps of some triangles of a leaf, a bit each, those that have not been taken out.
     #[inline(always)]
     pub(super) fn present(&self, leaf: u32, triangles: u16) -> u16 {
         match &self.present {

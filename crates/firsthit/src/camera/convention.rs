@@ -226,7 +226,7 @@ pub fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64)> {
     (off <= FARTHEST).then_some((turned, off))
 }
 
-/// What to tell of a pose that is [`orthonormalised`], whose numbers were `off` by so much.
+/// The warning about a pose that is [`orthonormalised`], whose numbers were `off` by so much.
 pub fn rounded_pose(off: f64) -> String {
     format!(
         "the rotation is rounded, and the nearest one is taken: numbers change by up to {off:.1e}"

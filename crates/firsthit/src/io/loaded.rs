@@ -55,7 +55,7 @@ impl Loaded {
     }
 }
 
-/// What to tell of a variant that is asked for, where none of a file's has that name.
+/// The warning about a variant that is asked for, where none of a file's has that name.
 pub(crate) fn unknown_variant(asked: &str, names: &[String]) -> Option<String> {
     if names.iter().any(|name| name == asked) {
         return None;

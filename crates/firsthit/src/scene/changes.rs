@@ -9,8 +9,8 @@ use crate::geometry::Transform;
 
 impl Scene {
     /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by
-    /// one that is built anew. This takes microseconds: nothing is built but, now and then, the tree over the objects, and once a tree of its
-    /// own for a mesh that shared one with others in its space.
+    /// one that is built anew. This takes microseconds: nothing is built but, now and then, the tree over the objects. A mesh that shares a
+    /// tree with others in its space gets its own when it is first moved.
     ///
     /// ```
     /// use firsthit::{DVec3, Object, Scene, Sphere, Transform, shoot};
@@ -33,8 +33,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for a tree of its own for an object
-    /// that shares one; then nothing has moved.
+    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for trees of objects that shared
+    /// one; then nothing has moved.
     pub fn move_objects(&mut self, places: &[(usize, Transform)]) -> Result<()> {
         let moved = places.iter().map(|&(object, _)| self.check_object(object));
         let moved = moved.collect::<Result<Vec<u32>>>()?;
@@ -67,30 +67,26 @@ impl Scene {
     }
 
     /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides it. They keep their identifiers. Only
-    /// the tree over the objects is built anew, and trees of meshes that are shown again and had shared one. `Scene::lint` looks at hidden objects too.
+    /// the tree over the objects is built anew, and the trees of meshes that are shown again and had shared one. `Scene::lint` looks at
+    /// hidden objects too.
     ///
     /// # Errors
     ///
-    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for a tree; then nothing is hidden or
-    /// shown.
+    /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for a tree; then nothing is
+    /// hidden or shown.
     pub fn hide_objects(&mut self, objects: &[(usize, bool)]) -> Result<()> {
-        for &(object, _) in objects {
-            self.check_object(object)?;
-        }
         // Of an object that is there twice the last one counts.
         let last: BTreeMap<usize, bool> = objects.iter().copied().collect();
-        let which = |is_hidden: bool| {
-            let alike = last.iter().filter(move |&(_, &hidden)| hidden == is_hidden);
-            alike.map(|(&object, _)| self.check_object(object))
-        };
-        let (hidden, shown) = (which(true), which(false));
-        let lacks_tree = |&object: &u32| {
-            let object = object as usize;
-            self.objects[object].mesh().is_some() && self.trees[object].any().is_none()
-        };
-        let mut shown = shown.collect::<Result<Vec<u32>>>()?;
-        shown.retain(lacks_tree);
-        let hidden = hidden.collect::<Result<Vec<u32>>>()?;
+        let (mut hidden, mut shown) = (Vec::new(), Vec::new());
+        for (&object, &is_hidden) in &last {
+            let identifier = self.check_object(object)?;
+            let has_mesh = self.objects[object].mesh().is_some();
+            if is_hidden {
+                hidden.push(identifier);
+            } else if has_mesh && self.trees[object].any().is_none() {
+                shown.push(identifier);
+            }
+        }
         for (object, tree) in self.own_trees(&shown)? {
             self.trees[object] = tree;
         }

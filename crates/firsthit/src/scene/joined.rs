@@ -87,7 +87,7 @@ impl Group {
         })
     }
 
-    /// Of these objects; `None` where they cannot be joined, or there is no memory for it.
+    /// Joins objects; `None` where they cannot be joined, or there is no memory for it.
     fn build(
         members: Vec<u32>,
         objects: &[Object],
@@ -110,7 +110,7 @@ impl Group {
         Self::new(members, Arc::new(joined), Arc::new(tree))
     }
 
-    /// Of these objects and a tree that nobody vouches for, which `tree` makes.
+    /// Joins objects by a tree that nobody vouches for, which `tree` makes.
     ///
     /// # Errors
     ///

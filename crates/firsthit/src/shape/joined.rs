@@ -79,7 +79,7 @@ impl<'a> Meshes<'a> {
         mesh.corners(triangle as usize)
     }
 
-    /// Of joined meshes the largest number that the place of a triangle's mesh is computed from; else 0.
+    /// The largest number that the place of a triangle's mesh in the world is computed from; 0 where there is one mesh alone.
     pub(crate) fn farthest(self, triangle: u32) -> f64 {
         match self {
             Self::One(_) => 0.0,
@@ -126,7 +126,7 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// Of every so many triangles it is noted which mesh has them.
+/// How many triangles are a block, of whose first one the mesh is noted.
 const BLOCK: usize = 64;
 
 /// See [the module](self).
@@ -135,7 +135,7 @@ pub(crate) struct JoinedMeshes {
     meshes: Vec<Arc<Mesh>>,
     /// The number of each mesh's first triangle, and in the end how many there are.
     starts: Vec<u32>,
-    /// Of each [`BLOCK`]th triangle the mesh that has it.
+    /// The mesh that has the first triangle of each [`BLOCK`].
     blocks: Vec<u32>,
     bounds: Bounds,
     /// The largest number that the place of each mesh in the world is computed from.
@@ -145,7 +145,8 @@ pub(crate) struct JoinedMeshes {
 }
 
 impl JoinedMeshes {
-    /// Of meshes with triangles, each with the largest number that its place in the world is computed from. `None` for more triangles than a number of 31 bits can count.
+    /// Joins meshes with triangles, each with the largest number that its place in the world is computed from. `None` for more triangles
+    /// than a number of 31 bits can count.
     pub(crate) fn new(meshes: Vec<Arc<Mesh>>, farthest: Vec<f64>) -> Option<Self> {
         let mut starts = Vec::with_capacity(meshes.len() + 1);
         let mut blocks = Vec::new();

@@ -150,7 +150,7 @@ impl Mesh {
         Ok(Self::of_others(positions, triangles, bounds))
     }
 
-    /// Of triangles that are those of meshes, in this box.
+    /// The mesh of triangles that other meshes have, in this box: nothing is checked.
     pub(super) fn of_others(
         positions: impl Into<Arc<Positions>>,
         triangles: Vec<[u32; 3]>,

@@ -64,7 +64,7 @@ impl ScaledRay {
         t > self.t_min && t <= self.t_max && t.is_finite()
     }
 
-    /// What was met of a surface, as a hit of the ray that the caller has.
+    /// A crossing with a surface, as a hit of the ray that the caller has.
     #[inline(always)]
     pub(super) fn hit(&self, surface: SurfaceId, crossing: Crossing) -> Option<Hit> {
         self.holds(&crossing).then_some(Hit {

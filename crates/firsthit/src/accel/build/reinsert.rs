@@ -39,7 +39,7 @@ pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
 struct Tree {
     /// Children stand side by side, in no order else.
     nodes: Vec<BinaryNode>,
-    /// Of each node; the root has itself.
+    /// The parent of each node; the root is its own.
     parents: Vec<u32>,
 }
 

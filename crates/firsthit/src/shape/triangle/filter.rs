@@ -45,7 +45,7 @@ impl Begin {
         }
     }
 
-    /// Of a mesh by its largest number.
+    /// The `t` at which the ray begins at a mesh, by the largest number of that.
     pub(crate) fn at(&self, farthest: f64) -> f64 {
         ROUNDED * self.start.max(farthest) / self.along
     }
