@@ -9,11 +9,12 @@
 //! # Error bounds
 //!
 //! A dot product is off by less than 2^-98 of the product of the lengths. Where it is more than 2^-41 of that, it is
-//! off by less than 2^-57 of itself, and `t` by less than an eighth of a unit in float64's last place.
+//! off by less than 2^-57 of itself, and `t` by less than an eighth of a unit in float64's last place. [`Sight`] has the bound of
+//! one ray, which is mostly far smaller.
 
 use super::weights::Edges;
 use super::{Place, Vector, high, plain_dot, power, splat, splat_double};
-use crate::geometry::arithmetic::Arithmetic;
+use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::double::{Double, DoubleVector, between, cross, dot, dot_plain, quotient};
 
 /// A triangle's plane, in twice the digits.
@@ -75,7 +76,7 @@ impl<N: Copy> Plane<N> {
     }
 
     #[inline(always)]
-    pub(super) fn t<A: Arithmetic<Number = N>>(
+    fn t<A: Arithmetic<Number = N>>(
         &self,
         a: A,
         from: &Start<N>,
@@ -91,6 +92,24 @@ impl<N: Copy> Plane<N> {
     }
 }
 
+/// Where a ray comes to a plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight {
+    t: Double<f64>,
+    /// `t` is off by less than this.
+    off: f64,
+}
+
+impl Sight {
+    /// The float64 nearest to the exact `t`, if that is sure. Of two it is the even one.
+    #[inline(always)]
+    pub(super) fn nearest(&self) -> Option<f64> {
+        let t = self.t.high;
+        let beside = self.t.low.abs() + self.off;
+        (t + beside == t && t - beside == t).then_some(t)
+    }
+}
+
 /// Where a plane is from an origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Start<N> {
@@ -101,6 +120,29 @@ pub(crate) struct Start<N> {
 }
 
 impl Plane<f64> {
+    /// Where a ray comes to the plane; `None` where twice the digits are not enough.
+    #[inline(always)]
+    pub(super) fn sight(&self, origin: &Vector<f64>, d: &Vector<f64>) -> Option<Sight> {
+        let start = between(Scalar, &self.first, origin);
+        let above = dot(Scalar, &self.normal, &start);
+        let slope = dot_plain(Scalar, &self.normal, d);
+        let (from, along) = (high(&start), plain_dot(Scalar, d, d));
+        let reach = plain_dot(Scalar, &from, &from);
+        let [e, f] = self.squares;
+        let are_in_range = [e, f, reach, along].map(|square| in_range(Scalar, square));
+        let off = |square: f64| OFF * (e * f * square).sqrt();
+        let of_slope = off(along) / slope.high.abs();
+        let is_sure = of_slope < power(-60);
+        if are_in_range.contains(&false) || !is_sure {
+            return None;
+        }
+        let t = quotient(Scalar, above, slope);
+        let of_start = off(reach) / slope.high.abs();
+        // Twice the sum is more than what is left out: products of these, and roundings.
+        let off = 2.0 * (of_start + (of_slope + power(-100)) * t.high.abs());
+        Some(Sight { t, off })
+    }
+
     /// The same in all lanes.
     #[inline(always)]
     pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Plane<A::Number> {
@@ -126,6 +168,9 @@ impl Start<f64> {
         }
     }
 }
+
+/// What a dot product is off by at most, as a share of the product of the lengths; see the error bounds above.
+const OFF: f64 = power(-98);
 
 /// The square of what a dot product must be at least, as a share of the product of the lengths; see the error bounds
 /// above.
