@@ -63,7 +63,7 @@ pub(crate) use traverse::dispatch::Dispatcher;
 pub(crate) use traverse::each::{END, EachCandidate};
 pub(crate) use traverse::filtered::FilteredQuery;
 pub(crate) use traverse::first::First;
-pub(crate) use traverse::mesh_packet::{FEWEST, MeshPacket, SettleExactly};
+pub(crate) use traverse::mesh_packet::{FEWEST, IsAfter, MeshPacket, SettleExactly};
 pub(crate) use traverse::nearest::each_near;
 pub(crate) use traverse::query::{MeshQuery, Sink};
 pub(crate) use traverse::single::{Scratch, query_mesh, query_mesh_filtered};

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Crossing, Mesh, Positions};
+use super::{Crossing, Crowds, Mesh, Positions};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, Ray, arrays};
 use crate::memory;
@@ -114,6 +114,12 @@ impl<'a> Meshes<'a> {
             Self::One(mesh) => mesh.are_in_one_plane(one, other),
             Self::Joined(joined) => joined.are_in_one_plane(one, other),
         }
+    }
+
+    /// See [`Mesh::crowds`]. Joined meshes have none.
+    #[inline(always)]
+    pub(crate) fn crowds(self) -> Option<&'a Crowds> {
+        self.one()?.crowds()
     }
 
     /// To be called where the order of two triangles along a ray had to be found exactly; see [`Mesh::ask_for_planes`].

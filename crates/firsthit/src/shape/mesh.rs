@@ -5,6 +5,7 @@ mod asked;
 mod attributes;
 mod closed;
 mod crossing;
+mod crowds;
 #[cfg(feature = "frame")]
 mod digest;
 mod disjoint_sets;
@@ -20,6 +21,7 @@ mod surface;
 mod tangents;
 mod weld;
 
+pub(crate) use crowds::Crowds;
 pub(crate) use disjoint_sets::DisjointSets;
 pub(crate) use facing::{Facing, edges, sorted};
 pub use named::NamedAttribute;

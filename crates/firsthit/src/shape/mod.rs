@@ -32,7 +32,7 @@ pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
 pub(crate) use joined::{JoinedMeshes, Meshes};
-pub(crate) use mesh::{DisjointSets, Facing, Welded, edges, sorted};
+pub(crate) use mesh::{Crowds, DisjointSets, Facing, Welded, edges, sorted};
 pub use mesh::{Mesh, NamedAttribute};
 #[cfg(feature = "fhs")]
 pub(crate) use mesh::{MeshParts, are_below};

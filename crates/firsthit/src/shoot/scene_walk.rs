@@ -265,6 +265,10 @@ impl<Q: RayQuery> Kernel for OneTriangle<'_, Q> {
         if group.is_some_and(|group| group.locate(triangle).is_none()) {
             return self.t_max;
         }
+        let direction = self.ray.0.direction;
+        if self.filter.leaves_behind(mesh, direction, triangle) {
+            return self.t_max;
+        }
         let edges = <Q::InMesh as MeshQuery>::EDGES;
         let crossing = object.intersect_triangle(mesh, triangle, (edges, self.filter), self.ray);
         let Some(crossing) = crossing else {

@@ -31,7 +31,7 @@ fn crossing(ray: &Ray, corners: [DVec3; 3]) -> Option<BigRational> {
 }
 
 /// Compares the hit with exact arithmetic over all triangles.
-fn check(scene: &Scene, ray: &Ray, hit: &Hit) {
+pub(crate) fn check(scene: &Scene, ray: &Ray, hit: &Hit) {
     let mut all = Vec::new();
     for (index, object) in (0..).zip(scene.objects()) {
         let Shape::Mesh(mesh) = object.shape() else {

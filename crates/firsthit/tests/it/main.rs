@@ -14,6 +14,7 @@ mod camera;
 mod closed;
 mod coloring;
 mod crossings;
+mod crowds;
 mod cryptomatte;
 mod display;
 mod edges;

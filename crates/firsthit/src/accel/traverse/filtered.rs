@@ -47,7 +47,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
         }
         let tree = ray.tree;
         let triangle = tree.triangle(&tree.leaves[leaf as usize], lane);
-        if ray.filter().is_in_plane_left(ray.mesh, triangle) {
+        if ray.leaves_behind(triangle) {
             return;
         }
         let here = || {

@@ -4,8 +4,8 @@
 //!    begins before it ends, it becomes the best. Where it is met is computed only if it is still the best when the traversal ends.
 //! 2. Otherwise look at the candidates one by one. Drop one that is beyond the best so far, by its depths.
 //! 3. One that is certain to be met, and certainly nearer than the best so far, becomes the best, as in step 1.
-//! 4. For any other the exact test decides, and compares it with the best so far; unless it is known to lie in the plane
-//!    of that (`shape/mesh/planes.rs`), and then the lower one is the first.
+//! 4. For any other the exact test decides, and compares it with the best so far; unless it is known to come after that:
+//!    in its plane the lower one is the first (`shape/mesh/planes.rs`), and nearly there heights tell (`shape/mesh/crowds.rs`).
 //!
 //! Most leaves need step 1 alone. The others are functions of their own, so that they take no registers from the traversal.
 
@@ -78,7 +78,7 @@ impl First {
     fn compare<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, lane: usize) {
         let leaf = &ray.tree.leaves[leaf as usize];
         if let Some(best) = self.triangle(ray)
-            && ray.is_known_to_follow(ray.tree.triangle(leaf, lane), best)
+            && ray.is_known_to_follow(l, ray.tree.triangle(leaf, lane), best)
         {
             return;
         }

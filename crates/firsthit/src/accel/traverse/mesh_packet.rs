@@ -148,10 +148,26 @@ impl MeshRay<'_> {
         }
     }
 
-    /// Whether a triangle is known to come after another, which the ray meets: the exact `t` are one in one plane.
+    /// Whether a triangle is known to come after another, which the ray meets: in one plane the exact `t` are one, and nearly there heights
+    /// tell.
     #[inline(always)]
-    pub(super) fn is_known_to_follow(&self, new: u32, old: u32) -> bool {
-        old < new && self.mesh.are_in_one_plane(old, new) && !self.is_departing()
+    pub(super) fn is_known_to_follow<L: Lanes>(&self, l: L, new: u32, old: u32) -> bool {
+        if self.is_departing() {
+            return false;
+        }
+        if old < new && self.mesh.are_in_one_plane(old, new) {
+            return true;
+        }
+        let crowds = self.mesh.crowds();
+        crowds.is_some_and(|crowds| crowds.are_together(new, old))
+            && l.call(IsAfter(self.mesh, &self.packet.ray(self.lane), [new, old]))
+    }
+
+    /// Whether a triangle is known not to be ahead of the one that the ray leaves.
+    #[inline(always)]
+    pub(super) fn leaves_behind(&self, triangle: u32) -> bool {
+        let direction = self.packet.ray(self.lane).direction;
+        self.filter().leaves_behind(self.mesh, direction, triangle)
     }
 
     /// Whether the ray leaves a surface.
@@ -184,6 +200,25 @@ impl Kernel for SettleExactly {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Self::Output {
         self.0.settle_in_place()
+    }
+}
+
+/// Whether one of two triangles of a crowd surely comes after the other, likewise.
+pub(crate) struct IsAfter<'a>(
+    pub(crate) Meshes<'a>,
+    pub(crate) &'a Ray,
+    pub(crate) [u32; 2],
+);
+
+impl Kernel for IsAfter<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> bool {
+        let Self(mesh, ray, [new, old]) = self;
+        let old = (old, mesh.corners(old));
+        mesh.crowds()
+            .is_some_and(|crowds| crowds.is_after(ray, new, old))
     }
 }
 

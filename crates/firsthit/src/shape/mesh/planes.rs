@@ -5,12 +5,14 @@
 //!
 //! 1. Sort the triangles by their planes as float64 computes them, rounded to 20 bits.
 //! 2. Of those with the same numbers each whose corners are in the plane of the first one, without rounding, is said to be in that.
+//! 3. What lies on top of one another nearly in one plane is a crowd (`crowds.rs`).
 //!
 //! Triangles that are not said to lie in one plane may do so nevertheless: rounding may part them.
 
 use std::cmp::Ordering;
 
 use super::Mesh;
+use super::crowds::Crowds;
 use super::weld::sort;
 use crate::geometry::DVec3;
 use crate::geometry::orientation::orient_3d;
@@ -26,6 +28,7 @@ pub(super) struct Planes {
     firsts: Vec<u32>,
     /// Whether all are in one plane.
     are_one: bool,
+    crowds: Option<Crowds>,
 }
 
 impl Mesh {
@@ -43,6 +46,12 @@ impl Mesh {
             Some(Planes { firsts, .. }) => firsts[one as usize] == firsts[other as usize],
             None => false,
         }
+    }
+
+    /// The crowds that are known: triangles on top of one another, nearly in one plane.
+    #[inline(always)]
+    pub(crate) fn crowds(&self) -> Option<&Crowds> {
+        self.closed.planes.known()?.crowds.as_ref()
     }
 
     /// To be called where the order of two triangles along a ray had to be found exactly.
@@ -77,7 +86,12 @@ impl Mesh {
             }
         }
         let are_one = count == firsts.len() && firsts.iter().all(|&first| first == firsts[0]);
-        Some(Planes { firsts, are_one })
+        let crowds = if are_one { None } else { Crowds::find(self) };
+        Some(Planes {
+            firsts,
+            are_one,
+            crowds,
+        })
     }
 
     /// A number for the plane of a triangle, which others may have too; `None` where float64 is not sure of an area.

@@ -41,7 +41,7 @@ const OFF: f64 = 8.0 * f64::EPSILON;
 pub(crate) struct DeparturePoint {
     pub(super) corners: [DVec3; 3],
     /// Those of the corners 1 and 2: neither is negative, and together they are at most 1. The first may need two numbers.
-    weights: [[f64; 2]; 2],
+    pub(super) weights: [[f64; 2]; 2],
     /// Which of the three weights are not zero.
     pub(super) has_weight: [bool; 3],
     /// The point, rounded: where the ray starts.

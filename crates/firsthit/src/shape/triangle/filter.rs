@@ -143,10 +143,15 @@ impl MeshFilter {
         self.left != NO_TRIANGLE && mesh.is_flat()
     }
 
-    /// Whether a triangle is known to lie in the plane of the one that is left. It is met at the start, or not at all.
+    /// Whether a triangle is known not to be ahead: in the plane of the one that is left it is met at the start, or not at all.
     #[inline(always)]
-    pub(crate) fn is_in_plane_left(&self, mesh: Meshes<'_>, triangle: u32) -> bool {
-        self.left != NO_TRIANGLE && mesh.are_in_one_plane(self.left, triangle)
+    pub(crate) fn leaves_behind(&self, mesh: Meshes<'_>, direction: DVec3, triangle: u32) -> bool {
+        let Some(point) = self.departure.as_ref().filter(|_| self.left != NO_TRIANGLE) else {
+            return false;
+        };
+        let left = (self.left, point.weights.map(|[high, low]| high + low));
+        mesh.are_in_one_plane(self.left, triangle)
+            || (mesh.crowds()).is_some_and(|crowds| crowds.is_behind(direction, triangle, left))
     }
 
     /// Whether the ray leaves a surface: then its `t` decides as it is, since it is measured from a rounded start.

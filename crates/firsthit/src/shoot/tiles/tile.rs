@@ -5,23 +5,15 @@
 //! 3. Intersect the other shapes that may be seen in the tile, eight rays at a time (`shoot/shapes.rs`). Objects that fit neither step get
 //!    single rays; so does everything where float32 cannot do the tile.
 
-use std::cmp::Ordering;
-
 use super::pixels::Pixels;
 use super::plan::{MOST_SHAPES, Placed, Plan, Rest, Source, camera_of_tile};
 use super::square::Square;
 use super::tile_rays::TileRays;
-use crate::accel::{
-    Displacements, ExactTest, SettleExactly, TILE, TileFrustum, TileScratch, TriangleId,
-    VisibilityBuffer, fill_buffer,
-};
-use crate::geometry::{DVec3, Hit, PixelGrid, Ray, arrays};
-use crate::scene::{Object, Scene};
-use crate::shape::triangle::{EdgeRule, Shear, are_close};
+use crate::accel::{Displacements, TILE, TileFrustum, TileScratch, VisibilityBuffer, fill_buffer};
+use crate::geometry::{DVec3, PixelGrid, Ray, arrays};
 use crate::shoot::batch::Memory;
 use crate::shoot::hits::HitSlices;
 use crate::shoot::ray_query::{FirstHit, RayQuery};
-use crate::shoot::scaled_ray::ScaledRay;
 use crate::shoot::shapes::{FirstOfShapes, rays_of_row};
 use crate::shoot::single::SingleRay;
 use crate::simd::{Kernel, Lanes, WIDE};
@@ -49,6 +41,8 @@ pub(super) struct TileTask<'a> {
     /// The index in their square at which its results begin.
     first_index: usize,
     pub(super) pixels: Pixels,
+    /// How often the exact test has compared two triangles of a mesh.
+    pub(super) compared: u32,
 }
 
 impl<'a> TileTask<'a> {
@@ -100,6 +94,7 @@ impl<'a> TileTask<'a> {
             size: [rows, columns],
             first_index,
             pixels,
+            compared: 0,
         }
     }
 
@@ -221,7 +216,7 @@ impl<'a> TileTask<'a> {
     }
 
     /// The ray of a pixel of the tile.
-    fn ray(&self, row: usize, column: usize) -> Ray {
+    pub(super) fn ray(&self, row: usize, column: usize) -> Ray {
         // A lens may take long to make it once more.
         if let (Some(rays), Some(_)) = (&self.rays, self.off) {
             return rays.ray(row, column);
@@ -242,52 +237,8 @@ impl<'a> TileTask<'a> {
         }
     }
 
-    /// The hit of the ray of a pixel in a triangle, by the exact test.
-    #[inline(always)]
-    pub(super) fn decide<L: Lanes>(
-        &self,
-        l: L,
-        row: usize,
-        column: usize,
-        triangle: TriangleId,
-    ) -> Option<Hit> {
-        let ray = self.ray(row, column);
-        let scene = self.plan.scene;
-        l.call(Decision {
-            scene,
-            ray,
-            triangle,
-        })
-    }
-
-    /// The order of two triangles along any ray that meets both, if they are known to lie in one plane: the lower one is the first.
-    fn known_order(&self, old: TriangleId, new: TriangleId) -> Option<Ordering> {
-        if old.object != new.object {
-            return None;
-        }
-        let (mesh, tree) = self.plan.scene.plain_mesh(old.object)?;
-        let (old, new) = (
-            tree.triangle_at(old.leaf_lane),
-            tree.triangle_at(new.leaf_lane),
-        );
-        mesh.are_in_one_plane(old, new).then(|| old.cmp(&new))
-    }
-
-    /// Whether `new` is the first of two hits of a pixel.
-    fn precedes(&self, row: usize, column: usize, new: &Hit, old: &Hit) -> bool {
-        let object = self.plan.scene.object(new);
-        if new.object == old.object
-            && are_close(new.t, old.t)
-            && let Some(mesh) = object.and_then(Object::mesh)
-        {
-            mesh.ask_for_planes();
-        }
-        ScaledRay::new(&self.ray(row, column))
-            .is_some_and(|scaled| scaled.precedes(self.plan.scene, new, old))
-    }
-
     /// The depth of a hit at `t`, in units of the viewplane's.
-    fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
+    pub(super) fn depth(&self, row: usize, column: usize, t: f64) -> f64 {
         let grid = &self.grid;
         if self.rays.is_some() {
             let normal = grid.right.cross(grid.upwards);
@@ -362,65 +313,5 @@ impl Kernel for IntersectShapes<'_, '_, '_> {
                 eight.of_rays(l, &rays[first..first + count]);
             }
         }
-    }
-}
-
-/// The exact test of a ray and a triangle, as a function of its own: it is rarely called.
-struct Decision<'a> {
-    scene: &'a Scene,
-    ray: Ray,
-    triangle: TriangleId,
-}
-
-impl Kernel for Decision<'_> {
-    type Output = Option<Hit>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> Option<Hit> {
-        let TriangleId {
-            object: index,
-            leaf_lane,
-        } = self.triangle;
-        let (mesh, tree) = self.scene.plain_mesh(index)?;
-        let scaled = ScaledRay::new(&self.ray)?;
-        let object = &self.scene.objects()[index as usize];
-        let ray = scaled.in_object(object, scaled.ray.t_max)?;
-        let corners = tree.corners_at(mesh, leaf_lane);
-        let hit = Shear::new(&ray).intersect_by(EdgeRule::Closed, corners, |doubtful| {
-            l.call(SettleExactly(doubtful))
-        })?;
-        let primitive = tree.triangle_at(leaf_lane).cast_signed();
-        let crossing = hit.crossing(primitive);
-        ray.holds(hit.t)
-            .then(|| scaled.hit(self.scene.surface_at(index, primitive), crossing))
-            .flatten()
-    }
-}
-
-impl ExactTest for TileTask<'_> {
-    #[inline(never)]
-    fn nearer<L: Lanes>(
-        &mut self,
-        l: L,
-        row: usize,
-        column: usize,
-        old: TriangleId,
-        new: TriangleId,
-    ) -> Option<(TriangleId, f64)> {
-        let known = self.known_order(old, new);
-        if known == Some(Ordering::Less) {
-            return None;
-        }
-        let new_hit = self.decide(l, row, column, new)?;
-        let old_hit = if old == TriangleId::NONE || known.is_some() {
-            None
-        } else {
-            self.decide(l, row, column, old)
-        };
-        let (triangle, hit) = match old_hit {
-            Some(old_hit) if !self.precedes(row, column, &new_hit, &old_hit) => (old, old_hit),
-            _ => (new, new_hit),
-        };
-        Some((triangle, self.depth(row, column, hit.t)))
     }
 }

@@ -92,21 +92,35 @@ impl<N: Copy> Plane<N> {
     }
 }
 
-/// Where a ray comes to a plane.
+/// Where a ray comes to the points at a height above a plane, in units of its normal.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sight {
+pub(crate) struct Sight {
+    /// At no height.
     t: Double<f64>,
     /// `t` is off by less than this.
     off: f64,
+    /// What a unit of height adds to `t`.
+    per_height: f64,
 }
 
 impl Sight {
-    /// The float64 nearest to the exact `t`, if that is sure. Of two it is the even one.
+    /// The float64 nearest to the exact `t` at no height, if that is sure. Of two it is the even one.
     #[inline(always)]
     pub(super) fn nearest(&self) -> Option<f64> {
         let t = self.t.high;
         let beside = self.t.low.abs() + self.off;
         (t + beside == t && t - beside == t).then_some(t)
+    }
+
+    /// A float64 that the nearest `t` of no point between two heights is before.
+    #[inline(always)]
+    pub(crate) fn earliest(&self, [low, high]: [f64; 2]) -> f64 {
+        let height = if self.per_height > 0.0 { low } else { high };
+        let moved = height * self.per_height;
+        // More than what `per_height`, the product and the sums are off by.
+        let rounding = 4.0 * f64::EPSILON * (moved.abs() + self.t.low.abs());
+        let slack = self.off + rounding + f64::MIN_POSITIVE;
+        self.t.high + (self.t.low + moved - slack)
     }
 }
 
@@ -122,7 +136,7 @@ pub(crate) struct Start<N> {
 impl Plane<f64> {
     /// Where a ray comes to the plane; `None` where twice the digits are not enough.
     #[inline(always)]
-    pub(super) fn sight(&self, origin: &Vector<f64>, d: &Vector<f64>) -> Option<Sight> {
+    pub(crate) fn sight(&self, origin: &Vector<f64>, d: &Vector<f64>) -> Option<Sight> {
         let start = between(Scalar, &self.first, origin);
         let above = dot(Scalar, &self.normal, &start);
         let slope = dot_plain(Scalar, &self.normal, d);
@@ -131,16 +145,29 @@ impl Plane<f64> {
         let [e, f] = self.squares;
         let are_in_range = [e, f, reach, along].map(|square| in_range(Scalar, square));
         let off = |square: f64| OFF * (e * f * square).sqrt();
-        let of_slope = off(along) / slope.high.abs();
+        let per_height = 1.0 / slope.high;
+        let of_slope = off(along) * per_height.abs();
         let is_sure = of_slope < power(-60);
         if are_in_range.contains(&false) || !is_sure {
             return None;
         }
         let t = quotient(Scalar, above, slope);
-        let of_start = off(reach) / slope.high.abs();
+        let of_start = off(reach) * per_height.abs();
         // Twice the sum is more than what is left out: products of these, and roundings.
         let off = 2.0 * (of_start + (of_slope + power(-100)) * t.high.abs());
-        Some(Sight { t, off })
+        Some(Sight { t, off, per_height })
+    }
+
+    /// The height of a point above the plane, in units of the normal, and more than it is off by.
+    pub(crate) fn height(&self, point: &Vector<f64>) -> [f64; 2] {
+        let from = between(Scalar, point, &self.first);
+        let height = dot(Scalar, &self.normal, &from).high;
+        let largest = high(&from)
+            .into_iter()
+            .fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let [e, f] = self.squares;
+        let off = 4.0 * OFF * (e * f).sqrt() * largest + f64::EPSILON * height.abs();
+        [height, off + f64::MIN_POSITIVE]
     }
 
     /// The same in all lanes.
