@@ -67,6 +67,9 @@ fn search(
     (is_met && ray.holds(crossing.t)).then_some(crossing)
 }
 
+/// So many triangles are compared each with each.
+const FEW: usize = 16;
+
 thread_local! {
     /// Memory for [`around`], to be used again.
     static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
@@ -87,7 +90,7 @@ fn around(
     };
     let leader = scene.leader_of(index);
     let at_mesh = scene.at_mesh(leader);
-    // The tree leaves out copies, and rings have them.
+    // The tree leaves out copies, of which there may be thousands.
     let rings = if at_mesh.is_some_and(|(_, tree)| tree.has_copies()) {
         None
     } else {
@@ -118,24 +121,43 @@ fn around(
         let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
         simd::run(set, each);
         SCRATCH.set(Some(scratch));
-        if is_joined {
-            keep_lowest(&mut around);
-        }
     } else {
         let triangles = 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX);
         triangles.for_each(look_at);
     }
+    keep_lowest(&mut around);
     around
 }
 
-/// Keeps of triangles in one place the lowest.
+/// Keeps of triangles in one place the lowest: a face that a file has twice is one face, whatever the order of its corners.
 fn keep_lowest(triangles: &mut Vec<(u32, [DVec3; 3])>) {
-    triangles.sort_unstable_by_key(|&(number, _)| number);
-    let mut kept: Vec<(u32, [DVec3; 3])> = Vec::with_capacity(triangles.len());
-    for triangle in triangles.drain(..) {
-        if kept.iter().all(|(_, corners)| *corners != triangle.1) {
-            kept.push(triangle);
+    if triangles.len() > FEW {
+        // Equal corners come together, the lowest number first.
+        let key = |(number, corners): &(u32, [DVec3; 3])| (sorted(*corners), *number);
+        triangles.sort_by_cached_key(key);
+        triangles.dedup_by_key(|(_, corners)| sorted(*corners));
+        return;
+    }
+    let mut kept = 0;
+    for at in 0..triangles.len() {
+        let triangle = triangles[at];
+        let is_here = |(_, other): &(u32, [DVec3; 3])| other.iter().all(|p| triangle.1.contains(p));
+        if let Some(other) = triangles[..kept].iter_mut().find(|other| is_here(other)) {
+            if triangle.0 < other.0 {
+                *other = triangle;
+            }
+        } else {
+            triangles.swap(kept, at);
+            kept += 1;
         }
     }
-    *triangles = kept;
+    triangles.truncate(kept);
+}
+
+/// The corners of a triangle as numbers, in one order for all orders.
+fn sorted(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
+    // Zeros of both signs are one.
+    let mut numbers = corners.map(|corner| (corner + DVec3::ZERO).to_array().map(f64::to_bits));
+    numbers.sort_unstable();
+    numbers
 }

@@ -104,6 +104,22 @@ fn rays_from_the_bottom_of_an_open_valley_do_not_pass_through_its_slopes() {
     }
 }
 
+#[test]
+fn a_face_that_a_mesh_has_twice_stops_rays_from_its_corners_once() {
+    let (points, triangles) = valley();
+    let ways = [[-0.9, 0.0, 0.3], [0.9, 0.4, 0.3], [0.9, 0.5, 0.91]].map(DVec3::from);
+    // A few faces around the corner, and so many that they are sorted.
+    for (first, copies) in [(1, 1), (3, 1), (4, 1), (4, 20), (4, 21)] {
+        for order in [[0, 1, 2], [1, 2, 0], [0, 2, 1]] {
+            let again = order.map(|k| triangles[first][k]);
+            let all = [triangles.clone(), vec![again; copies]].concat();
+            let scene = scene(vec![object(&points, all)]);
+            let found = stopped(&scene, DVec3::new(0.0, 0.0, 5.0), &ways);
+            assert_eq!(found, [true, true, false], "{first} {copies} {order:?}");
+        }
+    }
+}
+
 /// Heights without order on a grid, whose vertices have whole coordinates across.
 fn terrain(side: u32, numbers: &mut Numbers) -> Scene {
     let mut points = Vec::new();
