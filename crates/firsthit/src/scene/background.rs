@@ -2,7 +2,7 @@
 use crate::geometry::Digest;
 use crate::geometry::{Color, DVec3, unit};
 
-/// What a ray sees that meets nothing: a function of its direction alone.
+/// The radiance of a ray that meets nothing, as a function of its direction alone.
 ///
 /// ```
 /// use firsthit::{Background, Color, DVec3};
@@ -25,7 +25,7 @@ pub enum Background {
         horizon: Color,
         /// The linear colour straight up.
         zenith: Color,
-        /// Which way is up; any length but zero.
+        /// The direction upwards; any length but zero.
         up: DVec3,
     },
     /// Transparent. Colours get a fourth number, the pixel's coverage (alpha), and are premultiplied by it.

@@ -13,7 +13,8 @@ use crate::parallel;
 use crate::shape::Mesh;
 
 named! {
-    /// How the trees over meshes are built: what building takes, against what each ray takes after. No answer depends on it.
+    /// Trade-off between the time to build the trees of meshes and the time of each ray. No answer
+    /// depends on it.
     ///
     /// ```
     /// use firsthit::scene::{Build, BuildSettings};
@@ -25,30 +26,32 @@ named! {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub enum Build, "build":
-    /// `Fast` where few rays will be shot for each triangle, `Best` where many will, or nobody knows how many.
+    /// `Fast` where few rays will be shot for each triangle; `Best` where many will, or their
+    /// number is unknown.
     #[default]
     "auto" => Auto;
-    /// In a third of the time, or half of it where sizes of triangles differ much. A ray may meet twice as many boxes.
+    /// A build in a third of the time, or half of it where sizes of triangles differ much. A ray
+    /// may meet twice as many boxes.
     "fast" => Fast;
     /// The tree that rays go through in the least time.
     "best" => Best;
 }
 
-/// How the trees of a scene are built.
+/// Settings for building the trees of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BuildSettings {
-    /// How good they are to be.
+    /// The trade-off between building and tracing.
     pub build: Build,
     /// About how many rays will be shot, where that is known: pixels times samples, and those from there to lights.
     pub rays: Option<u64>,
 }
 
-/// With fewer rays than this for each triangle [`Build::Auto`] builds fast. The full build takes about 200 ns more for a triangle;
-/// a ray takes 20 to 100 ns more after the fast one.
+/// The least number of rays for each triangle at which [`Build::Auto`] makes the full build. That
+/// takes about 200 ns more for a triangle; a ray takes 20 to 100 ns more after the fast one.
 const RAYS_PER_TRIANGLE: u64 = 2;
 
 impl BuildSettings {
-    /// Whether trees over so many triangles together are to be built fast.
+    /// Whether the trees over `triangles` triangles in all are built fast.
     pub(super) fn is_fast(self, triangles: usize) -> bool {
         match self.build {
             Build::Fast => true,
@@ -61,11 +64,13 @@ impl BuildSettings {
     }
 }
 
-/// What building a tree takes at most, in bytes for each triangle. Where no vertices are shared it is most: four triangles have
-/// a leaf, its share of a wide node, two binary nodes with their plans, and each has three points and a place in the order.
+/// Upper bound on the memory of building a tree, in bytes for each triangle. It is reached where no
+/// vertices are shared: four triangles have a leaf, its share of a wide node, two binary nodes with
+/// their plans, and each has three points and a place in the order.
 const TREE_BYTES: usize = 160;
 
-/// The same of the fast build, where leaves are put together from parts that have them too.
+/// As [`TREE_BYTES`], for the fast build, where leaves are put together from parts that have them
+/// too.
 const FAST_TREE_BYTES: usize = 280;
 
 /// Meshes with fewer triangles are built side by side.
@@ -77,7 +82,7 @@ pub(super) struct TreeBuilder {
 }
 
 impl TreeBuilder {
-    /// For the meshes of some objects, each of which has one that needs a tree.
+    /// Chooses the builder for the meshes of `objects`, each of which has one that needs a tree.
     pub(super) fn new<'a>(build: BuildSettings, objects: impl Iterator<Item = &'a Object>) -> Self {
         Self {
             is_fast: build.is_fast(objects.map(Object::triangles).sum()),
@@ -170,7 +175,8 @@ pub(super) fn object_trees(
 }
 
 impl Scene {
-    /// Whether one in an object's place may differ from it in its vertices only, so that its tree can be fitted from the next step on.
+    /// Whether `moved` may differ from the object in its place in vertices only, so that the tree
+    /// can be refitted from the next step on.
     fn may_fit(&self, object: usize, moved: &Object) -> bool {
         let known = self.objects.get(object).and_then(Object::mesh);
         let is_alike = |(known, moved): (&Arc<Mesh>, &Arc<Mesh>)| {

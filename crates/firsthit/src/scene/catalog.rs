@@ -1,4 +1,4 @@
-//! What objects come from, by name: numbers for the nodes, meshes and materials of a scene.
+//! The names that objects come from: numbers for the nodes, meshes and materials of a scene.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -13,9 +13,9 @@ use crate::shape::Mesh;
 /// A node or a mesh of a file. Two objects come from the same one if their labels are equal.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Label {
-    /// Its number in the file, which tells nodes and meshes of the same name apart.
+    /// The number in the file, which tells nodes and meshes with equal names apart.
     pub number: u64,
-    /// Its name, which may be empty; of a node the path from the root, such as `truck/wheel`.
+    /// The name, which may be empty; of a node the path from the root, such as `truck/wheel`.
     pub name: Arc<str>,
 }
 
@@ -167,14 +167,15 @@ impl<K: Hash + Eq> Numbers<K> {
     }
 }
 
-/// By what a mesh is known: its label, or that objects share it.
+/// Identifies a mesh: by its label, or by the mesh that objects share.
 #[derive(PartialEq, Eq, Hash)]
 enum MeshKey {
     Labelled(Label),
     Shared(*const Mesh),
 }
 
-/// By what a material is known: its name and its look. Numbers count by their bits, textures by where they are in memory.
+/// Identifies a material: by its name and its look. Numbers count by their bits, textures by where
+/// they are in memory.
 #[derive(PartialEq, Eq, Hash)]
 struct MaterialKey {
     name: Arc<str>,

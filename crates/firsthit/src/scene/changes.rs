@@ -1,4 +1,4 @@
-//! What changes in a built scene: where its objects are, and which of them are hidden.
+//! Changes of a built scene: moving its objects, hiding and showing them.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;

@@ -11,14 +11,14 @@ use super::joined::ObjectTree;
 use crate::geometry::Bounds;
 use crate::shape::Shape;
 
-/// With how many earlier objects of the same bounds one is compared.
+/// The most earlier objects with equal bounds that an object is compared with.
 const MOST: usize = 4;
 
 /// The objects whose every hit an earlier one has too, at the same `t`. No ray meets them first, so they are left out of trees.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Duplicates {
     is_duplicate: Vec<bool>,
-    /// Those in the place of an object, by its index.
+    /// The duplicates of each object, by its index.
     of: HashMap<u32, Vec<u32>>,
 }
 
@@ -49,7 +49,8 @@ impl Duplicates {
         found
     }
 
-    /// Those that the second object of each pair is of the first; `None` where it is that of none, of a later one, or of two.
+    /// Builds the lists from pairs of an object and its duplicate; `None` where an index is out of
+    /// range, the first is the later one, or an object is a duplicate of two.
     #[cfg(feature = "fhs")]
     pub(super) fn from_pairs(objects: usize, pairs: &[[u32; 2]]) -> Option<Self> {
         let mut found = Self {
@@ -68,7 +69,7 @@ impl Duplicates {
         found.of.keys().all(is_first).then_some(found)
     }
 
-    /// Each duplicate after the object that it is one of, in the order of the duplicates.
+    /// Pairs of an object and its duplicate, in the order of the duplicates.
     #[cfg(feature = "fhs")]
     pub(crate) fn pairs(&self) -> Vec<[u32; 2]> {
         let of = self.of.iter();

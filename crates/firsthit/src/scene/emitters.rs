@@ -14,17 +14,17 @@ use crate::shape::{Mesh, Shape};
 /// sides. Copies of others in the same place are left out: no ray meets them.
 #[derive(Debug, Clone)]
 pub(crate) struct Emitters {
-    /// In the order of objects and primitives.
+    /// The drawn surfaces, in the order of objects and primitives.
     surfaces: Vec<SurfaceId>,
-    /// Their powers: area times luminance.
+    /// The powers of the surfaces: area times luminance.
     powers: Option<Distribution>,
     total: f64,
-    /// Whether others shine too, which are not drawn: rays have to find them.
+    /// Whether surfaces that are not drawn shine too: rays have to find them.
     has_others: bool,
 }
 
 impl Emitters {
-    /// Those of a scene.
+    /// Finds the emitters of a scene.
     pub(super) fn new(scene: &Scene) -> Self {
         let (mut surfaces, mut powers) = (Vec::new(), Vec::new());
         let mut has_others = false;
@@ -73,7 +73,7 @@ impl Emitters {
         }
     }
 
-    /// Whether there are any to draw.
+    /// Whether there are no surfaces to draw.
     pub(crate) fn is_empty(&self) -> bool {
         self.powers.is_none()
     }
@@ -148,8 +148,9 @@ impl Emitters {
         ))
     }
 
-    /// What a white matte surface takes of all of them, at a point and facing along a normal, where nothing is in the way: the irradiance
-    /// divided by pi. `None` where that takes long: for many, for those with a map, and for what is not sampled.
+    /// The radiance of a white matte surface at a point with a normal, lit by all emitters without
+    /// occlusion: the irradiance divided by pi. `None` where that takes long: for many emitters,
+    /// for those with a map, and for those that are not sampled.
     pub(crate) fn irradiance(&self, scene: &Scene, at: DVec3, normal: DVec3) -> Option<Color> {
         if self.has_others || self.surfaces.len() > MOST_SUMMED {
             return None;
@@ -180,8 +181,9 @@ impl Emitters {
         Some(sum)
     }
 
-    /// How densely [`sample`](Self::sample) puts directions around that of a ray that meets a surface, per steradian; 0 for one that
-    /// is not drawn. The ray, of length one, started at `from` and is so long, whatever it went through on its way.
+    /// The probability density with which [`sample`](Self::sample) draws the direction of a ray
+    /// that meets a surface, per steradian; 0 for a surface that is not drawn. The ray, of length
+    /// one, started at `from` and has this length, whatever it went through on its way.
     pub(crate) fn pdf(&self, surface: &SurfaceInteraction<'_>, from: DVec3, length: f64) -> f64 {
         let (object, hit) = (surface.object(), surface.hit());
         let luminance = brightness(object, hit.primitive);
@@ -217,7 +219,7 @@ impl Emitters {
     }
 }
 
-/// Of more than so many surfaces irradiance is not summed up.
+/// The most surfaces whose irradiance is summed up.
 const MOST_SUMMED: usize = 64;
 
 impl Object {
@@ -242,7 +244,7 @@ fn brightness(object: &Object, primitive: i32) -> f64 {
     object.material(primitive).map_or(0.0, luminance_of)
 }
 
-/// What triangles in one place have in common, in whatever order they name their corners.
+/// Identifies the place of a triangle, whatever the order of its corners.
 fn place(corners: [DVec3; 3]) -> [[u64; 3]; 3] {
     // Adding zero makes negative zeros positive.
     let mut place = corners.map(|corner| (corner + DVec3::ZERO).to_array().map(f64::to_bits));
@@ -268,7 +270,7 @@ fn is_clear_of(sphere: &SphereLight, at: DVec3) -> bool {
     (at - sphere.center).length() > (1.0 + 1e-9) * sphere.radius
 }
 
-/// How densely points that are drawn evenly of a sphere's area lie in a direction, per steradian.
+/// The density of directions to points drawn evenly over a sphere's area, per steradian.
 fn pdf_by_area(sphere: &SphereLight, length: f64, cosine: f64) -> f64 {
     length * length / (4.0 * PI * sphere.radius * sphere.radius * cosine.abs())
 }

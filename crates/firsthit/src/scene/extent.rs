@@ -1,4 +1,4 @@
-//! How far scenes reach: boxes around objects, and the smallest one around all.
+//! The extent of scenes: boxes around objects, and the smallest one around all.
 
 use std::sync::Arc;
 

@@ -19,7 +19,7 @@ impl Scene {
         parallel::once::<String>(&self.fingerprint, || self.digest().name())
     }
 
-    /// Adds all that shines but surfaces, whoever chose it.
+    /// Adds all that shines but surfaces, the scene's own and borrowed lights alike.
     pub(crate) fn digest_light(&self, digest: &mut Digest) {
         digest.count(self.lights.len());
         for light in &self.lights {
@@ -100,7 +100,8 @@ impl Scene {
     }
 }
 
-/// What was met before, by where it is in memory: objects share meshes, and materials textures.
+/// Digests of meshes and textures, by their address in memory: objects share meshes, and materials
+/// share textures.
 pub(super) type Known = HashMap<usize, [u8; 32]>;
 
 fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
@@ -229,7 +230,7 @@ fn digest_light(light: &Light, digest: &mut Digest) {
     digest_settings(&settings, digest);
 }
 
-/// Its radiance, not whether it is seen.
+/// Adds the environment's radiance, not whether the camera sees it.
 fn digest_environment(environment: &Environment, digest: &mut Digest) {
     digest.word("environment");
     digest.numbers(&[environment.strength]);
@@ -275,7 +276,7 @@ fn digest_environment(environment: &Environment, digest: &mut Digest) {
     }
 }
 
-/// How many texels become one part of a digest: a constant, because the parts show in the result.
+/// The number of texels in one part of a digest: a constant, because the parts show in the result.
 const AT_ONCE: usize = 1 << 16;
 
 fn digest_of_texels(texels: &[[f32; 3]]) -> [u8; 32] {

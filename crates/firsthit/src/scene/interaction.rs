@@ -1,4 +1,4 @@
-//! What there is to know about a hit.
+//! The surface interaction: the data of a hit that shaders and channels read.
 
 mod maps;
 mod rows;
@@ -35,13 +35,13 @@ pub struct SurfaceInteraction<'a> {
     object: &'a Object,
     /// The mesh, and which of its triangles.
     pub(super) mesh: Option<(&'a Mesh, usize)>,
-    /// How the scene is coloured by numbers, if it is.
+    /// The scene's colouring by numbers, if there is one.
     colored: Option<&'a Colored>,
-    /// Once it is known.
+    /// The position and normal, once computed.
     geometry: Cell<Option<Geometry>>,
 }
 
-/// Where the surface is, and how it lies.
+/// The position and the geometric normal, in the world.
 #[derive(Debug, Clone, Copy)]
 struct Geometry {
     position: DVec3,
@@ -49,7 +49,7 @@ struct Geometry {
 }
 
 impl Scene {
-    /// What there is to know about a ray's hit; `None` for a miss.
+    /// The surface interaction of a ray's hit; `None` for a miss.
     ///
     /// It takes a hit of this scene. With one of another scene it answers for whatever has its identifiers here: `None` where there is
     /// no such object, or its mesh has no such triangle.
@@ -82,7 +82,7 @@ impl<'a> SurfaceInteraction<'a> {
         self.ray
     }
 
-    /// What the ray met.
+    /// The hit.
     #[inline]
     pub fn hit(&self) -> &'a Hit {
         self.hit
@@ -99,7 +99,7 @@ impl<'a> SurfaceInteraction<'a> {
         self.object.material(self.hit.primitive)
     }
 
-    /// Where the hit is in the world.
+    /// The position of the hit in the world.
     ///
     /// `ray.at(hit.t)` is off by the rounding of everything on the ray's way; this point is on the surface. In object space a
     /// triangle's is the mean of its corners by the hit's weights, off its plane by 13 * 2^-53 of the largest coordinate at most. Other shapes'
@@ -133,7 +133,7 @@ impl<'a> SurfaceInteraction<'a> {
         }
     }
 
-    /// What is known of the hit in object space, in the world.
+    /// The position and normal in the world, from those in object space.
     #[inline]
     fn in_world(&self, point: DVec3, normal: DVec3) -> Geometry {
         let transform = self.object.transform();

@@ -45,7 +45,7 @@ impl ObjectTree {
         }
     }
 
-    /// Its group, if it has one.
+    /// The object's group, if it has one.
     pub(crate) fn group(&self) -> Option<&Arc<Group>> {
         match self {
             Self::Shared(group, _) => Some(group),
@@ -110,7 +110,7 @@ impl Group {
         Self::new(members, Arc::new(joined), Arc::new(tree))
     }
 
-    /// Joins objects by a tree that nobody vouches for, which `tree` makes.
+    /// Joins objects by a tree from untrusted data, which `tree` makes.
     ///
     /// # Errors
     ///
@@ -171,8 +171,9 @@ impl Group {
         Some((self.objects[member]?, triangle))
     }
 
-    /// The object that has a triangle of the tree, and its number there. Nobody meets one whose object has left, unless a file's boxes are
-    /// wrong; then it is said to be the leader's first.
+    /// The object that has a triangle of the tree, and the triangle's number there. A ray meets no
+    /// triangle whose object has left, unless a file's boxes are wrong; then the answer is the
+    /// leader's first triangle.
     #[inline]
     pub(crate) fn surface(&self, primitive: i32) -> SurfaceId {
         let located = self.locate(primitive.cast_unsigned());
@@ -377,7 +378,7 @@ impl Scene {
 }
 
 impl Group {
-    /// Its objects, each with the tree that it then has.
+    /// The objects of the group, each with its share of the tree.
     fn shares(self: &Arc<Self>) -> impl Iterator<Item = (usize, ObjectTree)> {
         let share = |(member, object): (u32, &Option<u32>)| {
             let tree = ObjectTree::Shared(Arc::clone(self), member);

@@ -93,7 +93,7 @@ fn seen(object: &Object, bounds: Bounds) -> Seen {
     parts.into_iter().fold(Seen::default(), Seen::and)
 }
 
-/// Of one triangle.
+/// The evidence of one triangle.
 #[inline]
 fn seen_of([a, b, c]: [DVec3; 3], bounds: Bounds) -> Seen {
     let area = (b - a).cross(c - a);
@@ -117,7 +117,7 @@ fn seen_of([a, b, c]: [DVec3; 3], bounds: Bounds) -> Seen {
     seen
 }
 
-/// How many triangles are added up at a time.
+/// The number of triangles in a part of the sum.
 const PART: usize = 1 << 15;
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! What there is to see: objects, lights, and the trees over them. Once built, only the objects' transforms change.
+//! The scene: objects, lights, and the trees over them. Once built, only the objects' transforms
+//! change.
 
 #![allow(
     clippy::inline_always,
@@ -90,7 +91,7 @@ use crate::shape::Meshes;
 pub struct Scene {
     objects: Vec<Object>,
     trees: Vec<ObjectTree>,
-    /// How these were asked for, and others will be.
+    /// The settings that the trees were built with, and that further ones will be.
     build: BuildSettings,
     top: TopTree,
     /// See [`Scene::bounds`]; made when first asked for.
@@ -99,7 +100,7 @@ pub struct Scene {
     has_own_lights: bool,
     environment: Option<Arc<Environment>>,
     has_own_environment: bool,
-    /// How it is coloured by numbers, if it is.
+    /// The colouring by numbers, if there is one.
     colored: Option<Arc<Colored>>,
     /// See [`Scene::up`].
     up: Option<DVec3>,
@@ -117,7 +118,7 @@ pub struct Scene {
     emitters: OnceLock<Arc<Emitters>>,
     /// See [`Scene::catalog`]; made when first asked for, and shared by all scenes that are this one with objects moved.
     catalog: OnceLock<Arc<Catalog>>,
-    /// Those of meshes and textures, which all scenes have in common that are this one with objects moved.
+    /// Digests of meshes and textures, shared by all scenes that are this one with objects moved.
     #[cfg(feature = "frame")]
     digests: Arc<OnceLock<fingerprint::Known>>,
 }
@@ -139,8 +140,8 @@ impl Scene {
         Self::build(objects, BuildSettings::default())
     }
 
-    /// The same with trees that are as good as `settings` ask for. What is shot at the scene has the same answers with all.
-    /// Scenes that come of this one ([`with_objects`](Self::with_objects)) go on with the same settings.
+    /// The scene with trees as `settings` ask for. Rays have equal answers with all settings.
+    /// Scenes derived from this one ([`with_objects`](Self::with_objects)) keep the settings.
     ///
     /// # Errors
     ///
@@ -149,7 +150,8 @@ impl Scene {
         Self::assemble(objects, settings, None)
     }
 
-    /// The same scene, from which others come whose trees are as good as `settings` ask for. Its own trees stay as they are.
+    /// Changes the settings for the trees of scenes derived from this one. Its own trees stay as
+    /// they are.
     pub fn with_build(self, settings: BuildSettings) -> Self {
         Self {
             build: settings,
@@ -164,7 +166,8 @@ impl Scene {
     ///
     /// [`Error::Limit`].
     pub fn try_clone(&self) -> Result<Self> {
-        /// More than what the tree over the objects and the lists beside it take for one.
+        /// Upper bound on the memory of the tree over the objects and the lists beside it, in bytes
+        /// for each object.
         const OF_TREE: usize = 512;
         let each = size_of::<Object>() + OF_TREE;
         memory::check("a copy of the scene", self.objects.len() * each)?;
@@ -204,7 +207,8 @@ impl Scene {
             || self.objects.iter().zip(&self.trees).any(lacks_tree)
     }
 
-    /// This scene where each of its trees is as the full build makes it, or a fitted one, and over what is there alone.
+    /// The scene with each of its trees from the full build or a refit of it, and over what is
+    /// there alone.
     ///
     /// # Errors
     ///
@@ -266,7 +270,8 @@ impl Scene {
         })
     }
 
-    /// Whether these are its objects in their places, joined alike, whatever they look like.
+    /// Whether the objects are in the places of this scene's and joined alike, whatever they look
+    /// like.
     fn is_in_place(&self, objects: &[Object], trees: &[ObjectTree]) -> bool {
         let leader = |tree: &ObjectTree| tree.group().map(|group| group.leader());
         let mut pairs = self.objects.iter().zip(objects);
@@ -276,18 +281,19 @@ impl Scene {
             && trees.all(|(one, other)| leader(one) == leader(other))
     }
 
-    /// The same scene with another [`up`](Self::up). Hits and the fingerprint do not depend on it.
+    /// Changes the direction [`up`](Self::up). Hits and the fingerprint do not depend on it.
     pub fn with_up(mut self, up: DVec3) -> Self {
         self.up = Some(up);
         self
     }
 
-    /// Which way is up in the world, for default cameras: that of the file or of [`with_up`](Self::with_up), else +z.
+    /// The direction upwards in the world, for default cameras: from the file or
+    /// [`with_up`](Self::with_up), else +z.
     pub fn up(&self) -> DVec3 {
         self.up.unwrap_or(DVec3::Z)
     }
 
-    /// The same scene with other lights.
+    /// The scene with other lights.
     pub fn with_lights(self, lights: Vec<Light>) -> Self {
         Self {
             lights,
@@ -297,7 +303,7 @@ impl Scene {
         }
     }
 
-    /// The same scene with another environment, or none.
+    /// The scene with another environment, or none.
     pub fn with_environment(self, environment: Option<Arc<Environment>>) -> Self {
         Self {
             environment,
@@ -307,8 +313,8 @@ impl Scene {
         }
     }
 
-    /// The same scene with lights that nobody asked for, such as one that goes with the camera: they are
-    /// not part of its [fingerprint](Self::fingerprint).
+    /// The scene with lights that were chosen automatically, such as one that goes with the camera:
+    /// they are not part of its [fingerprint](Self::fingerprint).
     pub fn with_borrowed_lights(self, lights: Vec<Light>) -> Self {
         let has_none = self.lights.is_empty() || !self.has_own_lights;
         Self {
@@ -324,7 +330,7 @@ impl Scene {
         }
     }
 
-    /// The same with an environment that nobody asked for, or none.
+    /// The scene with an environment that was chosen automatically, or none.
     pub fn with_borrowed_environment(self, environment: Option<Arc<Environment>>) -> Self {
         let has_none = self.environment.is_none() || !self.has_own_environment;
         Self {
@@ -365,7 +371,8 @@ impl Scene {
         *parallel::once(&self.translucent, || self.objects.iter().any(has_some))
     }
 
-    /// Fails for light that makes no sense, whoever gave it: lights, an environment and emissions that are negative or not finite.
+    /// Fails for light that makes no sense, the scene's own or borrowed: lights, an environment and
+    /// emissions that are negative or not finite.
     ///
     /// # Errors
     ///
@@ -385,7 +392,7 @@ impl Scene {
         !has_light && !self.emitters().has_any()
     }
 
-    /// How many triangles there are in the world: those of a shared mesh once for each object.
+    /// The number of triangles in the world: those of a shared mesh once for each object.
     pub fn triangles(&self) -> u64 {
         self.objects
             .iter()
@@ -406,7 +413,8 @@ impl Scene {
         &self.top.duplicates
     }
 
-    /// As [`at_mesh`](Self::at_mesh), where triangles are all there is to what rays come to.
+    /// The mesh and tree as [`at_mesh`](Self::at_mesh) has them, where triangles are all that rays
+    /// can meet.
     pub(crate) fn plain_mesh(&self, index: u32) -> Option<(Meshes<'_>, &MeshTree)> {
         let object = self.objects.get(index as usize)?;
         let (_, tree) = self.at_mesh(index)?;
@@ -448,7 +456,7 @@ impl Scene {
         self.top.around(point, stack)
     }
 
-    /// What the trees take in memory, each shared one once.
+    /// The size of the trees in bytes, each shared one once.
     pub fn tree_bytes(&self) -> usize {
         let distinct: HashMap<_, _> = self
             .trees

@@ -26,7 +26,7 @@ pub struct Object {
     name: String,
     shape: Shape,
     transform: Transform,
-    /// What a mesh's slots name; none where nobody gave the object a look.
+    /// The materials that a mesh's slots name; empty where the object was given none.
     materials: Arc<[Material]>,
     has_cutouts: bool,
     is_out_of_range: bool,
@@ -55,7 +55,7 @@ impl Debug for Object {
 }
 
 impl Object {
-    /// The linear colour of an object that nobody gave one: a light grey.
+    /// The default linear colour of objects: a light grey.
     pub const NEUTRAL: Color = Color::splat(0.6);
 
     /// The shape where it is, without a name, in a neutral colour.
@@ -77,13 +77,13 @@ impl Object {
         }
     }
 
-    /// The same object with a name.
+    /// The object with a name.
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// The same object, which says what node of a file it comes from. This changes no picture.
+    /// The object with the label of the node of a file that it comes from. This changes no picture.
     pub fn from_node(self, node: impl Into<Option<Label>>) -> Self {
         Self {
             node: node.into(),
@@ -91,7 +91,8 @@ impl Object {
         }
     }
 
-    /// The same object, which says what mesh of a file it comes from, or from which part of one. This changes no picture.
+    /// The object with the label of the mesh of a file that it comes from, or of the part of one.
+    /// This changes no picture.
     pub fn from_mesh(self, mesh: impl Into<Option<Label>>) -> Self {
         Self {
             mesh_label: mesh.into(),
@@ -99,7 +100,7 @@ impl Object {
         }
     }
 
-    /// The same object, its shape taken to the world by `transform`.
+    /// The object with its shape taken to the world by `transform`.
     pub fn placed(self, transform: Transform) -> Self {
         let farthest = farthest(&self.shape, &transform);
         Self {
@@ -115,13 +116,13 @@ impl Object {
         self.transform = transform;
     }
 
-    /// The same object in one linear colour, which a mesh's own colours multiply.
+    /// The object in one linear colour, which a mesh's own colours multiply.
     pub fn colored(self, color: Color) -> Self {
         self.with_materials([Material::colored(color)])
     }
 
-    /// The same object with other materials: the one for each slot of a mesh; the last one for slots
-    /// beyond. Without any the object is in a neutral colour.
+    /// The object with other materials: one for each slot of a mesh; the last one for slots beyond.
+    /// Without any the object is in a neutral colour.
     pub fn with_materials(self, materials: impl Into<Arc<[Material]>>) -> Self {
         let materials = materials.into();
         let is_mesh = self.mesh().is_some();
@@ -132,23 +133,24 @@ impl Object {
         }
     }
 
-    /// The same object with another mask: a ray meets it when their masks have a bit in common. An object and a ray that
-    /// nobody gave a mask have all bits. With the mask 0 it is hidden.
+    /// The object with another mask: a ray meets it when their masks have a bit in common. The
+    /// default mask of objects and rays has all bits. With the mask 0 the object is hidden.
     pub fn masked(self, mask: u32) -> Self {
         Self { mask, ..self }
     }
 
-    /// The same object, hidden from all rays, or shown.
+    /// The object, hidden from all rays, or shown.
     pub fn hidden(self, is_hidden: bool) -> Self {
         Self { is_hidden, ..self }
     }
 
-    /// The same object, marked as removed: it is hidden for good, and only there so that the others keep their identifiers.
+    /// The object, marked as removed: it is hidden for good, and only there so that the others keep
+    /// their identifiers.
     pub fn removed(self, is_removed: bool) -> Self {
         Self { is_removed, ..self }
     }
 
-    /// Its mask; see [`Object::masked`].
+    /// The mask; see [`Object::masked`].
     pub fn mask(&self) -> u32 {
         self.mask
     }
@@ -168,7 +170,8 @@ impl Object {
         self.is_hidden = is_hidden;
     }
 
-    /// Whether it is another object in the same place, whatever they look like, as far as this can be told in constant time.
+    /// Whether `other` is in the same place, whatever the two look like, as far as this can be told
+    /// in constant time.
     pub(super) fn is_in_place_of(&self, other: &Self) -> bool {
         let is_same = match (&self.shape, &other.shape) {
             (Shape::Mesh(mesh), Shape::Mesh(other)) => Arc::ptr_eq(mesh, other),
@@ -180,7 +183,7 @@ impl Object {
         is_same && are_seen_alike && self.transform == other.transform
     }
 
-    /// Its name; may be empty, need not be unique.
+    /// The name; may be empty, need not be unique.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -195,7 +198,7 @@ impl Object {
         self.mesh_label.as_ref()
     }
 
-    /// Its shape, in object space.
+    /// The shape, in object space.
     pub fn shape(&self) -> &Shape {
         &self.shape
     }
@@ -205,7 +208,7 @@ impl Object {
         &self.transform
     }
 
-    /// Its mesh, if that is its shape.
+    /// The mesh, if that is the shape.
     pub fn mesh(&self) -> Option<&Arc<Mesh>> {
         match &self.shape {
             Shape::Mesh(mesh) => Some(mesh),
@@ -213,12 +216,12 @@ impl Object {
         }
     }
 
-    /// Its materials, in the order of a mesh's slots; none where nobody gave it a look.
+    /// The materials, in the order of a mesh's slots; empty where the object was given none.
     pub fn materials(&self) -> &Arc<[Material]> {
         &self.materials
     }
 
-    /// Its linear colour: that of its first material, without textures.
+    /// The linear colour: that of the first material, without textures.
     #[inline]
     pub fn color(&self) -> Color {
         self.materials
@@ -226,13 +229,13 @@ impl Object {
             .map_or(Self::NEUTRAL, |material| material.color)
     }
 
-    /// The material of a primitive; `None` where nobody gave the object a look.
+    /// The material of a primitive; `None` where the object was given none.
     #[inline]
     pub fn material(&self, primitive: i32) -> Option<&Material> {
         self.materials.get(self.material_slot(primitive)?)
     }
 
-    /// Which of its materials a primitive has; `None` where nobody gave the object a look.
+    /// The index of a primitive's material; `None` where the object was given none.
     #[inline]
     pub(crate) fn material_slot(&self, primitive: i32) -> Option<usize> {
         let slot = match (self.mesh(), usize::try_from(primitive)) {
@@ -259,7 +262,8 @@ impl Object {
         self.has_cutouts
     }
 
-    /// Where a ray meets a triangle of its mesh, or of those that it is joined with, that is not cut out there.
+    /// Intersects a triangle of the object's mesh, or of those that it is joined with; `None` where
+    /// it is cut out.
     #[inline]
     pub(crate) fn intersect_triangle(
         &self,
@@ -289,19 +293,19 @@ impl Object {
             )
     }
 
-    /// How many triangles it has: none, unless it is a mesh.
+    /// The number of triangles: 0, unless the shape is a mesh.
     pub fn triangles(&self) -> usize {
         self.mesh().map_or(0, |mesh| mesh.triangles().len())
     }
 
-    /// What the rounding on the way to the object and back can come to, as a share of the coordinates: what
-    /// the tree over the objects needs as its slack.
+    /// The bound on rounding on the way to the object and back, as a share of the coordinates: the
+    /// slack that the tree over the objects needs.
     pub(crate) fn slack(&self) -> f64 {
         16.0 * self.transform.rounding()
     }
 
-    /// Its `bounds`, wider by a share of the coordinates that they are made from (which are larger than
-    /// their own where a transform moves something far away back to the origin).
+    /// The `bounds`, wider by a share of the coordinates that they are made from (which are larger
+    /// than their own where a transform moves something far away back to the origin).
     pub(super) fn padded(&self, bounds: Bounds, slack: f64) -> Bounds {
         if bounds.is_empty() || !bounds.is_finite() {
             return bounds;
@@ -384,7 +388,8 @@ impl Object {
         }
     }
 
-    /// No coordinate that its place in the world is computed from is larger than this.
+    /// The largest coordinate, by absolute value, that the object's place in the world is computed
+    /// from, or more.
     pub(crate) fn farthest(&self) -> f64 {
         self.farthest
     }

@@ -1,4 +1,4 @@
-//! A built scene taken apart, and put together again from parts that nobody vouches for.
+//! The parts of a built scene, and their assembly from untrusted data.
 
 use std::sync::{Arc, OnceLock};
 

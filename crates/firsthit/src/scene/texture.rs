@@ -68,7 +68,7 @@ impl Texture {
         self.texels.iter().any(|texel| texel[3] != u8::MAX)
     }
 
-    /// The same colours with other alphas.
+    /// The texture with other alphas.
     pub(crate) fn with_alpha_from(&self, alpha: impl Fn([u8; 4]) -> u8) -> Self {
         let texels = self.texels.iter().map(|&texel| {
             let [red, green, blue, _] = texel;
@@ -93,7 +93,7 @@ impl Texture {
     }
 }
 
-/// What the levels of red, green and blue say.
+/// The encoding of the levels of red, green and blue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Levels {
     /// Light, encoded as sRGB.
@@ -107,11 +107,11 @@ enum Levels {
 pub struct Sample {
     /// The linear colour.
     pub color: Color,
-    /// From 0, not there, to 1, opaque.
+    /// The opacity, from 0, not there, to 1, opaque.
     pub alpha: f64,
 }
 
-/// How a texture continues beyond its edges.
+/// The continuation of a texture beyond its edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
     /// The texture again.
@@ -160,10 +160,10 @@ impl Wrap {
     }
 }
 
-/// How the colour between texel centres is found. There are no mipmaps: more samples per pixel serve instead.
+/// The filter between texel centres. There are no mipmaps: more samples per pixel serve instead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Filter {
-    /// That of the nearest texel.
+    /// The nearest texel's colour.
     Nearest,
     /// The mean of the four around, by distance, in linear light.
     #[default]
@@ -202,11 +202,11 @@ pub enum UvSet {
 pub struct TextureMap {
     /// The texels; materials may share them.
     pub texture: Arc<Texture>,
-    /// How it continues beyond the left and right edge, and beyond the top and bottom one.
+    /// The continuation beyond the left and right edge, and beyond the top and bottom one.
     pub wrap: [Wrap; 2],
-    /// How it is filtered between texels.
+    /// The filter between texels.
     pub filter: Filter,
-    /// Which of a mesh's sets of texture coordinates it takes: the first, or the second.
+    /// The mesh's set of texture coordinates that the map takes: the first, or the second.
     pub uv_set: UvSet,
     /// The rows of the map from a mesh's texture coordinates (u, v, 1) to the picture's, which run from 0 at the
     /// left to 1 at the right, and from 0 at the top to 1 at the bottom.

@@ -9,19 +9,20 @@ use crate::accel::{Bvh, Nearby, Walk, WalkStack};
 use crate::geometry::{Beam, Bounds, DVec3, Ray};
 use crate::simd::Lanes;
 
-/// With at most this many objects no tree is walked: the box of each is tested.
+/// The most objects without a tree: the box of each is tested.
 const FEW: usize = 4;
 
-/// Of at most this many objects a beam of rays may list those that it may meet, in place of asking the tree ray by ray. Each is a bit of a
-/// number.
+/// The most objects for which a beam of rays lists those that it may meet, in place of asking the
+/// tree ray by ray. Each is a bit of a number.
 const LISTED: usize = 64;
 
 /// A list with more lone shapes, or more other objects, serves no better than the tree.
 const MOST_SHAPES: u32 = 16;
 const MOST_OTHERS: u32 = 8;
 
-/// A tree that was fitted is built anew where a ray is expected to meet so many times more boxes than when it was built. That is asked
-/// after moves of one object in 32, since finding it out takes as long as fitting that many.
+/// The growth of the expected number of boxes that a ray meets at which a refitted tree is built
+/// anew. It is compared after moves of one object in 32, since that takes as long as refitting that
+/// many.
 const WORN: f64 = 1.25;
 const MOVES_EACH: usize = 32;
 
@@ -39,16 +40,16 @@ pub(super) struct TopTree {
     /// All objects that may be met, in a tree or not, lone shapes first; none where there are more than
     /// [`LISTED`].
     listed: Vec<Candidate>,
-    /// How many of these are lone shapes.
+    /// The number of lone shapes among the candidates.
     lone_shapes: u32,
     pub(super) duplicates: Duplicates,
     /// See [`TopTree::only_object`].
     only_object: Option<u32>,
     /// A box around each object.
     boxes: Vec<Bounds>,
-    /// How many boxes a ray was expected to meet when the tree was built.
+    /// The number of boxes a ray was expected to meet when the tree was built.
     expected_visits: f64,
-    /// How often an object was moved since that was last compared.
+    /// The number of moves since the expected visits were last compared.
     moves: usize,
 }
 
@@ -57,7 +58,8 @@ pub(super) struct TopTree {
 pub(crate) struct Candidate {
     object: u32,
     bounds: Bounds,
-    /// How much wider the box is for a ray from far away, as a share of the coordinates of its origin.
+    /// The widening of the box for a ray from far away, as a share of the coordinates of its
+    /// origin.
     slack: f64,
     /// Whether the object is no mesh, and no other is in its place.
     is_lone_shape: bool,
@@ -95,13 +97,13 @@ impl Candidate {
 }
 
 impl TopTree {
-    /// Of objects with these boxes around them, at most `i32::MAX`.
+    /// Builds the tree of objects with these boxes around them, at most `i32::MAX`.
     pub(super) fn new(objects: &[Object], trees: &[ObjectTree], boxes: Vec<Bounds>) -> Self {
         let duplicates = Duplicates::new(objects, trees, &boxes);
         Self::with_duplicates(objects, trees, boxes, duplicates)
     }
 
-    /// As [`new`](Self::new), where the duplicates are known.
+    /// Builds the tree as [`new`](Self::new) does, where the duplicates are known.
     pub(super) fn with_duplicates(
         objects: &[Object],
         trees: &[ObjectTree],
@@ -235,7 +237,7 @@ impl TopTree {
         &self.boxes
     }
 
-    /// What the tree takes in memory.
+    /// The size of the tree in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.tree.bytes()
     }
@@ -334,7 +336,7 @@ impl Listed<'_> {
     }
 }
 
-/// For the leader of each group the box around all its objects.
+/// The box around all objects of each group, by its leader.
 fn boxes_together(trees: &[ObjectTree], boxes: &[Bounds]) -> HashMap<u32, Bounds> {
     let mut together = HashMap::new();
     for (tree, bounds) in trees.iter().zip(boxes) {
@@ -358,17 +360,17 @@ pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
 /// See [`TopTree::on_the_way`].
 pub(crate) struct OnTheWay<'a> {
     outside: &'a [Candidate],
-    /// Of these, those whose bits are set.
+    /// The listed candidates, of which those with set bits in `left` count.
     listed: &'a [Candidate],
     left: u64,
-    /// Of all other objects.
+    /// The tree over all other objects.
     tree: Option<&'a Bvh>,
     /// Begun when the tree's turn comes.
     walk: Option<Walk<'a>>,
 }
 
 impl<'a> OnTheWay<'a> {
-    /// Those of a [list](TopTree::list_candidates), with the lone shapes or without.
+    /// The candidates of a [list](TopTree::list_candidates), with the lone shapes or without.
     #[inline(always)]
     pub(crate) fn among(listed: Listed<'a>, with_shapes: bool) -> Self {
         let shapes = if with_shapes { listed.shapes } else { 0 };

@@ -1,4 +1,4 @@
-//! What gives numbers.
+//! The sources of the numbers that surfaces are coloured by.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use super::SurfaceInteraction;
 use crate::error::{Error, escape_controls};
 use crate::geometry::DVec3;
 
-/// What gives surfaces the numbers that they are coloured by.
+/// The source of the numbers that surfaces are coloured by.
 ///
 /// ```
 /// use firsthit::scene::ColorBy;
@@ -26,7 +26,7 @@ pub enum ColorBy {
     Object,
     /// The polygon of the file; of shapes that are no mesh the primitive.
     Face,
-    /// How far up a point is from the origin, along the scene's up.
+    /// The height of a point above the origin, along the scene's up.
     Height,
     /// The angle between the ray and the geometric normal, in radians.
     Incidence,
@@ -36,10 +36,10 @@ impl ColorBy {
     /// The words that [`FromStr`] reads, beside `attribute:NAME`.
     pub const NAMES: [&'static str; 4] = ["object", "face", "height", "incidence"];
 
-    /// What stands before the name of an attribute.
+    /// The prefix before the name of an attribute.
     pub const ATTRIBUTE: &'static str = "attribute:";
 
-    /// It as one writes it; `values` for numbers that a program gave.
+    /// The text form; `values` for numbers that a program gave.
     pub fn text(&self) -> String {
         match self {
             Self::Attribute(name) => Self::ATTRIBUTE.to_owned() + &escape_controls(name),
@@ -89,7 +89,7 @@ impl FromStr for ColorBy {
     }
 }
 
-/// As many numbers as an attribute may have; of more, the first ones count.
+/// The most numbers of an attribute that count; further ones are left out.
 pub(super) const MOST: usize = 16;
 
 fn attribute(surface: &SurfaceInteraction<'_>, name: &str) -> f64 {

@@ -11,7 +11,7 @@ use crate::error::{Error, Result, escape_controls};
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, NamedAttribute, Shape};
 
-/// So many names an error lists at most.
+/// The most names that an error lists.
 const NAMES: usize = 20;
 
 impl ColorBy {
@@ -54,7 +54,7 @@ fn extent(numbers: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     })
 }
 
-/// What is not hidden, each with its identifier.
+/// The objects that are not hidden, each with its identifier.
 fn shown(scene: &Scene) -> impl Iterator<Item = (usize, &Object)> {
     let objects = scene.objects().iter().enumerate();
     objects.filter(|(_, object)| !object.is_hidden())

@@ -11,7 +11,8 @@ use super::{Scene, SurfaceInteraction};
 use crate::error::{Error, Result};
 use crate::geometry::{Color, ColorMap, DVec3, fraction, unit};
 
-/// How surfaces are coloured by numbers, in the place of their own colours. Every shader sees these colours, and lights them as it does others.
+/// Colours of surfaces by numbers (false colours), in the place of their own. Every shader sees
+/// these colours, and lights them as it does others.
 ///
 /// ```
 /// use firsthit::scene::{ColorBy, Coloring};
@@ -28,9 +29,9 @@ use crate::geometry::{Color, ColorMap, DVec3, fraction, unit};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coloring {
-    /// What gives the numbers.
+    /// The source of the numbers.
     pub by: ColorBy,
-    /// Which colours they get.
+    /// The colour map.
     pub map: ColorMap,
     /// The numbers of the first and the last colour. If it is left open, those are the least and the largest of all objects but hidden
     /// ones, in the picture or not.
@@ -46,7 +47,7 @@ pub struct Coloring {
 }
 
 impl Coloring {
-    /// With the default map, over all numbers that there are.
+    /// A colouring with the default map, over the range of all numbers.
     pub fn new(by: ColorBy) -> Self {
         Self {
             by,
@@ -70,7 +71,8 @@ pub struct Colored {
 }
 
 impl Scene {
-    /// The same scene coloured by numbers, or no longer. Its fingerprint does not depend on it.
+    /// The scene coloured by numbers, or in its own colours for `None`. Its fingerprint does not
+    /// depend on it.
     ///
     /// A range that is left open is decided now: where objects are moved later, colours stay comparable.
     ///
@@ -86,7 +88,7 @@ impl Scene {
         })
     }
 
-    /// How surfaces are coloured by numbers, if they are.
+    /// The colouring by numbers, if there is one.
     pub fn colored(&self) -> Option<&Colored> {
         self.colored.as_deref()
     }
@@ -114,7 +116,7 @@ impl Colored {
         })
     }
 
-    /// What it was made from.
+    /// The settings that it was made from.
     pub fn coloring(&self) -> &Coloring {
         &self.coloring
     }

@@ -8,8 +8,8 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use crate::geometry::{DVec2, DVec3, unit};
 use crate::sampling::distribution::{Cell, Distribution2d};
 
-/// Where a direction of any length is seen in the picture: from 0 at the left to 1 at the right, and from 0 at the top to 1 at the
-/// bottom. NaN for no direction.
+/// The place of a direction of any length in the picture: from 0 at the left to 1 at the right, and
+/// from 0 at the top to 1 at the bottom. NaN for no direction.
 pub(super) fn place_of(direction: DVec3) -> DVec2 {
     let DVec3 { x, y, z } = unit(direction);
     if y.is_nan() {
@@ -28,11 +28,11 @@ fn direction_of(across: f64, height: f64) -> DVec3 {
     DVec3::new(level * cos, height, level * sin)
 }
 
-/// How much the luminance has to vary, as its standard deviation over its mean, for directions to be worth drawing by it. Below,
-/// those that surfaces choose are as good.
+/// The least contrast, the luminance's standard deviation over its mean, at which directions are
+/// drawn by luminance. Below, the directions that surfaces choose are as good.
 const LEAST_CONTRAST: f64 = 0.5;
 
-/// Of the mean luminance's share of all, as much is drawn: surfaces find what is dim by themselves.
+/// The least factor on a cell's luminance in the table: surfaces find what is dim by themselves.
 const SHARE_OF_DIM: f64 = 1.0 / 16.0;
 
 /// A grid of directions, drawn more often where it is bright. Within a cell they are even by solid angle.
@@ -49,7 +49,8 @@ pub(super) struct DirectionTable {
 }
 
 impl DirectionTable {
-    /// That of mean luminances, row by row from the top. `None` where they vary too little.
+    /// Builds the table from mean luminances, row by row from the top. `None` where they vary too
+    /// little.
     pub(super) fn new(columns: usize, mut luminances: Vec<f64>) -> Option<Self> {
         let rows = luminances.len() / columns.max(1);
         let height = |row: usize| libm::cos(PI * row as f64 / rows as f64);
@@ -92,7 +93,7 @@ impl DirectionTable {
         (direction, self.pdf_in(column, row))
     }
 
-    /// How dense directions around this one are drawn, per steradian.
+    /// The probability density of drawing this direction, per steradian.
     pub(super) fn pdf(&self, direction: DVec3) -> f64 {
         let place = place_of(direction);
         let rows = self.heights.len() - 1;
@@ -179,7 +180,7 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     }
 
-    /// Their mean over 1 / pdf is the solid angle of all that is not black.
+    /// The mean of 1 / pdf over drawn directions is the solid angle of all that is not black.
     #[test]
     fn what_is_drawn_covers_all_that_shines() {
         let table = DirectionTable::new(16, luminances()).unwrap();

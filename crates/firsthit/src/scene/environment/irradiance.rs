@@ -1,4 +1,4 @@
-//! How much light of an environment a surface takes that nothing hides it from.
+//! The irradiance of an unoccluded surface by an environment.
 
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
@@ -18,7 +18,7 @@ impl Clone for IrradianceCache {
     }
 }
 
-/// What is kept says nothing about the environment that is not known already.
+/// Caches always compare equal: they derive from the environment.
 impl PartialEq for IrradianceCache {
     fn eq(&self, _other: &Self) -> bool {
         true
@@ -37,8 +37,8 @@ impl IrradianceCache {
 }
 
 impl Environment {
-    /// What a white matte surface takes that faces along `normal`, of length one, where nothing is in the way: the irradiance divided
-    /// by pi.
+    /// The radiance of a white matte surface that faces along `normal`, of length one, without
+    /// occlusion: the irradiance divided by pi.
     pub(crate) fn irradiance(&self, normal: DVec3) -> Color {
         self.strength * self.kind_irradiance(normal)
     }
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use crate::geometry::DMat3;
 
-    /// By the middles of even cells of the whole sphere, which know nothing of tables.
+    /// The reference: a sum over the middles of even cells of the whole sphere, without tables.
     fn by_cells(environment: &Environment, normal: DVec3) -> Color {
         const SIDE: u32 = 1024;
         let mut sum = Color::ZERO;
@@ -132,7 +132,7 @@ mod tests {
         sum * (4.0 / f64::from(SIDE * SIDE))
     }
 
-    /// What is kept of a map is of its own frame: environments that turn it differently share it.
+    /// A map's cache is in its own frame: environments that turn it differently share it.
     #[test]
     fn a_map_that_is_turned_keeps_nothing_of_another_turn() {
         let texels = (0..32).map(|k| [if k == 9 { 60.0 } else { 0.1 }; 3]);

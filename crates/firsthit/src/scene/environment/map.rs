@@ -39,7 +39,7 @@ impl PartialEq for EnvironmentMap {
     }
 }
 
-/// The table to draw from has at most so many cells: of larger maps, each is of several texels.
+/// The most cells of the table to draw from: of larger maps, each cell is of several texels.
 const MOST_CELLS: usize = 1 << 22;
 
 impl EnvironmentMap {
@@ -142,8 +142,8 @@ impl EnvironmentMap {
         Ok(DirectionTable::new(columns, luminances))
     }
 
-    /// How many cells are in a row, and the mean luminance of each, by which nothing that shines is left out.
-    /// There are at most so many, or one row or column more.
+    /// The number of cells in a row, and the mean luminance of each cell, which is positive where
+    /// any texel shines. There are at most `most` cells, or one row or column more.
     fn mean_luminances(&self, most: usize) -> Result<(usize, Vec<f64>)> {
         // As few texels to a cell, across and down, as keep the table small.
         let step = (1..=self.texels.len()).find(|step| self.texels.len() / (step * step) <= most);
@@ -289,7 +289,7 @@ mod tests {
         assert!((mean - whole).abs() < 3.0 * error, "{mean} {whole} {error}");
     }
 
-    /// Also where cells are of several texels, and not of whole ones.
+    /// The claim holds too where cells are of several texels, and not of whole ones.
     #[test]
     fn no_direction_that_shines_is_left_out() {
         for (columns, rows, most) in [(7, 5, 35), (61, 31, 200), (30, 15, 1)] {

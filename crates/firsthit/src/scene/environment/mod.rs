@@ -29,38 +29,38 @@ use directions::DirectionTable;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Environment {
-    /// What there is to see.
+    /// The radiance by direction.
     pub kind: EnvironmentKind,
-    /// What its radiance is multiplied by.
+    /// The factor on the radiance.
     pub strength: f64,
     /// Whether the camera sees it too, in place of the background.
     pub is_seen: bool,
 }
 
-/// What there is to see of an [`Environment`], by direction.
+/// The radiance of an [`Environment`], by direction.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EnvironmentKind {
-    /// The same radiance from everywhere.
+    /// Equal radiance from all directions.
     Uniform(Color),
     /// One radiance from above the horizon, and another from below.
     Hemispheres {
-        /// That of the sky.
+        /// The radiance of the sky.
         above: Color,
-        /// That of the ground.
+        /// The radiance of the ground.
         below: Color,
-        /// Which way is up; any length but zero.
+        /// The direction upwards; any length but zero.
         up: DVec3,
     },
     /// A sky that goes from the horizon's radiance, which is that of all below too, to the zenith's, by the sine of the height.
     Gradient {
-        /// At the horizon and below.
+        /// The radiance at the horizon and below.
         horizon: Color,
         /// Straight up.
         zenith: Color,
-        /// Which way is up; any length but zero.
+        /// The direction upwards; any length but zero.
         up: DVec3,
     },
-    /// What a picture of all directions shows.
+    /// The radiance of a picture of all directions.
     Map {
         /// The picture.
         map: Arc<EnvironmentMap>,
@@ -72,7 +72,7 @@ pub enum EnvironmentKind {
 }
 
 impl Environment {
-    /// As it is, and seen by the camera.
+    /// The environment at strength 1, seen by the camera.
     pub fn new(kind: EnvironmentKind) -> Self {
         Self {
             kind,
@@ -128,8 +128,8 @@ impl Environment {
         })
     }
 
-    /// How densely [`sample`](Self::sample) puts directions around this one, in the world and of length one, per steradian; 0 if it
-    /// draws none.
+    /// The probability density with which [`sample`](Self::sample) draws this direction, in the
+    /// world and of length one, per steradian; 0 if it draws none.
     pub fn pdf(&self, towards: DVec3) -> f64 {
         let table = self.kind.table();
         table.map_or(0.0, |(table, world_from_own)| {
@@ -159,7 +159,7 @@ impl Environment {
 pub(crate) struct Hemispheres {
     /// Above, and below.
     colors: [Color; 2],
-    /// Of any length but zero.
+    /// The direction upwards, of any length but zero.
     up: DVec3,
 }
 

@@ -1,4 +1,4 @@
-//! What a material's maps say at a hit.
+//! The values of a material's maps at a hit.
 
 use super::SurfaceInteraction;
 use crate::geometry::{Color, DVec2, DVec3, unit};
@@ -14,8 +14,8 @@ impl SurfaceInteraction<'_> {
         }
     }
 
-    /// What the map of a role says: red, green, blue and alpha. Colours are linear. `None` without a map, and without texture
-    /// coordinates.
+    /// The value of a role's map: red, green, blue and alpha. Colours are linear. `None` without a
+    /// map, and without texture coordinates.
     pub fn mapped(&self, role: MapRole) -> Option<[f64; 4]> {
         let map = self.material()?.maps.get(role)?;
         let uv = self.uv_of(map)?;
@@ -54,7 +54,7 @@ impl SurfaceInteraction<'_> {
         material.alpha_at(uv, own.unwrap_or(1.0))
     }
 
-    /// How much of what is behind it the surface hides: its alpha, where the material's mode is [`AlphaMode::Blend`], and otherwise 1.
+    /// The opacity: the alpha, where the material's mode is [`AlphaMode::Blend`], and otherwise 1.
     pub fn opacity(&self) -> f64 {
         let mode = self.material().map(|material| material.alpha_mode);
         if mode == Some(AlphaMode::Blend) {
@@ -64,7 +64,8 @@ impl SurfaceInteraction<'_> {
         }
     }
 
-    /// How much of the light from all around reaches the surface, as far as the occlusion map says so.
+    /// The share of light from all directions that reaches the surface by the occlusion map; 1
+    /// without one.
     pub fn occlusion(&self) -> f64 {
         let Some([red, ..]) = self.mapped(MapRole::Occlusion) else {
             return 1.0;
@@ -82,7 +83,7 @@ impl SurfaceInteraction<'_> {
             .map(|normal| side * normal)
     }
 
-    /// The same for the map of the clear coat.
+    /// The shading normal by the clear coat's map, with a scale, on a side.
     pub(in crate::scene) fn mapped_coat_normal(&self, scale: f64, side: f64) -> Option<DVec3> {
         self.turned(MapRole::ClearcoatNormal, scale)
             .map(|normal| side * normal)
@@ -115,8 +116,8 @@ impl SurfaceInteraction<'_> {
             .then(|| (tangent, sign * normal.cross(tangent)))
     }
 
-    /// For a mesh that has no tangents: the direction in which its texture coordinates say that the map's columns run, in object
-    /// space.
+    /// The direction in which the map's columns run, in object space, from texture coordinates, for
+    /// a mesh without tangents; and whether the picture is mirrored.
     fn along(&self, map: &TextureMap) -> Option<(DVec3, bool)> {
         let (mesh, triangle) = self.mesh?;
         let uvs = match map.uv_set {

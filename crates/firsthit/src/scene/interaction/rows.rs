@@ -35,7 +35,7 @@ pub(crate) fn compute_geometry(set: InstructionSet, surfaces: &[SurfaceInteracti
     }
 }
 
-/// The same for a row of surfaces of meshes.
+/// Computes positions and normals of a row of surfaces of meshes.
 fn compute_of_meshes(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
     let mut triangles = Triangles::NONE;
     for surface in surfaces {
@@ -49,7 +49,7 @@ fn compute_of_meshes(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) 
     }
 }
 
-/// The same for a row of surfaces of one object, which is no mesh.
+/// Computes positions and normals of a row of surfaces of one object, which is no mesh.
 fn compute_of_shape(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
     let Some(first) = surfaces.first() else {
         return;
@@ -180,7 +180,7 @@ impl ShapeHits {
     }
 }
 
-/// Where rays met a shape.
+/// Hits on a shape, whose points and normals lanes compute.
 struct OnShape<'a, S> {
     shape: &'a S,
     transform: &'a Transform,

@@ -1,4 +1,4 @@
-//! Which objects share a tree.
+//! Finds the objects that share a tree.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ pub(super) fn key(object: &Object) -> Option<Key> {
     })
 }
 
-/// How often each mesh is in the scene, and an object that has it.
+/// The number of uses of each mesh in the scene, and an object that has it.
 fn uses(objects: &[Object]) -> HashMap<*const Mesh, (u32, usize)> {
     let mut uses: HashMap<*const Mesh, (u32, usize)> = HashMap::new();
     let mesh = |&(_, object): &(u32, &Object)| object.mesh().map(Arc::as_ptr);

@@ -5,9 +5,9 @@ use crate::sampling::{TangentFrame, warp};
 settings! {
     /// Parallel light from infinitely far away. With an angle it comes from a round sun of that diameter, and shadows are soft.
     pub struct DirectionalLight {
-        /// Where the light goes, not where it comes from; of any length but zero.
+        /// The direction in which the light goes, not where it comes from; of any length but zero.
         direction: DVec3, Domain::Direction, required DVec3::NEG_Z;
-        /// What a white surface that faces the light takes.
+        /// The irradiance over pi of a surface that faces the light.
         color: Color, Domain::Light, default Color::ONE;
         /// The diameter of the sun as an angle, in degrees; that of Earth's sun is 0.53.
         angle_degrees: f64, Domain::From(0.0, 180.0), default 0.0;
@@ -22,7 +22,7 @@ impl DirectionalLight {
         2.0 * sine * sine
     }
 
-    /// What is the same for all points.
+    /// Precomputes the parts that are equal for all points.
     pub(super) fn prepared(&self) -> Sun {
         let (height, towards) = (self.height(), -unit(self.direction));
         Sun {
@@ -39,7 +39,7 @@ impl DirectionalLight {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sun {
     height: f64,
-    /// Its z is towards the sun's middle.
+    /// The frame whose z is towards the sun's middle.
     frame: TangentFrame,
     /// Towards the middle, of the length that was given.
     parallel: DVec3,

@@ -7,13 +7,13 @@ use crate::sampling::{TangentFrame, warp};
 settings! {
     /// A disc that shines on one side, evenly.
     pub struct DiscLight {
-        /// Its middle.
+        /// The centre.
         center: DVec3, Domain::Position, required DVec3::ZERO;
         /// The side that shines; any length but zero.
         normal: DVec3, Domain::Direction, required DVec3::NEG_Z;
-        /// Its radius.
+        /// The radius.
         radius: f64, Domain::Positive, default 1.0;
-        /// Its radiance: the colour that it has itself.
+        /// The radiance: the colour that the light has itself.
         emission: Color, Domain::Light, default Color::ONE;
     }
 }

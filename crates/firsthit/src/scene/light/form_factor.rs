@@ -1,19 +1,20 @@
-//! How much of the light of a whole shape a surface takes where nothing is in the way: form factors, from a point with a normal to a
-//! shape. A matte white surface shows the shape's radiance times this.
+//! Form factors from a point with a normal to a shape, without occlusion. A matte white surface has
+//! the shape's radiance times the form factor.
 
 use std::f64::consts::PI;
 
 use crate::geometry::{DVec3, unit};
 use crate::sampling::TangentFrame;
 
-/// That of a disc in the sky, as a sun or a sphere is: by the cosine from the normal to its middle, and sine and cosine of the angle from its
-/// middle to its edge. Where the horizon cuts the disc, the part above it counts (Snyder, "Area Light Sources for Real-Time Graphics",
+/// The form factor of a disc in the sky, such as a sun or a sphere: by the cosine from the normal
+/// to its middle, and sine and cosine of the angle from its middle to its edge. Where the horizon
+/// cuts the disc, the part above it counts (Snyder, "Area Light Sources for Real-Time Graphics",
 /// Microsoft Research MSR-TR-96-11, 1996).
 pub(crate) fn of_disc(cosine: f64, [edge, inner]: [f64; 2]) -> f64 {
     edge * edge * of_disc_to_facing(cosine, [edge, inner])
 }
 
-/// The same, divided by that of the disc when it is faced.
+/// The form factor of a disc, divided by that of the disc when the surface faces it.
 pub(crate) fn of_disc_to_facing(cosine: f64, [edge, inner]: [f64; 2]) -> f64 {
     if cosine >= edge {
         // All of it is above the horizon: then it is as if all were in its middle.
@@ -30,8 +31,9 @@ pub(crate) fn of_disc_to_facing(cosine: f64, [edge, inner]: [f64; 2]) -> f64 {
     (facing + libm::atan2(across, x) / (edge * edge)) / PI
 }
 
-/// That of a triangle, whichever side is seen: by the corners from the point, and the normal, of length one. What is below the horizon
-/// is cut off, and the rest is a sum over its edges (Lambert, *Photometria*, 1760).
+/// The form factor of a triangle, whichever side is seen: by the corners from the point, and the
+/// normal, of length one. Clips the triangle at the horizon, and sums over the edges (Lambert,
+/// *Photometria*, 1760).
 pub(crate) fn of_triangle(corners: [DVec3; 3], normal: DVec3) -> f64 {
     let frame = TangentFrame::around(normal);
     let corners = corners.map(|corner| frame.local(corner));

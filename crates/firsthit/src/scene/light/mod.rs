@@ -24,18 +24,20 @@ use crate::sampling::key;
 /// A point drawn of a light, as seen from a point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightSample {
-    /// From the point towards the light. Where [`distance`](Self::distance) is 1, it ends at the light.
+    /// The direction from the point towards the light. Where [`distance`](Self::distance) is 1, it
+    /// ends at the light.
     pub towards: DVec3,
-    /// How far away the light is, in lengths of `towards`: 1, or infinity.
+    /// The distance to the light, in lengths of `towards`: 1, or infinity.
     pub distance: f64,
-    /// What a white, matte surface takes that faces `towards`, if this direction stands for the whole light.
+    /// The irradiance over pi of a surface that faces `towards`, if this direction stands for the
+    /// whole light.
     pub light: Color,
     /// The probability density of this direction, per steradian. `None` for a light without a size: there is one direction.
     pub pdf: Option<f64>,
 }
 
 impl LightSample {
-    /// Where a ray to the light ends, from the point that the sample was drawn for.
+    /// The `t_max` of a shadow ray to the light, from the point that the sample was drawn for.
     #[inline(always)]
     pub(crate) fn ray_end(&self, at: DVec3) -> f64 {
         if self.distance == f64::INFINITY {
@@ -53,8 +55,8 @@ impl LightHit {
     }
 }
 
-/// Where a ray to a light ends. What is as near to the light as rounding takes things is at the light: the ceiling that a lamp lies in, or
-/// a copy of a surface that emits.
+/// The `t_max` of a ray to a light. Surfaces within rounding of the light are at the light: the
+/// ceiling that a lamp lies in, or a copy of a surface that emits.
 #[inline]
 fn end_of(ray: &Ray, distance: f64) -> f64 {
     if distance == f64::INFINITY {
@@ -65,12 +67,12 @@ fn end_of(ray: &Ray, distance: f64) -> f64 {
     (distance * (1.0 - share)).max(f64::MIN_POSITIVE)
 }
 
-/// What a ray sees of a light that has a size, in the world.
+/// The meeting of a ray with a light that has a size, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightHit {
-    /// How far away it is, in lengths of the ray's direction; infinity for a sun.
+    /// The distance to the light, in lengths of the ray's direction; infinity for a sun.
     pub distance: f64,
-    /// Its radiance.
+    /// The radiance of the light.
     pub radiance: Color,
     /// The probability density with which [`Light::sample`] draws the ray's direction, per steradian.
     pub pdf: f64,
@@ -103,7 +105,7 @@ impl PreparedLight {
 }
 
 impl Light {
-    /// The same for many points: what does not depend on them is computed once.
+    /// The light with the parts precomputed that do not depend on the point.
     pub(crate) fn prepared(&self) -> PreparedLight {
         match self {
             Self::Directional(light) => PreparedLight::Sun(light.prepared()),
@@ -117,15 +119,16 @@ trait LightSource {
     /// Light that arrives at a point, from a direction that a point of the unit square stands for. `None` where none arrives.
     fn sample(&self, at: DVec3, u: DVec2) -> Option<LightSample>;
 
-    /// What a ray from `at` sees of it, `towards` having length one. `None` for a miss, and for a light without a size.
+    /// The meeting of the ray from `at` with the light, `towards` having length one. `None` for a
+    /// miss, and for a light without a size.
     fn intersect(&self, _at: DVec3, _towards: DVec3) -> Option<LightHit> {
         None
     }
 
-    /// Whether it has a size: whether shadows are soft.
+    /// Whether the light has a size: whether shadows are soft.
     fn has_size(&self) -> bool;
 
-    /// The same light, so many times as strong.
+    /// The light at `factor` times its strength.
     fn scaled(self, factor: f64) -> Self;
 }
 
@@ -170,13 +173,13 @@ macro_rules! lights {
                 match self { $(Self::$kind(light) => light.sample(at, u),)* }
             }
 
-            /// What a ray from `at` sees of it, both in the world, `towards` having length one. `None` for a miss, and for a light without
-            /// a size.
+            /// The meeting of the ray from `at` with the light, both in the world, `towards` having
+            /// length one. `None` for a miss, and for a light without a size.
             pub fn intersect(&self, at: DVec3, towards: DVec3) -> Option<LightHit> {
                 match self { $(Self::$kind(light) => light.intersect(at, towards),)* }
             }
 
-            /// Whether it has a size: whether shadows are soft.
+            /// Whether the light has a size: whether shadows are soft.
             pub fn has_size(&self) -> bool {
                 match self { $(Self::$kind(light) => light.has_size(),)* }
             }
@@ -186,7 +189,7 @@ macro_rules! lights {
                 match self { $(Self::$kind(light) => key_of(light),)* }
             }
 
-            /// The same light, so many times as strong.
+            /// The light at `factor` times its strength.
             #[must_use]
             pub fn scaled(&self, factor: f64) -> Self {
                 match *self { $(Self::$kind(light) => Self::$kind(light.scaled(factor)),)* }
@@ -248,7 +251,8 @@ fn from_area(
     })
 }
 
-/// What a ray sees of a flat surface: where it meets the plane, if from the front, and whether that point is within.
+/// The meeting of a ray with a flat surface, from the front, where `is_within` accepts the point of
+/// the plane.
 fn met_flat(
     at: DVec3,
     towards: DVec3,
@@ -272,7 +276,7 @@ mod tests {
     use super::*;
     use crate::sampling::Draws;
 
-    /// What rounding does to a camera's lights changes no numbers, and what is another light does.
+    /// Rounding of a camera's lights keeps the key, and another light changes it.
     #[test]
     fn the_key_of_a_light_is_that_of_its_place() {
         let sun = |x: f64, color: f64| {

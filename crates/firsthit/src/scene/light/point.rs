@@ -4,10 +4,10 @@ use crate::geometry::{Color, DVec2, DVec3, Domain, settings};
 settings! {
     /// Light from one point, falling off with the square of the distance.
     pub struct PointLight {
-        /// Where the light is.
+        /// The light's position.
         position: DVec3, Domain::Position, required DVec3::ZERO;
-        /// What a white surface that faces the light takes at distance 1, which is the radiant intensity over pi; it falls off with the
-        /// square of the distance.
+        /// The irradiance over pi of a surface that faces the light at distance 1, which is the
+        /// radiant intensity over pi; it falls off with the square of the distance.
         intensity: Color, Domain::Light, default Color::ONE;
     }
 }

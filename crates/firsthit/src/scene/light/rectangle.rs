@@ -5,13 +5,13 @@ settings! {
     /// A rectangle, or another parallelogram, that shines on one side, evenly: on the side from which the turn from `edge_u` to
     /// `edge_v` is counter-clockwise.
     pub struct RectangleLight {
-        /// Its middle.
+        /// The centre.
         center: DVec3, Domain::Position, required DVec3::ZERO;
-        /// From one edge to the opposite one.
+        /// The vector from one edge to the opposite one.
         edge_u: DVec3, Domain::Direction, required DVec3::Y;
-        /// From another edge to the opposite one, not parallel to the first.
+        /// The vector from another edge to the opposite one, not parallel to the first.
         edge_v: DVec3, Domain::Direction, required DVec3::X;
-        /// Its radiance: the colour that it has itself.
+        /// The radiance: the colour that the light has itself.
         emission: Color, Domain::Light, default Color::ONE;
     }
 }

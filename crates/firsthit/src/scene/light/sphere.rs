@@ -10,24 +10,25 @@ settings! {
     /// Directions are drawn evenly from the cone in which a point sees it (Shirley, Wang and Zimmerman, "Monte Carlo Techniques for
     /// Direct Lighting Calculations", ACM Transactions on Graphics 15(1), 1996).
     pub struct SphereLight {
-        /// Its middle.
+        /// The centre.
         center: DVec3, Domain::Position, required DVec3::ZERO;
-        /// Its radius.
+        /// The radius.
         radius: f64, Domain::Positive, default 1.0;
-        /// Its radiance: the colour that it has itself.
+        /// The radiance: the colour that the light has itself.
         emission: Color, Domain::Light, default Color::ONE;
     }
 }
 
 impl SphereLight {
-    /// From a point to the middle, and one minus the cosine of the cone in which the point sees the sphere; `None` from within.
+    /// The vector from a point to the centre, and one minus the cosine of the cone in which the
+    /// point sees the sphere; `None` from within.
     fn cone(&self, at: DVec3) -> Option<(DVec3, f64)> {
         let to_center = self.center - at;
         let share = self.radius * self.radius / to_center.length_squared();
         (share < 1.0).then(|| (to_center, share / (1.0 + (1.0 - share).sqrt())))
     }
 
-    /// How far away it is in a direction of length one that meets it.
+    /// The distance to the sphere in a direction of length one that meets it.
     fn distance(&self, to_center: DVec3, towards: DVec3) -> f64 {
         let along = to_center.dot(towards);
         let beside = to_center - along * towards;

@@ -7,12 +7,12 @@ settings! {
     /// Light from one point into a cone, falling off with the square of the distance, and from full light at the inner angle to none
     /// at the outer one.
     pub struct SpotLight {
-        /// Where the light is.
+        /// The light's position.
         position: DVec3, Domain::Position, required DVec3::ZERO;
-        /// Where the middle of the cone goes; any length but zero.
+        /// The direction of the cone's axis; any length but zero.
         direction: DVec3, Domain::Direction, required DVec3::NEG_Z;
-        /// What a white surface that faces the light takes at distance 1 in the middle of the cone, which is the radiant intensity
-        /// there over pi.
+        /// The irradiance over pi of a surface that faces the light at distance 1 on the cone's
+        /// axis, which is the radiant intensity there over pi.
         intensity: Color, Domain::Light, default Color::ONE;
         /// Between the middle and the end of full light, in radians; less than the outer angle.
         inner_angle: f64, Domain::From(0.0, FRAC_PI_2), default 0.0;
@@ -44,8 +44,8 @@ impl LightSource for SpotLight {
     }
 }
 
-/// How much of a spot's light goes in a direction: the square of the cosine's way from the outer angle to the
-/// inner one, as `KHR_lights_punctual` suggests.
+/// The falloff of a spot's light towards its edge: the square of the cosine's way from the outer
+/// angle to the inner one, as `KHR_lights_punctual` suggests.
 fn within_cone(cosine: f64, inner_angle: f64, outer_angle: f64) -> f64 {
     let (inner, outer) = (libm::cos(inner_angle), libm::cos(outer_angle));
     let share = ((cosine - outer) / (inner - outer).max(1e-9)).clamp(0.0, 1.0);

@@ -1,4 +1,4 @@
-//! How a surface scatters light: its bidirectional scattering distribution function.
+//! The scattering of light by a surface: its bidirectional scattering distribution function (BSDF).
 
 mod albedo;
 mod coat;
@@ -43,7 +43,7 @@ pub struct Bsdf {
 enum Kind {
     /// Lambert's, of this albedo.
     Matte(Color),
-    /// In a box because it is large, and most surfaces are matte.
+    /// The layered model, boxed because it is large and most surfaces are matte.
     Layered(Box<Layered>),
 }
 
@@ -68,7 +68,7 @@ impl BsdfSample {
         })
     }
 
-    /// The same, drawn as often as `share` says.
+    /// The sample, weighted for a draw with the probability `share`.
     fn drawn(self, share: f64) -> Self {
         let weight = self.weight / share;
         Self { weight, ..self }
@@ -144,19 +144,19 @@ impl Bsdf {
         Self::even(frame, color)
     }
 
-    /// The same on a face with another normal.
+    /// The BSDF on a face with another geometric normal.
     #[cfg(test)]
     pub(crate) fn over(mut self, geometric: DVec3) -> Self {
         self.frame.geometric = geometric;
         self
     }
 
-    /// The same where a frame says.
+    /// A matte BSDF in a frame.
     pub(super) fn even(frame: Frame, color: Color) -> Self {
         Self::new(frame, Kind::Matte(color))
     }
 
-    /// That of layers.
+    /// A layered BSDF in a frame.
     pub(super) fn layered(frame: Frame, is_front: bool, layers: &Layers) -> Self {
         let frame = frame.bent();
         let kind = Kind::Layered(Box::new(Layered::new(&frame, layers, is_front)));
@@ -171,8 +171,9 @@ impl Bsdf {
         self.frame.geometric
     }
 
-    /// What the ray sees of light from one direction: pi times the bidirectional scattering distribution, times the cosine to
-    /// the normal. So it is the cosine for a white matte surface. What a mirror shows is not in it: see [`branches`](Self::branches).
+    /// The reflected radiance for light from one direction: pi times the bidirectional scattering
+    /// distribution, times the cosine to the normal. So it is the cosine for a white matte surface.
+    /// Mirror reflection is not in it: see [`branches`](Self::branches).
     pub fn value(&self, towards: DVec3) -> Color {
         match &self.kind {
             Kind::Matte(color) => Lambertian::new(&self.frame, *color).value(towards),
@@ -221,7 +222,8 @@ impl Bsdf {
         }
     }
 
-    /// How much of the light from all around reaches the surface, as far as a map says so.
+    /// The share of light from all directions that reaches the surface by the occlusion map; 1
+    /// without one.
     pub fn occlusion(&self) -> f64 {
         self.occlusion
     }

@@ -10,8 +10,8 @@ settings! {
     pub struct Glass {
         /// The index of refraction. Default: 1.5.
         ior: f64, Domain::Positive, default 1.5;
-        /// What is taken away inside for each scene unit of length: after a length d there is exp(-d times this) left. Default:
-        /// [0, 0, 0].
+        /// The absorption coefficient inside, per scene unit: after a length d there is exp(-d
+        /// times this) left. Default: [0, 0, 0].
         absorption: Color, Domain::Color, default Color::ZERO;
     }
 }

@@ -6,7 +6,7 @@ use crate::scene::TextureMap;
 /// encoded as sRGB, those of all others are the numbers themselves.
 macro_rules! roles {
     ($($(#[doc = $about:literal])* $name:literal => $role:ident, $is_color:literal;)*) => {
-        /// What a texture of a material is for.
+        /// The role of a texture in a material.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum MapRole {
             $($(#[doc = $about])* $role,)*
@@ -16,7 +16,7 @@ macro_rules! roles {
             /// Every role.
             pub const ALL: &[Self] = &[$(Self::$role),*];
 
-            /// Its name.
+            /// The role's name.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$role => $name,)* }
             }
@@ -45,13 +45,13 @@ roles! {
     "normal" => Normal, false;
     /// Red says how much of the light from all around reaches the surface.
     "occlusion" => Occlusion, false;
-    /// It multiplies the emission.
+    /// Multiplies the emission.
     "emission" => Emission, true;
     /// Red multiplies the transmission.
     "transmission" => Transmission, false;
     /// Alpha multiplies the specular.
     "specular" => Specular, false;
-    /// It multiplies the specular colour.
+    /// Multiplies the specular colour.
     "specular_color" => SpecularColor, true;
     /// Red multiplies the clear coat.
     "clearcoat" => Clearcoat, false;
@@ -59,7 +59,7 @@ roles! {
     "clearcoat_roughness" => ClearcoatRoughness, false;
     /// The normal of the coat.
     "clearcoat_normal" => ClearcoatNormal, false;
-    /// It multiplies the colour of the sheen.
+    /// Multiplies the colour of the sheen.
     "sheen_color" => SheenColor, true;
     /// Alpha multiplies the roughness of the sheen.
     "sheen_roughness" => SheenRoughness, false;
@@ -89,7 +89,7 @@ impl Maps {
         found.map(|(_, map)| map)
     }
 
-    /// The same maps with another one, or none, for a role.
+    /// The maps with another one, or none, for a role.
     pub fn with(mut self, role: MapRole, map: impl Into<Option<TextureMap>>) -> Self {
         self.0.retain(|(known, _)| *known != role);
         if let Some(map) = map.into() {

@@ -14,11 +14,11 @@ settings! {
         roughness: f64, Domain::From(0.0, 1.0), default 0.5;
         /// The index of refraction of what is no metal; 0 stands for infinity, as in glTF. Default: 1.5.
         ior: f64, Domain::From(0.0, 100.0), default 1.5;
-        /// How much of its reflection there is, of what is no metal. Default: 1.
+        /// The factor on the specular reflection of dielectrics. Default: 1.
         specular: f64, Domain::From(0.0, 1.0), default 1.0;
         /// The colour of its reflection, of what is no metal. Default: [1, 1, 1].
         specular_color: Color, Domain::Color, default Color::ONE;
-        /// How much of the light that is not reflected goes through. Default: 0.
+        /// The share of the light that is not reflected that goes through. Default: 0.
         transmission: f64, Domain::From(0.0, 1.0), default 0.0;
         /// Whether the surface is that of a solid, which refracts light. Default: false, it is a thin wall, as a soap bubble.
         solid: bool, Domain::Flag, default false;
@@ -26,15 +26,15 @@ settings! {
         attenuation_color: Color, Domain::Color, default Color::ONE;
         /// The way on which light takes the attenuation colour. Default: infinite.
         attenuation_distance: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
-        /// How much clear coat there is. Default: 0.
+        /// The weight of the clear coat. Default: 0.
         clearcoat: f64, Domain::From(0.0, 1.0), default 0.0;
-        /// How rough the coat is, from 0, a mirror, to 1. Default: 0.
+        /// The roughness of the coat, from 0, a mirror, to 1. Default: 0.
         clearcoat_roughness: f64, Domain::From(0.0, 1.0), default 0.0;
-        /// How steep the normal map of the coat is. Default: 1.
+        /// The factor on the steepness of the coat's normal map. Default: 1.
         clearcoat_normal_scale: f64, Domain::From(-100.0, 100.0), default 1.0;
         /// The colour of fibres, as of cloth. Default: [0, 0, 0].
         sheen_color: Color, Domain::Color, default Color::ZERO;
-        /// How rough the fibres are, from 0 to 1. Default: 0.
+        /// The roughness of the fibres, from 0 to 1. Default: 0.
         sheen_roughness: f64, Domain::From(0.0, 1.0), default 0.0;
     }
 }
@@ -52,7 +52,8 @@ fn number(surface: &SurfaceInteraction<'_>, role: MapRole, channel: usize, facto
 }
 
 impl MetalRough {
-    /// The share of light that the coat reflects to whoever looks (`KHR_materials_clearcoat`, with the coat's own normal).
+    /// The share of light that the coat reflects towards the viewer (`KHR_materials_clearcoat`,
+    /// with the coat's own normal).
     pub(super) fn coat_share(&self, surface: &SurfaceInteraction<'_>) -> f64 {
         let weight = number(surface, MapRole::Clearcoat, R, self.clearcoat);
         if weight <= 0.0 {
@@ -96,7 +97,7 @@ impl MetalRough {
         Bsdf::layered(Frame { normal, ..frame }, side > 0.0, &layers)
     }
 
-    /// What a solid takes away inside for each unit of length.
+    /// The absorption coefficient inside a solid, per scene unit.
     pub fn absorption(&self) -> Color {
         let each = |share: f64| -libm::log(share.clamp(1e-6, 1.0)) / self.attenuation_distance;
         Color::from(self.attenuation_color.to_array().map(each))

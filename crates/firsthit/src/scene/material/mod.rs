@@ -37,19 +37,20 @@ pub struct Material {
     pub name: Arc<str>,
     /// The linear colour. The mesh's own colours and the colour map multiply it.
     pub color: Color,
-    /// From 0, transparent, to 1, opaque. The mesh's own alpha and the map's multiply it.
+    /// The opacity from 0, transparent, to 1, opaque. The mesh's own alpha and the map's multiply
+    /// it.
     pub alpha: f64,
-    /// What it is made of.
+    /// The scattering model.
     pub model: Model,
     /// The radiance that it gives off. The emission map multiplies it.
     pub emission: Color,
     /// The textures, for meshes with texture coordinates.
     pub maps: Maps,
-    /// How steep the normal map is.
+    /// The factor on the steepness of the normal map.
     pub normal_scale: f64,
-    /// How much the occlusion map counts, from 0 to 1.
+    /// The weight of the occlusion map, from 0 to 1.
     pub occlusion_strength: f64,
-    /// What alpha means.
+    /// The meaning of alpha.
     pub alpha_mode: AlphaMode,
     /// Whether the colour is seen as it is, whatever the light.
     pub unlit: bool,
@@ -57,7 +58,7 @@ pub struct Material {
     pub double_sided: bool,
 }
 
-/// What a surface's alpha means.
+/// The meaning of a surface's alpha.
 ///
 /// ```
 /// use firsthit::{AlphaMode, Material};
@@ -72,10 +73,10 @@ pub struct Material {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AlphaMode {
-    /// Nothing: all of the surface is there.
+    /// Alpha means nothing: all of the surface is there.
     #[default]
     Opaque,
-    /// Where alpha is below the cutoff there is no surface: rays pass.
+    /// The surface is cut out where alpha is below the cutoff: rays pass.
     Mask {
         /// The least alpha that is there.
         cutoff: f64,
@@ -92,7 +93,7 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Whether it does nothing to light but scatter it evenly, as its colour says.
+    /// Whether the material is a plain Lambertian one: light is scattered evenly, and nothing else.
     pub(in crate::scene) fn is_plain_matte(&self) -> bool {
         let has = |role| self.maps.get(role).is_some();
         matches!(self.model, Model::Matte(_))

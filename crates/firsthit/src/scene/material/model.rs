@@ -8,7 +8,7 @@ use crate::scene::SurfaceInteraction;
 /// Makes [`Model`] and everything that depends on the list of models. A model is a struct of settings that has a scattering.
 macro_rules! models {
     ($($(#[doc = $about:literal])* $name:literal => $kind:ident;)*) => {
-        /// What a surface is made of.
+        /// The scattering model of a surface.
         ///
         /// ```
         /// use firsthit::geometry::Value;
@@ -27,12 +27,13 @@ macro_rules! models {
         kinds!("material", Model { $($(#[doc = $about])* $name => $kind($kind);)* });
 
         impl Model {
-            /// How it scatters light at a point. `side` is -1 where its back is seen.
+            /// The BSDF at a point. `side` is -1 where its back is seen.
             pub(super) fn bsdf(&self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
                 match self { $(Self::$kind(settings) => settings.bsdf(surface, frame, side),)* }
             }
 
-            /// The share of light that a clear coat on it reflects to whoever looks, and keeps back of what comes from below.
+            /// The share of light that a clear coat reflects towards the viewer, and keeps back of
+            /// light from below.
             pub(in crate::scene) fn coat_share(&self, surface: &SurfaceInteraction<'_>) -> f64 {
                 match self {
                     Self::MetalRough(settings) => settings.coat_share(surface),

@@ -39,12 +39,12 @@ pub struct Daylight {
     made: Arc<Made>,
 }
 
-/// What is made of the numbers.
+/// The values computed from the settings.
 #[derive(Debug, PartialEq)]
 struct Made {
     world_from_own: DMat3,
     sky: Sky,
-    /// What the sky's luminance, in thousands of candelas for a square metre, is multiplied by.
+    /// The factor on the sky's luminance, in thousands of candelas for a square metre.
     exposure: f64,
     ground: Color,
     sun: DirectionalLight,
@@ -57,21 +57,22 @@ const COLUMNS: usize = 256;
 const ROWS: usize = 128;
 
 impl Daylight {
-    /// How high the sun may stand, in degrees.
+    /// The range of the sun's elevation, in degrees.
     pub const ELEVATIONS: (f64, f64) = (0.0, 90.0);
 
-    /// How hazy the air may be. The model is made for 2 to 6 and holds out to 10.
+    /// The range of the turbidity. The model is made for 2 to 6 and holds out to 10.
     pub const TURBIDITIES: (f64, f64) = (2.0, 10.0);
 
     /// The haze of a clear day.
     pub const CLEAR: f64 = 3.0;
 
-    /// The ground's albedo, where nobody says.
+    /// The default albedo of the ground.
     pub const GROUND: Color = Color::splat(0.2);
 
-    /// The sky in a world with that direction upwards, of any length but zero. The sun stands so many degrees above the horizon, and is so far
-    /// around, counter-clockwise seen from above, from where the middle of an upright [map](super::EnvironmentMap) is: from +x,
-    /// where +y or +z is up. `turbidity` says how hazy the air is: 2 is very clear, 3 clear, 6 hazy.
+    /// The sky in a world with that direction upwards, of any length but zero. `elevation_degrees`
+    /// is the sun's angle above the horizon; `azimuth_degrees` is counter-clockwise, seen from
+    /// above, from the middle of an upright [map](super::EnvironmentMap): from +x, where +y or +z
+    /// is up. `turbidity` is the haze of the air: 2 is very clear, 3 clear, 6 hazy.
     ///
     /// # Errors
     ///
@@ -133,22 +134,22 @@ impl Daylight {
         Self::new(up, elevation, azimuth, turbidity, ground)
     }
 
-    /// Which way is up.
+    /// The direction upwards.
     pub fn up(&self) -> DVec3 {
         self.up
     }
 
-    /// How high the sun stands, in degrees.
+    /// The sun's elevation above the horizon, in degrees.
     pub fn elevation_degrees(&self) -> f64 {
         self.elevation_degrees
     }
 
-    /// How far around the sun stands, in degrees.
+    /// The sun's azimuth, in degrees.
     pub fn azimuth_degrees(&self) -> f64 {
         self.azimuth_degrees
     }
 
-    /// How hazy the air is.
+    /// The turbidity: the haze of the air.
     pub fn turbidity(&self) -> f64 {
         self.turbidity
     }
@@ -248,7 +249,7 @@ mod tests {
         Daylight::new(up, elevation, azimuth, 3.0, Daylight::GROUND).unwrap()
     }
 
-    /// By another sum than the one that the exposure is made from.
+    /// The reference is another sum than the one that the exposure is made from.
     #[test]
     fn a_white_level_surface_takes_a_luminance_of_one() {
         for elevation in [0.0, 5.0, 45.0, 90.0] {

@@ -59,7 +59,7 @@ const ZENITH_Y: [[f64; 4]; 3] = [
 ];
 
 impl Sky {
-    /// Of a direction of length one towards the sun, not below the horizon.
+    /// The sky for a direction of length one towards the sun, not below the horizon.
     pub(super) fn new(towards_sun: DVec3, turbidity: f64) -> Self {
         let from_zenith = libm::acos(towards_sun.y.clamp(0.0, 1.0));
         let chi = (4.0 / 9.0 - turbidity / 120.0) * (PI - 2.0 * from_zenith);
@@ -84,7 +84,7 @@ impl Sky {
         linear(luminance * DVec3::new(x / y, 1.0, (1.0 - x - y) / y))
     }
 
-    /// What a level surface takes of it, in thousands of lumens for a square metre.
+    /// The illuminance of a level surface by the sky, in thousands of lumens for a square metre.
     pub(super) fn illuminance(&self) -> Color {
         let above = cells().filter(|(direction, _)| direction.y > 0.0);
         above
@@ -107,7 +107,8 @@ impl Perez {
         }
     }
 
-    /// For the height of a direction, the cosine of its angle from the zenith; and for its angle to the sun.
+    /// The model's factor for the height of a direction, which is the cosine of its angle from the
+    /// zenith, and for its angle to the sun.
     fn shape(&self, height: f64, to_sun: f64, cosine_to_sun: f64) -> f64 {
         let [a, b, c, d, e] = self.coefficients;
         // Where the height is 0 the exponent is minus infinity, as `b` is negative.

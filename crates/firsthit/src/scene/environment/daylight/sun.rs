@@ -1,4 +1,4 @@
-//! How bright the sun is through the air, and in which colour.
+//! The sun's brightness and colour through the air.
 //!
 //! The sun shines as a black body of 5,778 K does. What air takes away of it by scattering, at molecules (Rayleigh) and at haze
 //! (Ångström), is as in Preetham, Shirley and Smits (1999), appendix A.1. What ozone, water and oxygen take away, a few hundredths, is left out.
@@ -6,12 +6,14 @@
 use super::perez::linear;
 use crate::geometry::{Color, DVec3};
 
-/// What a surface that faces the sun takes above the air, in thousands of lumens for a square metre.
+/// The illuminance of a surface that faces the sun above the air, in thousands of lumens for a
+/// square metre.
 const ABOVE_THE_AIR: f64 = 128.0;
 
 const TEMPERATURE: f64 = 5778.0;
 
-/// What a surface that faces the sun takes of each primary, in thousands of lumens for a square metre.
+/// The illuminance of a surface that faces the sun, for each primary, in thousands of lumens for a
+/// square metre.
 pub(super) fn illuminance(elevation_degrees: f64, turbidity: f64) -> Color {
     let mass = air_mass(elevation_degrees);
     let (mut reached, mut above) = (DVec3::ZERO, 0.0);
@@ -25,7 +27,7 @@ pub(super) fn illuminance(elevation_degrees: f64, turbidity: f64) -> Color {
     linear(ABOVE_THE_AIR / above * reached)
 }
 
-/// How much air the light goes through, straight down being 1.
+/// The optical air mass: the length of the light's path through the air, where straight down is 1.
 fn air_mass(elevation_degrees: f64) -> f64 {
     let sine = libm::sin(elevation_degrees.to_radians());
     1.0 / (sine + 0.15 * libm::pow(3.885 + elevation_degrees, -1.253))
@@ -67,7 +69,8 @@ fn matching(nanometres: f64) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// By a program in another language, in steps of 1 nanometre, with Planck's law from its constants.
+    /// The reference is a program in another language, in steps of 1 nanometre, with Planck's law
+    /// from its constants.
     #[test]
     fn the_sun_is_as_bright_and_as_red_as_its_spectrum_through_the_air() {
         for (elevation, turbidity, expected) in [

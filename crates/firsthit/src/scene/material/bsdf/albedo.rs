@@ -5,10 +5,11 @@ use std::sync::OnceLock;
 
 use crate::parallel;
 
-/// How many roughnesses a table has, each larger than the last by the same factor.
+/// The number of roughnesses in a table, each larger than the last by one factor.
 const ROUGHNESSES: usize = 48;
 
-/// How many cosines: fourth powers of even steps, since albedos change most where a surface is seen from the side.
+/// The number of cosines: fourth powers of even steps, since albedos change most where a surface is
+/// seen from the side.
 const COSINES: usize = 48;
 
 /// The least cosine that is summed for.
@@ -29,7 +30,7 @@ pub(super) struct Albedos<const N: usize> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AlbedosOfRoughness<const N: usize> {
     rows: [&'static Row<N>; 2],
-    /// How far it is from the first of the rows to the second.
+    /// The weight of the second row, from 0 to 1.
     share: f64,
 }
 

@@ -13,7 +13,7 @@ pub(super) struct Coat {
     frame: Frame,
     axes: TangentFrame,
     out: DVec3,
-    /// What it reflects of all light, to whoever looks.
+    /// The share of light that the coat reflects towards the viewer.
     pub(super) share: f64,
 }
 
@@ -56,7 +56,8 @@ impl Coat {
         }
     }
 
-    /// Where a smooth coat shows light from, and how much of that counts.
+    /// The direction from which a smooth coat reflects light to the viewer, and the weight of that
+    /// light.
     pub(super) fn reflection(&self) -> (DVec3, f64) {
         let towards = self.reflected(DVec3::Z);
         (towards, self.share * self.frame.share(towards))

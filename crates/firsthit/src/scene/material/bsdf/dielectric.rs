@@ -1,4 +1,4 @@
-//! The boundary of what is no metal: how much it reflects, and what goes on.
+//! The boundary of a dielectric: the reflected and the transmitted share of light.
 
 use super::fresnel;
 use crate::geometry::Color;
@@ -6,13 +6,13 @@ use crate::geometry::Color;
 /// A boundary with glTF's `KHR_materials_ior` and `KHR_materials_specular`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Dielectric {
-    /// What it reflects head on, by Schlick's formula.
+    /// The reflectance at normal incidence, for Schlick's formula.
     f0: Color,
     weight: f64,
     tint: Color,
 }
 
-/// What a boundary reflects, and which share goes on, into the surface or through it.
+/// The reflected light of a boundary, and the share that continues into the surface or through it.
 pub(super) struct Split {
     pub(super) reflected: Color,
     pub(super) on: f64,
@@ -29,7 +29,7 @@ impl Dielectric {
         (self.f0.max_element(), self.weight)
     }
 
-    /// By Schlick's formula, as on opaque surfaces and thin walls.
+    /// The split by Schlick's formula, as on opaque surfaces and thin walls.
     pub(super) fn schlick(&self, cosine: f64) -> Split {
         self.split(fresnel::schlick(self.f0, cosine))
     }

@@ -1,4 +1,4 @@
-//! Where light is scattered: normals, and the direction of whoever looks.
+//! The shading frame: normals, and the direction to the viewer.
 
 use crate::geometry::{DVec3, unit};
 use crate::scene::softened;
@@ -10,13 +10,13 @@ pub(in crate::scene::material) struct Frame {
     pub(in crate::scene::material) normal: DVec3,
     /// The normal of the face.
     pub(in crate::scene::material) geometric: DVec3,
-    /// Towards whoever looks.
+    /// The direction towards the viewer.
     pub(in crate::scene::material) out: DVec3,
 }
 
 impl Frame {
-    /// How much of light counts that reaches the surface on the side that is seen: less than all near the edge of its light. Zero for
-    /// light from behind.
+    /// The factor on light that reaches the surface on the side that is seen: below 1 near its
+    /// terminator. Zero for light from behind.
     pub(super) fn share(&self, towards: DVec3) -> f64 {
         share(self.normal, self.geometric, towards)
     }

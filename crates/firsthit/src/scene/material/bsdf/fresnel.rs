@@ -1,4 +1,4 @@
-//! How much of light a smooth boundary reflects.
+//! The reflectance of a smooth boundary.
 
 use crate::geometry::{Color, DVec3};
 
@@ -15,7 +15,7 @@ pub(super) fn schlick(f0: Color, cosine: f64) -> Color {
     f0 + (Color::ONE - f0) * grazing(cosine)
 }
 
-/// What a boundary reflects head on, where light is slower by `ior` on one side.
+/// The reflectance at normal incidence, with the relative index of refraction `ior`.
 pub(super) fn head_on(ior: f64) -> f64 {
     let root = (1.0 - ior) / (1.0 + ior);
     root * root

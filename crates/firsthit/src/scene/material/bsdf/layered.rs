@@ -15,7 +15,7 @@ use super::sheen::Sheen;
 use crate::geometry::{Color, DVec3};
 use crate::sampling::TangentFrame;
 
-/// What a surface is made of, where it is seen.
+/// The material of a surface at a point.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::scene::material) struct Layers {
     pub(in crate::scene::material) base: Color,
@@ -25,7 +25,8 @@ pub(in crate::scene::material) struct Layers {
     pub(in crate::scene::material) specular: f64,
     pub(in crate::scene::material) specular_color: Color,
     pub(in crate::scene::material) transmission: f64,
-    /// What is taken away inside for each unit of length; `None` for a thin wall, which has no inside.
+    /// The absorption coefficient inside, per scene unit; `None` for a thin wall, which has no
+    /// inside.
     pub(in crate::scene::material) absorption: Option<Color>,
     /// Weight, roughness, and the normal in the world on the side that is seen.
     pub(in crate::scene::material) coat: (f64, f64, DVec3),
@@ -41,14 +42,14 @@ pub(super) struct Layered {
     metallic: f64,
     pub(super) facets: Microfacets,
     dielectric: Dielectric,
-    /// What the dielectric leaves to the matte ground; `None` where there is none.
+    /// The light that the dielectric leaves to the diffuse base; `None` without a base.
     pub(super) leftover: Option<Leftover>,
     transmission: f64,
     /// The index of the other side divided by that of the side that is seen; `None` for a thin wall.
     pub(super) ior: Option<f64>,
     pub(super) sheen: Option<Sheen>,
     pub(super) coat: Option<Coat>,
-    /// How often each way is drawn.
+    /// The probabilities of drawing each lobe.
     pub(super) lobes: LobeProbabilities,
 }
 
@@ -87,7 +88,7 @@ impl Layered {
         self.facets.is_smooth() || self.ior == Some(1.0)
     }
 
-    /// What clear matter does, thin or solid.
+    /// The split at clear matter, a thin wall or the boundary of a solid.
     fn clear(&self, cosine: f64) -> Split {
         match self.ior {
             Some(ior) => self.dielectric.exact(cosine, ior),
@@ -145,7 +146,7 @@ impl Layered {
         }
     }
 
-    /// What is reflected below the coat.
+    /// The reflected light of all layers below the coat.
     fn reflected(&self, into: DVec3) -> Color {
         let cosine = self.out.dot(half(self.out, into));
         let facets = self.facets.reflection(self.out, into);

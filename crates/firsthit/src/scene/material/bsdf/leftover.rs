@@ -1,4 +1,4 @@
-//! What a rough boundary leaves to the matte ground below it.
+//! The light that a rough boundary leaves to the diffuse base below it.
 //!
 //! glTF's diffuse lobe is what a single microfacet lets through. It knows nothing of what others reflect of light from other directions, so
 //! that both lobes together would give more than they get where a surface is seen from the side, nearly twice as much where it is smooth.
@@ -9,20 +9,21 @@ use super::albedo::{Albedos, AlbedosOfRoughness, mean};
 use super::fresnel;
 use super::microfacet::{LEAST_ROUGHNESS, Microfacets};
 
-/// What microfacets reflect that reflect everything, and that reflect by the power of [`fresnel::grazing`] alone.
+/// Albedos of microfacets that reflect everything, and of microfacets that reflect by the power of
+/// [`fresnel::grazing`] alone.
 static REFLECTED: Albedos<2> = Albedos::new(LEAST_ROUGHNESS, |cosine, roughness| {
     reflected(cosine, roughness, [48, 16])
 });
 
-/// How much of a diffuse lobe there is.
+/// The scale of a diffuse lobe below a boundary.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leftover {
     /// `None` for a smooth boundary.
     rough: Option<AlbedosOfRoughness<2>>,
-    /// What the boundary reflects head on, and how much of its reflection there is.
+    /// The boundary's reflectance at normal incidence, and the factor on its reflection.
     head_on: f64,
     weight: f64,
-    /// As the direction of whoever looks has it, and what the scaled lobe then reflects of white light from everywhere.
+    /// The share left in the viewer's direction, and the albedo that the scaled lobe then has.
     seen: [f64; 2],
 }
 
@@ -47,7 +48,8 @@ impl Leftover {
         self.seen[0].min(self.seen_from(into)[0])
     }
 
-    /// What the diffuse lobe of a white ground reflects to whoever looks from the side, of light from everywhere; `None` where it is glTF's.
+    /// The albedo of a white base's diffuse lobe in the viewer's direction, seen from the side;
+    /// `None` where the lobe is glTF's.
     pub(super) fn albedo_from_side(&self) -> Option<f64> {
         (self.seen[0] < 1.0).then_some(self.seen[1])
     }

@@ -20,7 +20,7 @@ pub(super) struct LobeProbabilities {
 }
 
 impl Layered {
-    /// In proportion to what each way brings of white light from everywhere, more or less.
+    /// Probabilities in proportion to the approximate albedo of each lobe.
     pub(super) fn lobe_probabilities(&self) -> LobeProbabilities {
         let mean = |of: &dyn Fn(f64) -> Color| {
             let here = of(self.out.z).element_sum() / 3.0;

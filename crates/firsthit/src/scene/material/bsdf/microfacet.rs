@@ -16,14 +16,15 @@ pub(super) struct Microfacets {
     alpha: f64,
 }
 
-/// What is less rough than this is taken as smooth: it spreads light by less than a hundredth of a degree.
+/// The least roughness that is not taken as smooth: below, light spreads by less than a hundredth
+/// of a degree.
 const SMOOTH: f64 = 1e-4;
 
 /// The least roughness that is not smooth.
 pub(super) const LEAST_ROUGHNESS: f64 = 0.01;
 
 impl Microfacets {
-    /// Of a roughness from 0 to 1.
+    /// Microfacets with a roughness from 0 to 1.
     pub(super) fn of_roughness(roughness: f64) -> Self {
         let alpha = roughness * roughness;
         Self {
@@ -75,7 +76,7 @@ impl Microfacets {
         self.visible_normal(out, warp::disc(u))
     }
 
-    /// The same for a point of the unit disc.
+    /// The visible normal for a point of the unit disc.
     fn visible_normal(self, out: DVec3, point: DVec2) -> DVec3 {
         let stretched = DVec3::new(self.alpha * out.x, self.alpha * out.y, out.z).normalize();
         // Level, so that what is hidden of the disc is hidden from below.
@@ -95,9 +96,9 @@ impl Microfacets {
         .normalize()
     }
 
-    /// What is reflected, of what the microfacets reflect, to a direction with that cosine, by the microfacet for a point of a disc; and the
-    /// cosine with which the microfacet is met. The point is at `radius`, and `angle` goes from 0 to 1 along half a circle; the other half is
-    /// its mirror image.
+    /// The reflected share and the cosine of incidence of the microfacet for a point of a disc,
+    /// seen with a cosine. The point is at `radius`, and `angle` goes from 0 to 1 along half a
+    /// circle; the other half is its mirror image.
     pub(super) fn seen_at(self, cosine: f64, radius: f64, angle: f64) -> [f64; 2] {
         let out = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
         let (sin, cos) = libm::sincos(PI * (angle - 0.5));
@@ -161,7 +162,7 @@ pub(super) fn through(out: DVec3, normal: DVec3, ior: f64) -> Option<DVec3> {
     fresnel::refracted(out, normal, ior).filter(|into| into.z < 0.0)
 }
 
-/// A direction on one side of a thin wall for the one on the other side that goes on straight from it.
+/// The transmitted direction through a thin wall: the mirror image of a reflected one.
 pub(super) fn thin(direction: DVec3) -> DVec3 {
     DVec3::new(direction.x, direction.y, -direction.z)
 }

@@ -13,11 +13,12 @@ pub(super) struct Sheen {
     color: Color,
     roughness: f64,
     albedos: AlbedosOfRoughness<1>,
-    /// What its formula says that it reflects of white light from everywhere, to whoever looks: more than all where it is seen from the side.
+    /// The albedo by the model's formula in the viewer's direction: above 1 where the surface is
+    /// seen from the side.
     albedo: f64,
 }
 
-/// With less than this, fibres stand so straight that nothing is seen of them.
+/// The least roughness of a sheen that shows: below, fibres stand too straight.
 const LEAST_ROUGHNESS: f64 = 0.07;
 
 static ALBEDOS: Albedos<1> = Albedos::new(LEAST_ROUGHNESS, |cosine, roughness| {
@@ -51,13 +52,13 @@ impl Sheen {
         self.color * (distribution(self.roughness, out, into) / most)
     }
 
-    /// What it leaves to the layers below.
+    /// The share of light that the sheen leaves to the layers below.
     pub(super) fn left(&self, into: DVec3) -> f64 {
         let albedo = self.largest_albedo(into).min(1.0);
         (1.0 - self.color.max_element() * albedo).max(0.0)
     }
 
-    /// How bright it is, to whoever looks.
+    /// The approximate albedo in the viewer's direction.
     pub(super) fn brightness(&self) -> f64 {
         self.color.max_element() * self.albedo.min(1.0)
     }
@@ -72,7 +73,7 @@ fn distribution(roughness: f64, out: DVec3, into: DVec3) -> f64 {
     distribution / (hidden * 4.0 * out.z * into.z)
 }
 
-/// Their function Lambda.
+/// The masking function Lambda of the paper.
 fn masked(cosine: f64, alpha: f64) -> f64 {
     let exponent = if cosine < 0.5 {
         fitted(cosine, alpha)
@@ -82,7 +83,7 @@ fn masked(cosine: f64, alpha: f64) -> f64 {
     libm::exp(exponent)
 }
 
-/// Their table 1, between alpha 0 and 1.
+/// The fit of the paper's table 1, between alpha 0 and 1.
 fn fitted(x: f64, alpha: f64) -> f64 {
     let rest = (1.0 - alpha) * (1.0 - alpha);
     let between = |zero: f64, one: f64| one + rest * (zero - one);

@@ -1,4 +1,4 @@
-//! What scattering has to keep: glTF's numbers, energy, and that what is drawn is what is there.
+//! The invariants of scattering: glTF's numbers, energy, and draws that agree with the density.
 
 use std::f64::consts::PI;
 
@@ -123,7 +123,7 @@ fn over_all(count: u32, of: impl Fn(DVec3) -> Color) -> Color {
     4.0 * PI * sum / f64::from(count)
 }
 
-/// What is seen of a surface in white light from everywhere, by drawing.
+/// The albedo in white light from all directions (a furnace test), by sampling.
 fn furnace(bsdf: &Bsdf, count: u32) -> Color {
     let one = |k| {
         let drawn = bsdf.sample(Draws::new(7, k).three());
@@ -132,8 +132,8 @@ fn furnace(bsdf: &Bsdf, count: u32) -> Color {
     (0..count).map(one).sum::<Color>() / f64::from(count)
 }
 
-/// The same by a sum over directions, more of them from the side and from where [`at`] is: fibres are brightest there, and drawing finds it
-/// slowly.
+/// The albedo by a sum over directions, with more of them from the side and from where [`at`] is:
+/// fibres are brightest there, and sampling finds it slowly.
 fn summed(bsdf: &Bsdf) -> Color {
     const STEPS: u32 = 128;
     let (along, across) = (DVec3::new(0.6, 0.8, 0.0), DVec3::new(-0.8, 0.6, 0.0));
@@ -239,7 +239,8 @@ fn what_is_drawn_is_what_is_there() {
     }
 }
 
-/// By octants of directions: how often they are drawn is the integral of their pdf over the octant.
+/// The reference: the share of draws in each octant of directions is the integral of the pdf over
+/// it.
 #[test]
 fn directions_are_drawn_as_often_as_their_pdf_says() {
     const COUNT: u32 = 1 << 14;
@@ -381,8 +382,8 @@ fn no_surface_gives_more_than_it_gets_seen_from_any_side() {
     }
 }
 
-/// What the specular lobe leaves goes to the ground: nothing is lost but what microfacets send to each other, and what light may not take
-/// the other way.
+/// The specular lobe leaves the rest to the diffuse base: only interreflection between microfacets
+/// and light that may not return are lost.
 #[test]
 fn white_plastic_stays_white_seen_from_the_side() {
     for (degrees, least) in [(0.0, 0.95), (60.0, 0.95), (80.0, 0.98), (89.0, 0.98)] {
