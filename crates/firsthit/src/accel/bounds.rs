@@ -73,7 +73,7 @@ pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
 /// Used in `rays/prepare.rs` and `tile/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const BLUR: f64 = 1e-15;
 
-/// How many blurs are in the error of a sheared coordinate, and in that of a depth.
+/// The number of blurs in the error of a sheared coordinate, and in that of a depth.
 ///
 /// Used in `filter.rs`, `rays/limits.rs` and `traverse/frustum.rs`. Too small:
 /// `starts_far_apart_just_above_small_triangles` and `soups_of_every_scale_and_place`, at 0.
@@ -84,8 +84,8 @@ pub(super) const BLURS: f32 = 3.0;
 /// Used in `rays/prepare.rs`. Too small: `fans_over_edges` and `short_rays_from_neighbours`, among others, at 0.
 pub(super) const BOX: f32 = 12.0 * U;
 
-/// How far from a box a ray may pass that the box lets through, beside its blurs: [`BOX`] and the rounding of the test,
-/// at the largest reach.
+/// The largest distance from a box of a ray that the box lets through, beside its blurs: [`BOX`]
+/// and the rounding of the test, at the largest reach.
 ///
 /// Used in `filter.rs`. Too small: no test, not even at 0.
 pub(super) const BOX_MARGIN: f32 = 150.0 * U;
@@ -118,7 +118,8 @@ pub(super) const SIDE_BY_SIZE: f32 = 9.2 * U;
 /// Used in `filter.rs`, `traverse/frustum_leaf.rs` and `tile/edge_test.rs`. Too small: no test, not even at 0.
 pub(super) const MEAN: f32 = 2.1;
 
-/// The same by the sides' own rounding, as a multiple of the square of their coordinates' size.
+/// The error of a mean depth by the sides' own rounding, as a multiple of the square of their
+/// coordinates' size.
 ///
 /// Used in `filter.rs`. Too small: no test, not even at 0.
 pub(super) const MEAN_BY_SIZE: f32 = 9.0 * U;
@@ -155,8 +156,8 @@ pub(super) const NEAR_SQUARED: f32 = 16.0 * U;
 /// Used in `traverse/nearest.rs`.
 pub(super) const NEAR_LEAST: f32 = 1e-30;
 
-/// Where the largest coordinate is above, every triangle is asked: the squares of squares stay in float32. No bound:
-/// any smaller number is safe.
+/// The largest coordinate with a float32 test: beyond, every triangle is asked, so that the squares
+/// of squares stay in float32. No bound: any smaller number is safe.
 ///
 /// Used in `traverse/nearest.rs`.
 pub(super) const NEAR_FARTHEST: f64 = (1_u64 << 30) as f64;
@@ -173,7 +174,7 @@ pub(super) const PACKET_PLANES: f32 = 40.0 * U;
 /// Used in `traverse/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const PACKET_NORMAL: f32 = 4.0;
 
-/// How much farther those two planes open for a depth of 1.
+/// The opening of the two planes along the packet's normal for a depth of 1.
 ///
 /// Used in `traverse/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const PACKET_SPREAD: f32 = 16.0 * U;
@@ -189,7 +190,7 @@ pub(super) const PACKET_START: f32 = 20.0 * U;
 /// Used in `traverse/frustum_leaf.rs`. Too small: `small_triangles_of_a_large_mesh`, at 0.
 pub(super) const PACKET_VERTEX: f32 = 5.5 * U;
 
-/// The same as a share of the triangle's extent.
+/// The error of a sheared coordinate of a vertex, as a share of the triangle's extent.
 ///
 /// Used in `traverse/frustum_leaf.rs`. Too small: no test, not even at 0.
 pub(super) const PACKET_EXTENT: f32 = 3.5 * U;
@@ -218,7 +219,7 @@ pub(super) const TILE_PIXEL: f64 = 51.0 * U as f64;
 /// Used in `tile/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const TILE_DEPTH: f64 = 60.0 * U as f64;
 
-/// The same as a share of the depth by which the start of parallel rays was moved.
+/// The error of Z, as a share of the depth by which the start of parallel rays was moved.
 ///
 /// Used in `tile/frustum.rs`. Too small: `arrays_of_a_cameras_rays`, at 0.
 pub(super) const TILE_MOVED: f64 = 16.0 * U as f64;
@@ -234,7 +235,7 @@ pub(super) const TILE_SIDEWAYS: f64 = 16.0 * U as f64;
 /// Used in `tile/frustum.rs`. Too small: not tried.
 pub(super) const TILE_LEVER: f64 = 12.0;
 
-/// How many times that error covers [`TILE_PIXEL`] of the largest Z.
+/// The multiples of [`TILE_PIXEL`] of the largest Z that the lever's error of Z covers.
 ///
 /// Used in `tile/frustum.rs`. Too small: not tried.
 pub(super) const TILE_LEVER_BY_SKEWNESS: f64 = 7.0;
@@ -249,7 +250,7 @@ pub(super) const TILE_LEVER_OF_PLANES: f64 = 8.0;
 /// Used in `tile/frustum.rs`.
 pub(super) const TILE_LEVER_OF_WIDTH: f64 = 16.0;
 
-/// What stands for [`TILE_VERTEX`] where no leaf is at hand, as a share of a coordinate of 1.
+/// The stand-in for [`TILE_VERTEX`] where no leaf is at hand, as a share of a coordinate of 1.
 ///
 /// Used in `tile/frustum.rs`. Too small: not tried.
 pub(super) const TILE_ANY_VERTEX: f64 = 4.0 * U as f64;

@@ -46,7 +46,7 @@ pub struct Bvh {
     pub(super) slack: f64,
     /// The root first. With [`LEAF`] a child is the index of a box.
     pub(super) nodes: Vec<Node>,
-    /// Where each box is; made when one is first [moved](Self::refit).
+    /// The place of each box; made when one is first [moved](Self::refit).
     pub(super) places: Option<Places>,
 }
 
@@ -58,16 +58,16 @@ pub(super) struct BoxSpace {
     pub(super) scale: f64,
 }
 
-/// Where boxes are in a tree: sixteen times the index of a node, and the place among its children.
+/// Places in a tree: sixteen times the index of a node, and the place among its children.
 #[derive(Debug, Clone)]
 pub(super) struct Places {
-    /// Of each box; any for one that is not in the tree.
+    /// The place of each box; any for a box that is not in the tree.
     pub(super) boxes: Vec<u32>,
-    /// Of each node in its parent.
+    /// The place of each node in its parent.
     pub(super) nodes: Vec<u32>,
 }
 
-/// By which share of its coordinates a box is wider than it is, and a ray.
+/// The widening of boxes, and of rays, as a share of their coordinates.
 const BOX_ROUNDING: f64 = 6.0 * U as f64;
 
 /// Boxes may move as far as this from the origin, in units of the tree, before it is built anew.
@@ -82,12 +82,12 @@ impl Bvh {
         self.slack
     }
 
-    /// What the tree takes in memory, but for what it keeps once a box has moved.
+    /// The size in bytes, without the tables that `refit` adds.
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
     }
 
-    /// How much wider boxes are for what is at `point` or starts there, in units of the scene.
+    /// The widening of boxes for a point, or for a ray that starts there, in units of the scene.
     #[inline(always)]
     pub(super) fn margin(&self, point: DVec3) -> f64 {
         let reach = (point - self.space.origin).abs().max_element() + self.extent;
@@ -96,7 +96,7 @@ impl Bvh {
 }
 
 impl BoxSpace {
-    /// Of boxes that reach so far from an origin.
+    /// The space of boxes that reach up to `extent` from an origin.
     pub(super) fn new(origin: DVec3, extent: f64) -> Self {
         // Smaller ones would take a ray's coordinates out of float64's range, larger ones the scale.
         let reach = extent.clamp(1e-150, 1e300);
@@ -126,7 +126,8 @@ impl BoxSpace {
     }
 }
 
-/// What is still to be visited: a child of a node, and where it begins. Memory to be used again.
+/// The children of nodes still to be visited, with the parameters where they begin. Memory to be
+/// used again.
 pub(crate) type WalkStack = Vec<(u32, f64)>;
 
 /// A ray's way through a [`Bvh`].

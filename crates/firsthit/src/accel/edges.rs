@@ -13,11 +13,11 @@
 
 use crate::simd::Lanes;
 
-/// On which sides of the edges b-c, c-a and a-b rays pass.
+/// The sides of the edges b-c, c-a and a-b on which rays pass.
 pub(super) struct Sides<L: Lanes>(pub(super) [L::Floats; 3]);
 
 impl<L: Lanes> Sides<L> {
-    /// From the corners, relative to the ray, across its direction.
+    /// Computes the sides from the corners, relative to the ray, across its direction.
     #[inline(always)]
     pub(super) fn new(
         l: L,

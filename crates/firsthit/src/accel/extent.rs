@@ -96,7 +96,7 @@ impl MeshTree {
 
     /// The leaves that may have triangles in one of some boxes, and others where these are many.
     fn leaves_near(&self, around: &[Bounds]) -> Vec<u32> {
-        /// With more boxes than this all leaves are looked at.
+        /// The most boxes that are searched; with more all leaves are looked at.
         const FEW: usize = 16;
         let all = 0..u32::try_from(self.leaves.len()).unwrap_or(u32::MAX);
         if around.len() > FEW {

@@ -1,5 +1,5 @@
-//! Which triangles of a leaf may a ray meet? The test in float32 that comes before the exact one, a triangle in each
-//! lane.
+//! The float32 filter before the exact test: rejects triangles of a leaf that a ray misses, a
+//! triangle in each lane.
 //!
 //! 1. Count the leaf's vertices from the ray's start, and shear them so that the ray runs along the axis of the depth.
 //! 2. Compute the [`Sides`] of each triangle's edges. Reject a triangle when two sides have different signs, for
@@ -72,9 +72,9 @@ use crate::simd::Lanes;
 
 /// The triangles of a leaf that a ray may meet.
 pub(crate) struct Candidates<L: Lanes> {
-    /// Those the ray may meet.
+    /// The triangles the ray may meet.
     pub(super) possible: u16,
-    /// Those of them whose inside it meets for certain.
+    /// The triangles whose inside the ray meets for certain.
     pub(super) certain: u16,
     /// Depths between which the ray meets the triangle, if it does.
     pub(super) low: L::Floats,
@@ -132,9 +132,9 @@ pub(super) fn filter<L: Lanes>(
     })
 }
 
-/// What rounding does to the triangles of a leaf, as a ray sees them.
+/// The rounding errors of the triangles of a leaf, as a ray sees them.
 struct Rounding {
-    /// No vertex is deeper, or farther behind the ray's start.
+    /// The largest depth of a vertex, ahead of the ray's start or behind it.
     deep: f32,
     blur: f32,
 }
@@ -151,7 +151,8 @@ impl Rounding {
         }
     }
 
-    /// Of the sides of triangles with this extent along an axis, and so much `more` across the ray.
+    /// The errors of the sides of triangles with this extent along an axis, and `more` across the
+    /// ray.
     #[inline(always)]
     fn side(&self, extent: f32, more: f32) -> SideRounding {
         let error = VERTEX * self.deep + (VERTEX * extent + self.blur);
@@ -160,7 +161,7 @@ impl Rounding {
         SideRounding { error, size, bound }
     }
 
-    /// Of a corner's depth.
+    /// The error of a corner's depth.
     #[inline(always)]
     fn depth(&self) -> f32 {
         DEPTH * self.deep + self.blur
@@ -175,7 +176,8 @@ struct SideRounding {
 }
 
 impl SideRounding {
-    /// That of the depth of a certain triangle, by the spread of its corners' depths over the sum of the sides.
+    /// The error of the depth of a certain triangle, by the spread of its corners' depths over the
+    /// sum of the sides.
     #[inline(always)]
     fn mean(&self) -> f32 {
         (MEAN * self.error + MEAN_BY_SIZE * self.size) * self.size

@@ -1,4 +1,5 @@
-//! Where eight rays cross eight triangles that they are known to meet, in float64 lanes.
+//! Computes the crossings of eight rays with eight triangles that they are known to meet, in
+//! float64 lanes.
 //!
 //! 1. Gather the triangles' corners from the leaves of the tree, or where float32 does not hold them from the mesh
 //!    ([`Corners`]).
@@ -34,9 +35,10 @@ pub(crate) struct RayBundle<L: Lanes> {
     reason = "it lives for a block, on the stack"
 )]
 pub(crate) enum Corners {
-    /// In the tree's space: with the unit of that space, and its origin where that is not the mesh's.
+    /// Corners in the tree's space, with the unit of that space, and its origin where that is not
+    /// the mesh's.
     Scaled(CornerLanes<[f32; LANES]>, f64, Option<[f64; 3]>),
-    /// In the mesh's space, in two halves.
+    /// Corners in the mesh's space, in two halves.
     Whole(CornerLanes<[[f64; WIDE]; 2]>),
 }
 
@@ -60,7 +62,8 @@ impl Corners {
         }
     }
 
-    /// From the leaves, which are in the cache. Neighbours mostly meet triangles of the same one or two leaves.
+    /// Takes the corners from the leaves, which are in the cache. Neighbours mostly meet triangles
+    /// of the same one or two leaves.
     #[inline(always)]
     fn scaled<L: Lanes>(
         l: L,
@@ -101,7 +104,7 @@ impl Corners {
         Self::Scaled(out, tree.space.unscale, is_elsewhere.then_some(origin))
     }
 
-    /// From the mesh, one by one.
+    /// Takes the corners from the mesh, one by one.
     #[inline(always)]
     fn whole(
         tree: &MeshTree,
@@ -172,7 +175,7 @@ pub(crate) fn locate8<L: Lanes>(
     locate8_at(l, rays, &corners.half(l, half), wanted)
 }
 
-/// The same with the corners in lanes.
+/// [`locate8`] with the corners in lanes.
 #[inline(always)]
 pub(super) fn locate8_at<L: Lanes>(
     l: L,
@@ -192,7 +195,7 @@ pub(super) fn locate8_at<L: Lanes>(
     (sound & ahead(l, crossing[0]), crossing)
 }
 
-/// Where `t` is positive and finite.
+/// The lanes whose `t` is positive and finite.
 #[inline(always)]
 fn ahead<L: Lanes>(l: L, t: L::Doubles) -> u8 {
     l.lt64(l.splat64(0.0), t) & l.lt64(t, l.splat64(f64::INFINITY))
@@ -252,11 +255,11 @@ pub(crate) struct SharedTriangle {
     triangle: u32,
     plain: Plain<f64>,
     plane: Plane<f64>,
-    /// Where the first of the rays starts. Most others start there too.
+    /// The origin of the first ray. Most others start there too.
     origin: [f64; 3],
     /// The triangle from there, and whether plain float64 is enough.
     plain_start: (bool, PlainStart<f64>),
-    /// The same in twice the digits.
+    /// The triangle from there in double-double.
     start: (bool, Start<f64>),
 }
 

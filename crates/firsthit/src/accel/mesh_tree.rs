@@ -32,18 +32,20 @@ pub struct MeshTree {
     /// Pairs of the lowest of some triangles with the same corners, and another of them that is in no leaf; sorted. The lowest is
     /// always in a leaf, since it wins every tie. In a quick tree others may be too, and are then in no pair.
     pub(super) copies: Storage<[u32; 2]>,
-    /// Which triangles of each leaf are there still, where some have been [taken out](Self::take_out).
+    /// The triangles still in each leaf, a bit each, where some have been [taken
+    /// out](Self::take_out).
     pub(super) present: Option<Arc<[u16]>>,
-    /// Then, too, which children of each node have any.
+    /// The children of each node that have triangles, a bit each, where some have been taken out.
     pub(super) children_left: Option<Arc<[u16]>>,
-    /// What a ray through the mesh's box costs, as it was [built](Self::build); see `build/refit.rs`.
+    /// The cost of a ray through the mesh's box when the tree was [built](Self::build); see
+    /// `build/refit.rs`.
     pub(super) cost: f64,
     /// Whether it was [built in little time](Self::build_quick).
     pub(super) is_quick: bool,
 }
 
 impl MeshTree {
-    /// What the tree takes in memory, or in a mapped file.
+    /// The size in bytes, in memory or in a mapped file.
     pub fn bytes(&self) -> usize {
         size_of_val::<[_]>(&self.nodes)
             + size_of_val::<[_]>(&self.leaves)
@@ -76,7 +78,7 @@ impl MeshTree {
         }
     }
 
-    /// Which children of a node have triangles that have not been taken out.
+    /// The children of a node that have triangles left, a bit each.
     #[inline(always)]
     pub(super) fn children_left(&self, node: u32) -> u16 {
         match &self.children_left {

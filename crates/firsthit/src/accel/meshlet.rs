@@ -7,7 +7,7 @@ use crate::simd::LANES;
 /// A leaf and a lane are one number of 32 bits ([`super::TriangleId`]).
 pub(super) const MOST_LEAVES: usize = (1 << 28) - 1;
 
-/// That number.
+/// The number of a leaf and a lane.
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "there are sixteen lanes")]
 pub(super) fn leaf_lane(leaf: u32, lane: usize) -> u32 {
@@ -20,15 +20,15 @@ pub(super) fn leaf_lane(leaf: u32, lane: usize) -> u32 {
 pub(crate) struct Meshlet {
     /// The vertices, an array for each axis. Unused lanes repeat the first vertex.
     pub(super) vertices: [[f32; LANES]; 3],
-    /// For each corner, the triangles' vertices.
+    /// The lanes of the triangles' vertices, for each corner.
     pub(super) corners: [[u8; LANES]; 3],
-    /// Where the triangles stand in the tree's order.
+    /// The place of the first triangle in the tree's order.
     pub(super) first: u32,
     /// The largest extent of a triangle along an axis.
     pub(super) size: f32,
     /// The largest extent of all of them together along an axis.
     pub(super) extent: f32,
-    /// Which triangles there are, a bit each.
+    /// The lanes that have a triangle, a bit each.
     pub(super) filled: u16,
     /// Zero: no byte is left undefined.
     pub(super) reserved: u16,
@@ -49,7 +49,7 @@ impl Meshlet {
         [corner(0), corner(1), corner(2)]
     }
 
-    /// Which vertex a corner of a triangle is.
+    /// The lane of a triangle's corner among the vertices.
     #[inline(always)]
     pub(super) fn vertex(&self, lane: usize, corner: usize) -> usize {
         usize::from(self.corners[corner % 3][lane % LANES]) % LANES

@@ -1,4 +1,5 @@
-//! Which of many things may a ray meet? [`Bvh`] is a tree over boxes, [`MeshTree`] one over the triangles of a mesh.
+//! Acceleration structures: [`Bvh`] is a tree over boxes, [`MeshTree`] one over the triangles of a
+//! mesh.
 //!
 //! Float32 only rules out; the float64 tests of `shape` decide. So the answer depends neither on the tree nor on the
 //! instruction set, and brute force leads to the same bits.

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::simd::LANES;
 
-/// How many children a node has at most.
+/// The most children of a node.
 pub(super) const WIDTH: usize = LANES;
 /// Marks a child that is a leaf.
 pub(super) const LEAF: u32 = 1 << 31;

@@ -1,4 +1,4 @@
-//! Which boxes of a [`Bvh`] may overlap a box?
+//! Finds the boxes of a [`Bvh`] that may overlap a box.
 
 use super::bvh::Bvh;
 use super::node::{LEAF, Node, WIDTH};

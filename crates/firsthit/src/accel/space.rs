@@ -8,10 +8,10 @@ use crate::memory;
 use crate::parallel;
 use crate::shape::{Mesh, Meshes};
 
-/// How many points or boxes one task takes of many.
+/// The number of points or boxes in one task.
 pub(super) const CHUNK: usize = 65_536;
 
-/// How the tree's space lies in the mesh's.
+/// The place and scale of the tree's space in the mesh's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Space {
     /// The mesh's place of the tree's origin. Minus zero along each axis where it is the mesh's own: to add that
@@ -19,7 +19,7 @@ pub(super) struct Space {
     pub(super) origin: DVec3,
     /// Units of the tree in a unit of the mesh: a power of two.
     pub(super) scale: f64,
-    /// Its reciprocal.
+    /// The reciprocal of the scale.
     pub(super) unscale: f64,
 }
 

@@ -1,4 +1,4 @@
-//! A tree taken apart into arrays, and put together again from arrays that nobody vouches for.
+//! The arrays of a tree, and the assembly of a tree from untrusted arrays.
 //!
 //! Traversals index nodes, leaves and triangles by what nodes and leaves say, and go on for as long as there are children. So
 //! what is read must be a tree whose every index is there:
@@ -31,7 +31,7 @@ pub(crate) struct TreeArrays<'a> {
     pub(crate) copies: &'a [[u32; 2]],
 }
 
-/// What a tree is put together from.
+/// The parts that a tree is assembled from.
 #[derive(Debug)]
 pub(crate) struct TreeParts {
     pub(crate) nodes: Storage<Node>,
@@ -41,7 +41,7 @@ pub(crate) struct TreeParts {
     pub(crate) facts: TreeFacts,
 }
 
-/// What a tree is beside its arrays.
+/// The facts about a tree that its arrays do not hold.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TreeFacts {
     pub(crate) is_exact: bool,
@@ -50,7 +50,7 @@ pub(crate) struct TreeFacts {
 }
 
 impl MeshTree {
-    /// Its arrays.
+    /// The arrays of the tree.
     pub(crate) fn arrays(&self) -> TreeArrays<'_> {
         TreeArrays {
             nodes: &self.nodes,
@@ -60,7 +60,7 @@ impl MeshTree {
         }
     }
 
-    /// What it is beside them.
+    /// The facts beside the arrays.
     pub(crate) fn facts(&self) -> TreeFacts {
         TreeFacts {
             is_exact: self.is_exact,
@@ -225,7 +225,7 @@ mod tests {
     /// A change to nodes, leaves and order.
     type Change<'a> = &'a dyn Fn(&mut [Node], &mut [Meshlet], &mut [u32]);
 
-    /// Each change makes an index that is not there, a loop, a node with two parents, or one with none.
+    /// Each change makes an index out of range, a loop, a node with two parents, or one with none.
     #[test]
     fn what_is_no_tree_is_refused() {
         let mesh = mesh();

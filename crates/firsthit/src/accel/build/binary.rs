@@ -12,10 +12,11 @@
 use super::binned_sah::{self, Block, Box32, Item, Split, around};
 use crate::memory;
 
-/// From this depth on ranges are halved. The heuristic alone can split off one box at a time, and make a tree as deep
-/// as it has boxes.
+/// The depth from which on ranges are halved. The heuristic alone can split off one box at a time,
+/// and make a tree as deep as it has boxes.
 pub(in crate::accel) const SAH_DEPTH: u32 = 64;
-/// No tree is deeper: from [`SAH_DEPTH`] on the number of items, which is below 2^32, is halved.
+/// The largest depth of a tree: from [`SAH_DEPTH`] on the number of items, which is below 2^32, is
+/// halved.
 pub(super) const DEEPEST: u32 = SAH_DEPTH + 32;
 /// Below this a range is built by one thread.
 const FORK: usize = 8192;
@@ -39,7 +40,7 @@ pub(super) struct Binary {
 
 /// The properties of the items that the builder needs.
 pub(super) trait Primitives: Sync {
-    /// How many items a ray tests at once.
+    /// The number of items that a ray tests at once.
     fn block(&self) -> Block;
     /// Whether items can be a leaf; one always can.
     fn is_leaf(&self, items: &[Item]) -> bool;

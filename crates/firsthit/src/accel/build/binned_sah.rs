@@ -1,4 +1,4 @@
-//! Where to split a range of boxes: the surface area heuristic over bins.
+//! Splits a range of boxes by the surface area heuristic over bins.
 //!
 //! 1. Put the boxes into 16 bins along each axis by their middles (8 for small ranges); a bin keeps their count and
 //!    union.
@@ -13,7 +13,8 @@ use crate::accel::space::CHUNK;
 use crate::geometry::arrays;
 use crate::parallel;
 
-/// In small ranges, where the work is in the bins and not in the boxes, fewer bins are enough.
+/// The most bins. In small ranges, where the work is in the bins and not in the boxes, fewer are
+/// enough.
 const MOST_BINS: usize = 16;
 const FEWER_BINS: usize = 8;
 const SMALL: usize = 128;
@@ -49,7 +50,7 @@ impl Box32 {
         high: [f32::NEG_INFINITY; 4],
     };
 
-    /// From its ends.
+    /// The box with these two ends.
     #[inline(always)]
     pub(super) fn new([a, b, c]: [f32; 3], [d, e, f]: [f32; 3]) -> Self {
         Self {
@@ -68,13 +69,13 @@ impl Box32 {
         }
     }
 
-    /// Its low end.
+    /// The low end.
     pub(super) fn low(&self) -> [f32; 3] {
         let [x, y, z, _] = self.low;
         [x, y, z]
     }
 
-    /// Its high end.
+    /// The high end.
     pub(super) fn high(&self) -> [f32; 3] {
         let [x, y, z, _] = self.high;
         [x, y, z]
@@ -189,11 +190,11 @@ impl Bin {
     }
 }
 
-/// How many items are tested together, at the cost of one: two to the power of this.
+/// The number of items that are tested together, at the cost of one: two to the power of this.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block(pub(super) u32);
 
-/// How the middles of a range's boxes fall into `N` bins along each axis.
+/// The map from the middles of a range's boxes to `N` bins along each axis.
 struct Grid<const N: usize> {
     low: [f32; 4],
     scale: [f32; 4],
@@ -275,7 +276,7 @@ impl<const N: usize> Grid<N> {
     }
 }
 
-/// Where the second part of a range starts, and the boxes around both.
+/// The start of a range's second part, and the boxes around both parts.
 pub(super) struct Split {
     pub(super) middle: usize,
     pub(super) left: Box32,

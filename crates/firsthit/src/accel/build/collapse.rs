@@ -72,18 +72,18 @@ impl Node {
     }
 }
 
-/// What becomes of an inner node of a binary tree.
+/// The plan of an inner node of a binary tree: the split of a wide node's places between its parts.
 ///
 /// At index `p - 1`, for 2 to 16 places p among the children of a wide node: how many of them go to its first part (the
 /// others go to the second), or 0 if it becomes a wide node itself, which takes one place. With one place it always
 /// becomes one. So index 0 has something else: as a wide node, how many of its own sixteen places go to its first part.
 type Plan = [u8; WIDTH];
 
-/// What a subtree costs among the children of a wide node: the surfaces of the wide nodes in it.
+/// The cost of a subtree among the children of a wide node: the surfaces of the wide nodes in it.
 struct Costs {
     /// The cost by the number of places that it may take up, less one.
     by_places: [f32; WIDTH],
-    /// How many leaves it has, or sixteen if more. With a place for each leaf it costs nothing.
+    /// The number of leaves, or sixteen if more. With a place for each leaf the cost is 0.
     leaves: usize,
 }
 
@@ -122,8 +122,8 @@ fn weigh(binary: &[BinaryNode], node: u32, plan: &mut Plan, below: &mut [Plan]) 
     Costs::join(&left, &right, surface(bounds), plan)
 }
 
-/// What a wide node costs: its surface and a little more, so that of boxes without a surface fewer nodes are cheaper
-/// too.
+/// The cost of a wide node: its surface and a little more, so that of boxes without a surface fewer
+/// nodes are cheaper too.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "of two that cost nearly the same, either will do"
@@ -199,7 +199,7 @@ fn gather(binary: &[BinaryNode], plans: &[Plan], root: u32) -> impl Iterator<Ite
     children.into_iter().take(count)
 }
 
-/// There are fewer nodes than triangles, and of these at most `i32::MAX`.
+/// Converts a count of nodes, of which there are fewer than triangles: at most `i32::MAX`.
 fn index(count: usize) -> u32 {
     u32::try_from(count).expect("fewer than triangles")
 }
@@ -208,7 +208,8 @@ fn index(count: usize) -> u32 {
 mod tests {
     use super::*;
 
-    /// A tree over so many leaves, split anywhere; appends what is below its root, which it returns.
+    /// A tree over `leaves` leaves, split anywhere; appends the nodes below its root, which it
+    /// returns.
     fn tree(
         random: &mut impl FnMut() -> u32,
         leaves: u32,

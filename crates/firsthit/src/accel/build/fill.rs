@@ -6,15 +6,15 @@ use crate::accel::meshlet::Meshlet;
 use crate::geometry::arrays;
 use crate::simd::LANES;
 
-/// How triangles would fill a leaf, of which any first ones may become one.
+/// Triangles in order with the places they would take in a leaf: any first ones may become one.
 pub(super) struct Filling {
-    /// For each corner, the triangles' lanes.
+    /// The lanes of the triangles' vertices, for each corner.
     corners: [[u8; LANES]; 3],
     /// The vertex of each lane.
     vertices: [u32; LANES],
-    /// How many lanes are taken by a triangle and those before it.
+    /// The number of lanes that a triangle and those before it take.
     taken: [u8; LANES],
-    /// How many triangles fit.
+    /// The number of triangles that fit.
     count: usize,
 }
 
@@ -45,7 +45,7 @@ impl Filling {
         filling
     }
 
-    /// How many triangles fit.
+    /// The number of triangles that fit.
     pub(super) fn count(&self) -> usize {
         self.count
     }
@@ -106,7 +106,7 @@ impl Meshlet {
     }
 }
 
-/// How far a triangle extends along an axis at most.
+/// The largest extent of a triangle along an axis.
 fn extent([a, b, c]: [[f32; 3]; 3]) -> f32 {
     let [x, y, z] = arrays::from_fn(|k| a[k].max(b[k]).max(c[k]) - a[k].min(b[k]).min(c[k]));
     f32::max(x, f32::max(y, z)).max(0.0)

@@ -23,8 +23,9 @@ pub(super) struct Seen {
     pub(super) gap: u32,
 }
 
-/// How many of a `run` of neighbours belong together: more than half of them, up to the largest of the gaps before the
-/// others and before what comes after the run; of equal ones the last.
+/// The number of items of a `run` of neighbours that belong together: more than half of them, up to
+/// the largest of the gaps before the others and before the item after the run; of equal gaps the
+/// last.
 pub(super) fn cut(run: usize, gap: impl Fn(usize) -> u32) -> usize {
     let places = run / 2 + 1..=run;
     places.max_by_key(|&k| gap(k)).unwrap_or(run)
@@ -106,7 +107,7 @@ impl Primitives for Groups {
     }
 }
 
-/// There are at most `i32::MAX` triangles.
+/// Converts a count of triangles, which is at most `i32::MAX`.
 pub(super) fn index(count: usize) -> u32 {
     u32::try_from(count).expect("fewer than triangles")
 }

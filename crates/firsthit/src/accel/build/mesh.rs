@@ -58,7 +58,8 @@ impl MeshTree {
         Self::build_by(mesh, full)
     }
 
-    /// The same in a third to a half of the time: not the best tree, but one that has the same answers. See `quick.rs`.
+    /// Builds a tree in a third to a half of the time: not the best one, with equal answers. See
+    /// `quick.rs`.
     pub fn build_quick(mesh: &Mesh) -> Self {
         let tree = Self::build_by(mesh, quick::quick);
         Self {
@@ -68,7 +69,7 @@ impl MeshTree {
     }
 
     fn build_by(mesh: &Mesh, build: impl FnOnce(&Triangles<'_>) -> Parts) -> Self {
-        /// As a share of the root's surface.
+        /// The least surface of a large node, as a share of the root's.
         const LARGE: f64 = 0.01;
         let Some(space) = Space::new(mesh.into()).filter(|_| !mesh.triangles().is_empty()) else {
             return Self::without_nodes(mesh);
@@ -109,7 +110,7 @@ impl MeshTree {
     }
 }
 
-/// What a build makes of triangles.
+/// The nodes, leaves and order that a build makes of triangles.
 pub(super) struct Parts {
     /// The root first, children after their parents.
     pub(super) nodes: Vec<Node>,
@@ -158,7 +159,7 @@ fn full(triangles: &Triangles<'_>) -> Parts {
 pub(super) struct Triangles<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) sharing: Sharing<'a>,
-    /// How many vertices they are over, about.
+    /// The approximate number of vertices.
     pub(super) vertices: usize,
     /// The box around them.
     pub(super) around: Box32,
@@ -167,8 +168,8 @@ pub(super) struct Triangles<'a> {
 }
 
 impl Primitives for Triangles<'_> {
-    /// As many triangles as there are over sixteen vertices: five where no vertices are shared. Vertices that no
-    /// triangle of the mesh has make it fewer, which costs a little time and nothing else.
+    /// The number of triangles over sixteen vertices: five where no vertices are shared. Vertices
+    /// that no triangle of the mesh has make it fewer, which costs a little time and nothing else.
     fn block(&self) -> Block {
         let triangles = self.sharing.triangles.len();
         let full = triangles.saturating_mul(WIDTH) / self.vertices.max(1);
@@ -246,8 +247,8 @@ pub(super) mod tests {
     use crate::shape::Positions;
     use crate::simd::LANES;
 
-    /// A hilly field of so many squares along a side; its first triangle stands there forty times more, which is too
-    /// many for a leaf.
+    /// A hilly field with `side` squares along a side; its first triangle stands there forty times
+    /// more, which is too many for a leaf.
     fn field(side: u32) -> Mesh {
         let height = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 24) / 256.0;
         let points: Vec<[f64; 3]> = (0..(side + 1) * (side + 1))
@@ -267,8 +268,7 @@ pub(super) mod tests {
         Mesh::new(Positions::compact(points), triangles).unwrap()
     }
 
-    /// The same with vertices for each triangle alone, a thousandth of which lie so far from where the next have
-    /// theirs.
+    /// The mesh with vertices for each triangle alone, moved by up to a thousand steps of `by`.
     pub(in super::super) fn apart(mesh: &Mesh, by: f64) -> Mesh {
         let triangles = count(mesh.triangles().len());
         let corners = (0..triangles).flat_map(|k| {
@@ -325,7 +325,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Where triangles share their vertices, where those are in the same places, and where there is nothing to share.
+    /// The meshes share vertices, have equal vertices in equal places, and share nothing.
     #[test]
     fn leaves_and_nodes_are_full() {
         let field = field(100);

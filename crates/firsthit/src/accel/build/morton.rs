@@ -20,13 +20,13 @@ use crate::parallel;
 
 /// The triangles of a mesh along the curve.
 pub(super) struct Curve {
-    /// Each has a cell's number above a triangle's index.
+    /// The keys, each a cell's number above a triangle's index.
     keys: Vec<u64>,
-    /// How many bits the index has.
+    /// The number of bits of the index.
     index_bits: u32,
 }
 
-/// A cell's number has at most so many bits for each axis.
+/// The most bits of a cell's number for each axis.
 const MOST_BITS: u32 = 16;
 
 impl Curve {
@@ -68,8 +68,9 @@ impl Curve {
         (key & ((1 << self.index_bits) - 1)) as u32
     }
 
-    /// How far apart two keys are on the curve: how many of the lowest bits of the cells' numbers include all that differ.
-    /// 0 in one cell, and three more for each level of the octree above.
+    /// The distance of two keys on the curve: the number of the lowest bits of the cells' numbers
+    /// that include all that differ. 0 in one cell, and three more for each level of the octree
+    /// above.
     #[inline]
     pub(super) fn gap(&self, a: u64, b: u64) -> u32 {
         u64::BITS - ((a ^ b) >> self.index_bits).leading_zeros()
@@ -125,11 +126,11 @@ fn spread(x: u32) -> u64 {
     (x | x << 2) & 0x1249_2492_4924_9249
 }
 
-/// From this length on a range is sorted by all threads.
+/// The length from which on a range is sorted by all threads.
 const LARGE: usize = 2 * CHUNK;
 /// Below this a comparison sort is faster than counting digits.
 const SMALL: usize = 512;
-/// How many bits of a key are one digit at most: the places of its values stay in the first cache.
+/// The most bits of a radix sort's digit: the places of its values stay in the first cache.
 const DIGIT: u32 = 11;
 
 /// Sorts keys that are in the order of their bits below `low` by the `bits` from there on. They end in `spare` or
@@ -224,7 +225,7 @@ fn sort_small(keys: &mut [u64], spare: &mut [u64], [low, bits]: [u32; 2], into_s
     }
 }
 
-/// So many bits of a key.
+/// The `bits` bits of a key from `shift` on.
 #[inline]
 #[expect(
     clippy::cast_possible_truncation,

@@ -138,11 +138,12 @@ impl Bvh {
     }
 }
 
-/// How many boxes the middle is found by.
+/// The number of boxes in the sample that the middle is found by.
 const SAMPLE: usize = 1021;
 
-/// Where most boxes are: along each axis the median of their centres, or of those of a sample. The centre of everything may be far
-/// from all of them but one, where float32 could not tell the others apart. At least one box is not empty.
+/// The middle of most boxes: along each axis the median of their centres, or of those of a sample.
+/// The centre of everything may be far from all of them but one, where float32 could not tell the
+/// others apart. At least one box is not empty.
 fn middle(boxes: &[Bounds]) -> DVec3 {
     let filled = || boxes.iter().filter(|bounds| !bounds.is_empty());
     let step = filled().count().div_ceil(SAMPLE).max(1);

@@ -22,9 +22,10 @@ use crate::accel::node::WIDTH;
 use crate::memory;
 use crate::parallel;
 
-/// How many triangles one task makes leaves of. A leaf ends with them, so this shows in the tree.
+/// The number of triangles that one task makes leaves of. A leaf ends with them, so this shows in
+/// the tree.
 const PART: usize = 16_384;
-/// After so many tasks their leaves are joined, while these are still in the caches.
+/// The number of tasks whose leaves are joined at a time, while they are still in the caches.
 const AT_ONCE: usize = 64;
 
 /// The parts of a tree, the same for any number of threads.
@@ -103,11 +104,11 @@ fn make_room(leaves: &mut Vec<Meshlet>, more: usize, times: f64) {
     }
 }
 
-/// Some of the triangles along the curve, of which leaves are made.
+/// A part of the triangles along the curve, of which leaves are made.
 struct Part<'a> {
     curve: &'a Curve,
     sharing: &'a Sharing<'a>,
-    /// Where they start.
+    /// The place of the first triangle on the curve.
     start: usize,
     order: &'a mut [u32],
     leaves: Vec<Meshlet>,
@@ -148,7 +149,8 @@ impl<'a> Part<'a> {
         before.map_or(u64::BITS, |before| self.curve.gap(before, keys[at]))
     }
 
-    /// How many triangles from there on are in one cell, if these are more than a leaf has; else 0.
+    /// The number of triangles from there on in one cell, if these are more than a leaf has; else
+    /// 0.
     fn in_one_cell(&self, at: usize) -> usize {
         let keys = &self.curve.keys()[self.start..][..self.order.len()][at..];
         let is_same = |key: &u64| self.curve.gap(keys[0], *key) == 0;
@@ -176,7 +178,8 @@ impl<'a> Part<'a> {
         count
     }
 
-    /// Makes leaves of so many triangles, in an order of their own; returns their number.
+    /// Makes leaves of `count` triangles from `at` on, in an order of their own; returns their
+    /// number.
     fn push_parts(&mut self, at: usize, count: usize, triangles: &Triangles<'_>) -> usize {
         let order = &mut self.order[at..at + count];
         let item = |&k: &u32| Item::new(Box32::of(self.sharing.triangle(k)), k);
@@ -220,7 +223,7 @@ mod tests {
         f64::from(k.wrapping_mul(2_654_435_761) >> 8) / f64::from(1 << 24)
     }
 
-    /// So many triangles of a size, `place` says where.
+    /// A soup of `count` triangles of a size at the places of `place`.
     fn soup(count: u32, size: f64, place: impl Fn(u32) -> [f64; 3]) -> Mesh {
         let corners = |k: u32| {
             let at = place(k);
@@ -236,7 +239,8 @@ mod tests {
         )
     }
 
-    /// What may go wrong: one triangle, all in one point, all in one cell, much in one cell, copies, lines, large and far.
+    /// The hard cases: one triangle, all in one point, all in one cell, much in one cell, copies,
+    /// lines, large and far.
     fn meshes() -> Vec<Mesh> {
         let scattered = |k: u32| [random(k), random(k + 77), random(k + 555)];
         let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
@@ -335,7 +339,8 @@ mod tests {
         assert!((leaves + nodes - 1.0) / nodes > 9.0);
     }
 
-    /// A tree that is fitted to moved vertices goes on being one that was built in little time, by whose cost it is judged.
+    /// A tree of the fast build, refitted to moved vertices, still counts as one, and its own cost
+    /// limits refits.
     #[test]
     fn it_is_fitted_as_others_are() {
         let place = |k: u32| [random(k), random(k + 77), random(k + 555)];

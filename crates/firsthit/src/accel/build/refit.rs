@@ -23,7 +23,7 @@ use crate::memory::{self, Storage};
 use crate::parallel;
 use crate::shape::Mesh;
 
-/// How much more a ray may cost than when the tree was built.
+/// The largest cost of a ray after refitting, as a multiple of the cost when the tree was built.
 const WORST: f64 = 1.5;
 
 impl MeshTree {
@@ -89,9 +89,9 @@ impl MeshTree {
     }
 }
 
-/// How many nodes and leaves a ray through the root's box is expected to meet: the sum of the surfaces of their boxes, as shares of the
-/// root's. Goldsmith and Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", IEEE Computer Graphics and Applications 7(5),
-/// 1987.
+/// The expected number of nodes and leaves that a ray through the root's box meets: the sum of the
+/// surfaces of their boxes, as shares of the root's. Goldsmith and Salmon, "Automatic Creation of
+/// Object Hierarchies for Ray Tracing", IEEE Computer Graphics and Applications 7(5), 1987.
 pub(super) fn expected_visits(nodes: &[Node]) -> f64 {
     let Some(root) = nodes.first() else {
         return 0.0;

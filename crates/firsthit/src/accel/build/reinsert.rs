@@ -16,11 +16,11 @@ use crate::memory;
 use crate::parallel;
 
 const ROUNDS: usize = 3;
-/// One of so many nodes is searched a place for.
+/// The inverse of the share of nodes for which a better place is searched.
 const ONE_OF: usize = 20;
-/// How many nodes a search looks at. Where everything overlaps it would look at all.
+/// The most nodes that a search looks at. Where everything overlaps it would look at all.
 const MOST_VISITS: usize = 64;
-/// How many searches are one task.
+/// The number of searches in one task.
 const TASK: usize = 512;
 
 /// The tree with better places for some of its subtrees. The leaves are the same.
@@ -157,7 +157,8 @@ impl Tree {
         }
     }
 
-    /// Its sibling takes the place of its parent, and `beside` that of the sibling.
+    /// Moves a node beside another: its sibling replaces its parent, and `beside` takes the
+    /// sibling's place.
     fn put(&mut self, root: u32, beside: u32) {
         let (place, parent) = (sibling(root), self.parent(root));
         let (left, other) = (self.node(place), self.node(beside));
@@ -230,7 +231,8 @@ mod tests {
         }
     }
 
-    /// A tree over leaves, with so many of them in the first part of each node, chosen by `first`.
+    /// A tree over leaves, where `first` chooses the number of leaves in the first part of each
+    /// node.
     fn tree(leaves: &[BinaryNode], first: &mut impl FnMut(usize) -> usize) -> Vec<BinaryNode> {
         let mut nodes = vec![leaves[0]];
         let mut open = vec![(0, leaves)];

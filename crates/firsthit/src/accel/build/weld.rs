@@ -1,4 +1,4 @@
-//! Which vertices do the triangles of a leaf share?
+//! Finds the vertices that the triangles of a leaf share.
 //!
 //! Those with the same index. Where a file has a vertex for each corner (as all STL files have) or for each side of a
 //! seam, also those in the same place of the tree: they are welded, without touching the mesh.
@@ -23,7 +23,7 @@ pub(super) struct Sharing<'a> {
     pub(super) is_welded: bool,
 }
 
-/// How many vertices, about, the estimate looks at.
+/// The approximate number of vertices in the estimate's sample.
 const SAMPLE: usize = 4096;
 
 impl<'a> Sharing<'a> {
@@ -107,7 +107,7 @@ fn lanes<const N: usize>(
     Some(count)
 }
 
-/// Which of the keys are `key`, a bit each.
+/// The mask of the keys that equal `key`.
 #[inline]
 fn mask(keys: &[u32; LANES], key: u32) -> u32 {
     let bits = keys.iter().enumerate();

@@ -67,7 +67,7 @@ impl Packet {
     }
 }
 
-/// Where no component of a vector is larger. Written so that a NaN fails.
+/// The lanes in which no component of a vector exceeds `most`. Written so that a NaN fails.
 #[inline(always)]
 fn up_to<L: Lanes>(l: L, v: &[L::Doubles; 3], most: f64) -> u8 {
     let most = l.splat64(most);

@@ -1,4 +1,4 @@
-//! Where a packet's rays begin and end, as depths in float32.
+//! The ends of a packet's rays as depths in float32.
 //!
 //! A parameter `t` becomes a depth by a product, and a difference with the depth that the start was moved by, both in
 //! float64. [`Limits`] are that depth, less or plus its error and that of the depth of a hit at `t`. So each errs on
@@ -14,7 +14,7 @@ use super::prepare::Rounding;
 use crate::accel::bounds::{BLURS, DEPTH, ROUNDED_DEPTH};
 use crate::simd::Lanes;
 
-/// What a ray's `t_min` and `t_max` come to in depths: a lower and an upper bound of each.
+/// The depths of a ray's `t_min` and `t_max`: a lower and an upper bound of each.
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::struct_field_names, reason = "the names of what they bound")]
 pub(crate) struct Limits {
@@ -49,7 +49,7 @@ impl Limits {
 }
 
 impl Packet {
-    /// What `t_min` and `t_max` come to in depths.
+    /// Computes the bounds on the depths of `t_min` and `t_max`.
     #[inline(always)]
     pub(super) fn set_limits<L: Lanes>(&mut self, l: L, half: usize, rounding: &Rounding<L>) {
         let blur = l.mul64(l.splat64(f64::from(BLURS)), rounding.blur);

@@ -11,7 +11,7 @@ use crate::geometry::{DVec3, Ray, arrays};
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{LANES, Lanes, WIDE};
 
-/// How many rays are in a packet.
+/// The number of rays in a packet.
 pub(crate) const RAYS: usize = LANES;
 
 /// Sixteen rays in the space of a mesh; float64 takes them in two halves.
@@ -44,7 +44,7 @@ pub(crate) struct Packet {
     pub(super) t_max_low: [f32; RAYS],
     /// The rays whose direction is longest along y, and along z.
     pub(super) is_along: [u16; 2],
-    /// What the rays do not meet; see [`Packet::set_filter`].
+    /// The filters of the rays; see [`Packet::set_filter`].
     pub(in crate::accel) filters: Filters,
     /// The rays that leave a triangle.
     pub(in crate::accel) departing: u16,
@@ -79,7 +79,7 @@ impl Packet {
         *self.filter_mut(lane) = *filter;
     }
 
-    /// What the ray of a lane does not meet.
+    /// The filter of the ray of a lane.
     #[inline(always)]
     pub(crate) fn filter_mut(&mut self, lane: usize) -> &mut MeshFilter {
         &mut self.filters.0[lane % RAYS]
@@ -169,7 +169,7 @@ pub(super) fn of<T>(all: &[T; RAYS], half: usize) -> &[T; WIDE] {
     &all.as_chunks().0[half % 2]
 }
 
-/// The same, to be written.
+/// The half of an array, to be written.
 #[inline(always)]
 pub(super) fn of_mut<T>(all: &mut [T; RAYS], half: usize) -> &mut [T; WIDE] {
     &mut all.as_chunks_mut().0[half % 2]

@@ -40,7 +40,8 @@ struct Axes {
 }
 
 impl Axes {
-    /// Of equal components the first is the longest, as in the exact test.
+    /// Finds the longest component of each direction; of equal components the first, as in the
+    /// exact test.
     #[inline(always)]
     fn new<L: Lanes>(l: L, d: &[L::Doubles; 3]) -> Self {
         let [x, y, z] = [l.abs64(d[0]), l.abs64(d[1]), l.abs64(d[2])];
@@ -54,7 +55,7 @@ impl Axes {
         l.select64(self.first, a, l.select64(self.second, b, c))
     }
 
-    /// From the axes of space to those of the rays.
+    /// Reorders components from the axes of space to those of the rays.
     #[inline(always)]
     fn turned<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
         [
@@ -64,7 +65,7 @@ impl Axes {
         ]
     }
 
-    /// And back.
+    /// Reorders components from the axes of the rays to those of space.
     #[inline(always)]
     fn restored<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
         [
@@ -75,7 +76,7 @@ impl Axes {
     }
 }
 
-/// What rays are off: see `bounds.rs` for the words.
+/// The rounding errors of rays: see `bounds.rs` for the words.
 pub(super) struct Rounding<L: Lanes> {
     pub(super) reach: L::Doubles,
     pub(super) blur: L::Doubles,
@@ -96,7 +97,8 @@ impl Packet {
         self.prepare_blurred(l, trees, count, 0.0);
     }
 
-    /// The same for rays with [filters](Packet::set_filter). They leave triangles only where `MeshTree::is_sharp_from` says so.
+    /// Prepares rays with [filters](Packet::set_filter). They leave triangles only where
+    /// `MeshTree::is_sharp_from` says so.
     #[inline(always)]
     pub(crate) fn prepare_filtered<L: Lanes>(&mut self, l: L, trees: impl Trees, count: usize) {
         let mut off: f64 = 0.0;
@@ -119,7 +121,7 @@ impl Packet {
         }
     }
 
-    /// The same for rays that may be off by `off` across their direction, in units of the tree.
+    /// Prepares rays that may be off by `off` across their direction, in units of the tree.
     #[inline(always)]
     pub(in crate::accel) fn prepare_blurred<L: Lanes>(
         &mut self,

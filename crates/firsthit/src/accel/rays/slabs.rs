@@ -19,7 +19,8 @@ pub(in crate::accel) struct Slabs {
 pub(super) const SMALLEST: f64 = 1e-30;
 
 impl Slabs {
-    /// Of a ray whose direction has a largest component of one, for boxes that seem wider by `margin`.
+    /// The slabs of a ray whose direction has a largest component of one, for boxes that seem wider
+    /// by `margin`.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "the margin covers the rounding"
@@ -42,7 +43,7 @@ impl Slabs {
         Self { inverse, ends }
     }
 
-    /// Which of a node's boxes the ray may meet at depths from `first` to `last`, and at which depths.
+    /// The boxes of a node that the ray may meet at depths from `first` to `last`, and the depths.
     ///
     /// Ize, "Robust BVH Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013. It departs in the margin:
     /// there distances are multiplied after the test, here the two ends have it already, which costs no time.

@@ -17,9 +17,9 @@ pub(crate) struct TreeRay {
     pub(in crate::accel) axes: [usize; 3],
     /// The start in two parts, along those axes.
     pub(in crate::accel) start: [[f32; 2]; 3],
-    /// How far the ray moves along the first two of them for a depth of 1.
+    /// The movement of the ray along the first two axes for a depth of 1.
     pub(in crate::accel) slope: [f32; 2],
-    /// Which way it goes along the third: 1 or -1.
+    /// The direction along the third axis: 1 or -1.
     pub(in crate::accel) forwards: f32,
     /// The part of the error that does not shrink near the start: the rounding of the start in float64, and that of the
     /// vertices where float32 does not hold them.
@@ -28,7 +28,7 @@ pub(crate) struct TreeRay {
 }
 
 impl TreeRay {
-    /// Which of a node's boxes the ray may meet at a depth of at most `limit`, and at which depths.
+    /// The boxes of a node that the ray may meet at a depth of at most `limit`, and the depths.
     #[inline(always)]
     pub(in crate::accel) fn boxes<L: Lanes>(
         &self,

@@ -53,8 +53,8 @@ pub(super) struct EdgeTest<L: Lanes> {
 }
 
 impl<L: Lanes> EdgeTest<L> {
-    /// From the sides and their bound, and from the depths of the corners, the nearest and the farthest. `None` when no
-    /// pair of `here` may meet.
+    /// Builds the test from the sides and their bound, and from the depths of the corners, the
+    /// nearest and the farthest. `None` when no pair of `here` may meet.
     #[inline(always)]
     pub(super) fn new(
         l: L,

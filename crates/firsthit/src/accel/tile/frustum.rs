@@ -83,7 +83,7 @@ use crate::accel::node::Node;
 use crate::geometry::{DMat3, DVec3, arrays};
 use crate::simd::Lanes;
 
-/// From a tile's first sample to its middle.
+/// The distance from a tile's first sample to its middle.
 pub(super) const HALF: f32 = 7.5;
 
 /// The rays of a tile, in the space of a mesh.
@@ -91,7 +91,7 @@ pub(super) const HALF: f32 = 7.5;
 pub(crate) struct TileCamera {
     /// The point in which the rays meet; of parallel rays, the start of the one in the tile's middle.
     pub(crate) eye: DVec3,
-    /// From there to the tile's middle on the viewplane.
+    /// The vector from there to the tile's middle on the viewplane.
     pub(crate) centre: DVec3,
     /// A pixel to the right, and one down, on the viewplane.
     pub(crate) across: DVec3,
@@ -103,7 +103,8 @@ pub(crate) struct TileCamera {
     pub(crate) largest: f64,
     /// The largest error of a ray, in pixels.
     pub(crate) off: f64,
-    /// What is left of it where the error of each ray is known ([`Displacements`](super::visibility::Displacements)); else `off`.
+    /// The error of a ray in pixels where the error of each is known
+    /// ([`Displacements`](super::visibility::Displacements)); else `off`.
     pub(crate) rest: f64,
 }
 
@@ -114,7 +115,7 @@ pub(crate) struct TileFrustum {
     /// The eye along those axes, sheared.
     eye: [f64; 3],
     slope: [f32; 2],
-    /// From sheared coordinates to X, Y and Z.
+    /// The rows of the map from sheared coordinates to X, Y and Z.
     rows: [[f32; 3]; 3],
     /// The planes around the tile: normals along the axes of space, towards the inside, and the least that a point
     /// inside comes to.
@@ -130,7 +131,7 @@ pub(crate) struct TileFrustum {
     /// The error of X and Y, and its increase for each unit of a leaf's extent; that by a wrong Z is included.
     error: f32,
     error_per_extent: f32,
-    /// Their error as a share of Z, in perspective.
+    /// The error of X and Y as a share of Z, in perspective.
     pub(super) share: f32,
     /// The error of a depth.
     pub(super) depth_error: f32,
@@ -331,7 +332,8 @@ impl TileFrustum {
         self.absolute + TILE_SIDE_BY_ERROR as f32 * self.error_per_extent * leaf.extent
     }
 
-    /// Which of a node's boxes the tile's rays may meet at depths up to `limit`, and from which depth on.
+    /// The boxes of a node that the tile's rays may meet at depths up to `limit`, and the depths
+    /// from which on.
     #[inline(always)]
     pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
         macro_rules! end {
@@ -374,7 +376,7 @@ fn product<L: Lanes>(l: L, [x, y, z]: [f32; 3], of: [L::Floats; 3]) -> L::Floats
     )
 }
 
-/// How far boxes reach along a direction: that product of the corner that is farthest.
+/// The largest dot product of a direction with a point of each box, which is at a corner.
 #[inline(always)]
 fn farthest<L: Lanes>(l: L, ends: &[L::Floats; 6], direction: [f32; 3]) -> L::Floats {
     macro_rules! corner {

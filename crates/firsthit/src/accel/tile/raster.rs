@@ -27,10 +27,10 @@ use small::Parts;
 /// A leaf and a tile.
 pub(super) struct LeafRaster<'a, A> {
     pub(super) frustum: &'a TileFrustum,
-    /// Where the rays are off the grid.
+    /// The displacements of the rays from the grid, if they are off it.
     pub(super) displacements: Option<&'a Displacements>,
     pub(super) leaf: &'a Meshlet,
-    /// Which of its triangles there are.
+    /// The lanes of the leaf that have a triangle, a bit each.
     pub(super) filled: u16,
     /// The index of the leaf's first triangle, to be prefetched.
     pub(super) first: Option<&'a u32>,
@@ -60,7 +60,7 @@ struct Edges {
 pub(super) struct RasterScratch {
     edges: Edges,
     bound: [f32; LANES],
-    /// The same for ranges of samples, which may be off the grid.
+    /// The bounds for ranges of samples, which may be off the grid.
     bound_of_ranges: [f32; LANES],
     /// The corners' depths.
     depths: [[f32; LANES]; 3],

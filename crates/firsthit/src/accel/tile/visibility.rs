@@ -21,7 +21,8 @@ const _: () = assert!(BLOCK * BLOCK == LANES);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TriangleId {
     pub(crate) object: u32,
-    /// In the tree of the object's mesh: a leaf's index times sixteen, and the triangle's lane.
+    /// The number in the tree of the object's mesh: a leaf's index times sixteen, and the
+    /// triangle's lane.
     pub(crate) leaf_lane: u32,
 }
 
@@ -33,12 +34,12 @@ impl TriangleId {
     };
 }
 
-/// How far the rays of a tile's pixels are off its grid, in pixels: those of a lens whose rays go through no flat grid. Block by
-/// block.
+/// The displacements of a tile's rays from its grid, in pixels, for lenses whose rays go through no
+/// flat grid. Block by block.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Displacements {
-    /// To the right.
+    /// The displacement to the right.
     pub(crate) across: [[f32; LANES]; LANES],
     pub(crate) down: [[f32; LANES]; LANES],
     /// The largest along either axis, or more.
@@ -52,14 +53,14 @@ impl Displacements {
         most: 0.0,
     };
 
-    /// What rounding leaves of them, in pixels, and far more.
+    /// The rounding error of the displacements, in pixels, or far more.
     pub(crate) const REST: f64 = 1e-6;
 }
 
 /// The exact test, for pixels that float32 cannot decide.
 pub(crate) trait ExactTest {
-    /// Which of `old` and `new` the ray of a pixel meets first, and at which depth; `None` when it does not meet `new`, or not
-    /// before `old`. It meets `old`, if there is one.
+    /// The nearer of the triangles `old` and `new` for the ray of a pixel, and its depth; `None`
+    /// when the ray does not meet `new`, or not before `old`. The ray meets `old`, if there is one.
     fn nearer<L: Lanes>(
         &mut self,
         l: L,
@@ -97,7 +98,7 @@ pub(crate) struct VisibilityBuffer {
 }
 
 impl VisibilityBuffer {
-    /// Nothing met yet. Tiles at the border of a picture have fewer rows and columns.
+    /// An empty buffer. Tiles at the border of a picture have fewer rows and columns.
     pub(crate) fn new(rows: usize, columns: usize) -> Self {
         let none = f32::from_bits(u32::MAX);
         let mut buffer = Self {

@@ -24,7 +24,7 @@ use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE, set_bits};
 /// A crossing, the object that it is with, and the next one of its list.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {
-    /// Its `t` is NaN while it waits, and where it turns out not to be on the ray.
+    /// The crossing; its `t` is NaN while it waits, and where it turns out not to be on the ray.
     pub(crate) crossing: Crossing,
     object: i32,
     next: u32,
@@ -52,7 +52,7 @@ struct Gathered {
 const KEPT: usize = 1 << 18;
 
 impl Gathered {
-    /// None yet, in `memory`.
+    /// An empty list in `memory`.
     const fn new(memory: Vec<Node>) -> Self {
         Self {
             nodes: memory,
@@ -148,7 +148,7 @@ impl CrossingList {
         (made, !is_full)
     }
 
-    /// How many crossings all lists of this thread have together at most.
+    /// The number of crossings that all lists of this thread have together, at most.
     pub(crate) fn count_all() -> usize {
         GATHERED.with_borrow(|gathered| gathered.nodes.len())
     }

@@ -20,7 +20,8 @@ use crate::accel::node::{LEAF, Node};
 use crate::accel::rays::packet::RAYS;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
-/// What a packet may cost for each of its rays, in units of a node: a leaf is 3, and a triangle that is tested 1.
+/// The largest cost of a packet for each of its rays, in units of a node: a leaf is 3, and a
+/// triangle that is tested 1.
 const BUDGET: u32 = 16;
 
 /// Answers the open rays of a packet. Returns `false` when it gave up; some rays may then be open still.

@@ -22,16 +22,18 @@ use crate::geometry::{DVec3, Ray, arrays};
 /// The error of a sum in twice the digits, as a share of its terms.
 const SHARE: f64 = f64::from_bits((1023 - 100) << 52);
 
-/// How many steps lead to the tree at most: each shortens the rest by 50 bits, and the start is at most 2^1000 away.
+/// The most steps to the tree: each shortens the rest by 50 bits, and the start is at most 2^1000
+/// away.
 const STEPS: usize = 24;
 
-/// How a distant ray comes to a tree.
+/// The approach of a distant ray to a tree.
 pub(super) enum Approach {
-    /// It passes the tree.
+    /// The ray passes the tree.
     Past,
-    /// As a ray that begins near the tree, with its error across its direction, in units of the tree.
+    /// The ray counts as one that begins near the tree, with its error across its direction, in
+    /// units of the tree.
     Near(Ray, f64),
-    /// At a place that rounding leaves open.
+    /// Rounding leaves the ray's place open.
     Somewhere,
 }
 
@@ -41,7 +43,7 @@ fn power_of_two_below(x: f64) -> f64 {
 }
 
 impl Approach {
-    /// Of a ray; of the whole line that it is on, where it begins behind its origin.
+    /// The approach of a ray; of the whole line that it is on, where it begins behind its origin.
     pub(super) fn new(space: &Space, ray: &Ray) -> Self {
         let start = between(Scalar, &ray.origin.to_array(), &space.origin.to_array());
         let mut place = arrays::map(start, |x| Double {
@@ -110,7 +112,7 @@ mod tests {
     use crate::shape::{Mesh, Positions};
     use crate::simd::{self, InstructionSet};
 
-    /// How many triangles a ray asks.
+    /// The number of triangles that a ray asks.
     fn asked(tree: &MeshTree, mesh: &Mesh, ray: &Ray) -> usize {
         let mut count = 0;
         let each = EachCandidate {

@@ -16,10 +16,11 @@ use crate::shape::Meshes;
 use crate::shape::triangle::clear_of;
 use crate::simd::{Kernel, Lanes, set_bits};
 
-/// What ends a traversal, in place of a `t_max`.
+/// Returned in place of a `t_max` to end a traversal.
 pub(crate) const END: f64 = f64::NEG_INFINITY;
 
-/// A function of a triangle and a `t_max` that returns the `t_max` to go on with: not larger than before, or [`END`].
+/// A function of a triangle and a `t_max` that returns the `t_max` to continue with: not larger
+/// than before, or [`END`].
 pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
 
 /// A kernel that calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at

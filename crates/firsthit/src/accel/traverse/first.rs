@@ -26,13 +26,13 @@ pub(crate) struct First {
     low: f32,
     high: f32,
     limit: f32,
-    /// Where it is met, once that is computed.
+    /// The crossing, once computed.
     crossing: Crossing,
 }
 
-/// Nothing is met so far. No triangle has this number or the next: see `meshlet.rs`.
+/// Marks that no triangle is met so far. No triangle has this number or the next: see `meshlet.rs`.
 const NOTHING: u32 = u32::MAX;
-/// It is computed where the nearest triangle is met.
+/// Marks that the crossing with the nearest triangle is computed.
 const LOCATED: u32 = u32::MAX - 1;
 const _: () = assert!(MOST_LEAVES * LANES <= LOCATED as usize);
 

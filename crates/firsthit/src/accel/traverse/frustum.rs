@@ -65,9 +65,9 @@ use crate::simd::{Aligned, Lanes};
 
 /// The space that the rays of a packet are in.
 pub(super) struct PacketFrustum {
-    /// Which of the packet's rays are in it.
+    /// The rays of the packet that are in the frustum, a bit each.
     pub(super) rays: u16,
-    /// As `TreeRay::axes`.
+    /// The order of the axes, as `TreeRay::axes`.
     pub(super) axes: [usize; 3],
     pub(super) forwards: f32,
     /// Along those axes.
@@ -75,11 +75,11 @@ pub(super) struct PacketFrustum {
     /// The smallest and the largest of `at_zero`, less and more for rounding, and of the slopes, along x and along y.
     pub(super) at_zero_bounds: [[f32; 2]; 2],
     pub(super) slope_bounds: [[f32; 2]; 2],
-    /// Where each ray is at the depth 0, along x and along y.
+    /// The place of each ray at the depth 0, along x and along y.
     pub(super) at_zero: [Aligned<[f32; RAYS]>; 2],
     /// The depth at which each ray starts.
     pub(super) start_depth: Aligned<[f32; RAYS]>,
-    /// How far the planes are moved outwards.
+    /// The distance by which the planes are moved outwards.
     pub(super) margin: f32,
     /// The error of a sheared coordinate, at any depth.
     pub(super) error: f32,
@@ -197,7 +197,8 @@ impl PacketFrustum {
         self.margin + l.largest(l.select(matters, depths, l.splat(-2.0 - 3.0 * self.margin)))
     }
 
-    /// Which of a node's boxes the rays may meet at depths up to `limit`, and from which depth on.
+    /// The boxes of a node that the rays may meet at depths up to `limit`, and the depths from
+    /// which on.
     #[inline(always)]
     pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
         let [x, y, z] = self.axes;

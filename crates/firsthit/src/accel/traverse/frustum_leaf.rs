@@ -49,7 +49,7 @@ impl LeafView {
 }
 
 impl PacketFrustum {
-    /// Which of a leaf's triangles the rays may meet at depths up to `limit`.
+    /// The triangles of a leaf that the rays may meet at depths up to `limit`, a bit each.
     #[inline(always)]
     #[expect(
         clippy::too_many_lines,

@@ -31,7 +31,7 @@ use crate::simd::{Aligned, Kernel, LANES, Lanes, set_bits};
 #[derive(Debug)]
 pub(super) struct InFlight {
     lists: Box<[WorkList; LANES]>,
-    /// For rays that have more to visit than a work list holds.
+    /// The stack of a ray that has more to visit than a work list holds.
     stack: Stack,
 }
 
@@ -55,9 +55,10 @@ struct WorkList {
     children: [f32; CAPACITY + LANES],
 }
 
-/// How many entries a work list holds.
+/// The number of entries that a work list holds.
 const CAPACITY: usize = 256;
-/// In a longer list the last entry is the next, so that hardly any list outgrows its capacity.
+/// The length of a list from which on the last entry is the next, so that hardly any list outgrows
+/// its capacity.
 const LAST_FIRST: usize = CAPACITY / 2;
 
 impl WorkList {
@@ -74,9 +75,9 @@ struct Slot<'a, Q> {
     /// The number of its packet.
     packet: usize,
     query: Q,
-    /// What to visit next.
+    /// The node or leaf to visit next.
     next: u32,
-    /// How many are in the work list.
+    /// The number of entries in the work list.
     height: usize,
 }
 
@@ -137,7 +138,7 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
     }
 }
 
-/// What comes next, with a bit for each ray.
+/// The rays whose next visit is a node, a leaf, or nothing, a bit each.
 struct Next {
     nodes: u16,
     leaves: u16,
@@ -187,8 +188,9 @@ impl Next {
     }
 }
 
-/// The nearest of the last sixteen entries in each ray's work list, as [`Lanes::smallest_of_each`] has it, and the rays
-/// that go on there: those for which it is not too far, and whose list is shorter than [`LAST_FIRST`].
+/// The nearest of the last sixteen entries in each ray's work list, as [`Lanes::smallest_of_each`]
+/// has it, and the rays that continue there: those for which it is not too far, and whose list is
+/// shorter than [`LAST_FIRST`].
 #[inline(always)]
 fn nearest<L: Lanes, Q: MeshQuery>(
     l: L,

@@ -21,11 +21,11 @@ use crate::accel::node::{LEAF, Node};
 use crate::accel::rays::packet::{Packet, RAYS};
 use crate::simd::{Lanes, set_bits};
 
-/// How many nodes and leaves are visited between two looks at whether rays have them in common.
+/// The number of nodes and leaves visited between two checks that rays have them in common.
 const TRIAL: u32 = 32;
-/// How many rays a node or a leaf must have had on average, not to give up.
+/// The least mean number of rays for each node or leaf with which the packet continues.
 const COMMON: u32 = 3;
-/// At this depth a ray has left the tree, which is in the cube from -1 to 1.
+/// A depth at which a ray has left the tree, which is in the cube from -1 to 1.
 const FARTHEST: f32 = 10.0;
 const _: () = assert!(FAR + 2.0 <= FARTHEST as f64);
 
@@ -343,7 +343,8 @@ mod tests {
     impl Kernel for Parting<'_> {
         type Output = [usize; 2];
 
-        /// How many rays have their answer, and how many are open since the packet gave up.
+        /// The number of rays that have their answer, and the number still open when the packet
+        /// gave up.
         #[inline(always)]
         fn run<L: Lanes>(self, l: L) -> [usize; 2] {
             let Self(mesh, tree) = self;

@@ -45,7 +45,7 @@ impl<'a> MeshPacket<'a> {
         }
     }
 
-    /// Whether so many of its rays are at one mesh that traversals of packets serve.
+    /// Whether enough of the rays are at one mesh for traversals of packets to pay.
     #[inline(always)]
     pub(super) fn goes_together(&self) -> bool {
         self.each.is_none() && self.open.count_ones() >= FEWEST
@@ -73,7 +73,7 @@ pub(crate) struct MeshRay<'a> {
     pub(super) mesh: Meshes<'a>,
     pub(super) packet: &'a Packet,
     pub(super) lane: usize,
-    /// Where it begins and ends.
+    /// The bounds of the ray's ends as depths.
     pub(super) limits: Limits,
 }
 
@@ -94,7 +94,7 @@ impl MeshRay<'_> {
         ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
     }
 
-    /// What the ray does not meet.
+    /// The filter of the ray.
     #[inline(always)]
     pub(super) fn filter(&self) -> &MeshFilter {
         &self.packet.filters[self.lane % RAYS]
@@ -182,7 +182,7 @@ impl MeshRay<'_> {
     }
 }
 
-/// What exact arithmetic says, if that can be between the ray's ends.
+/// The exact test's hit, unless it is certain to lie beyond the ray's ends.
 #[inline(always)]
 fn settle_within<L: Lanes>(l: L, ray: &Ray, doubtful: Doubtful) -> Option<TriangleHit> {
     if doubtful.is_outside(ray.t_min, ray.t_max) {

@@ -49,7 +49,7 @@ use crate::simd::{Aligned, LANES, Lanes, set_bits};
 /// A point in the space of a tree, and what its limit is there.
 struct TreePoint {
     at: [f32; 3],
-    /// How many units of the tree a unit of the world is at most.
+    /// The largest length in the tree of a unit of the world.
     stretch: f64,
     /// The error of lengths.
     off: f64,
@@ -84,7 +84,7 @@ impl TreePoint {
         })
     }
 
-    /// What the squares of distances are compared with, for a limit in the world.
+    /// The limit on squares of distances in the tree, from a limit in the world.
     #[inline(always)]
     fn limit(&self, squared: f64) -> f32 {
         let length = squared.sqrt() * self.stretch * (1.0 + f64::EPSILON * 4096.0) + self.off;
@@ -99,14 +99,15 @@ fn largest_row(m: &DMat3) -> f64 {
     (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element()
 }
 
-/// How much a map can make lengths longer; see the error bounds.
+/// The largest factor by which a map lengthens vectors; see the error bounds.
 fn largest_stretch(map: &DMat3) -> f64 {
     largest_row(&(map.transpose() * *map)).sqrt() * (1.0 + 64.0 * f64::EPSILON)
 }
 
-/// Calls `visit` with each triangle of a mesh whose distance from `point` may have a square of at most `limit`, in any
-/// order, and perhaps with others. `place` takes the mesh to the world, where the point and the distances are. `visit`
-/// returns the limit to go on with, not larger than before.
+/// Calls `visit` with each triangle of a mesh whose distance from `point` may have a square of at
+/// most `limit`, in any order, and perhaps with others. `place` takes the mesh to the world, where
+/// the point and the distances are. `visit` returns the limit to continue with, not larger than
+/// before.
 ///
 /// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
 #[inline(always)]
@@ -161,7 +162,7 @@ pub(crate) fn each_near<L: Lanes>(
     }
 }
 
-/// Of the lanes in a mask, that of the smallest number, of equal ones the first.
+/// The lane of the smallest number among those in a mask; of equal ones the first.
 #[inline(always)]
 fn nearest_lane(of: &[f32; LANES], mask: u16) -> usize {
     let mut best = mask.trailing_zeros() as usize % LANES;

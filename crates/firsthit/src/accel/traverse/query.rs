@@ -22,7 +22,7 @@ pub(crate) trait Visitor {
     fn limit(&self) -> f32;
 }
 
-/// What is asked of one ray and one mesh: its state on the way, and its answer in the end.
+/// A query of one ray and one mesh: its state on the way, and its answer in the end.
 pub(crate) trait MeshQuery: Visitor + Copy {
     /// The answer.
     type Found: Copy;
@@ -30,7 +30,8 @@ pub(crate) trait MeshQuery: Visitor + Copy {
     const EDGES: EdgeRule = EdgeRule::Closed;
     /// Whether traversals of packets serve it; see `dispatch.rs`.
     const IN_PACKETS: bool = true;
-    /// The same for rays with filters, whose packets are compiled a second time.
+    /// Whether traversals of packets serve it for rays with filters: those are compiled a second
+    /// time.
     const IN_PACKETS_FILTERED: bool = false;
     /// The answer of a ray that meets nothing.
     const NONE: Self::Found;

@@ -50,7 +50,7 @@ pub(crate) fn query_mesh<L: Lanes, Q: MeshQuery>(
     query_prepared::<L, Q>(l, scratch, (tree, mesh))
 }
 
-/// The same for a ray that does not meet everything, where [`MeshTree::is_sharp_from`] holds.
+/// Queries a mesh for a ray with a filter, where [`MeshTree::is_sharp_from`] holds.
 #[inline(always)]
 pub(crate) fn query_mesh_filtered<L: Lanes, Q: MeshQuery>(
     l: L,

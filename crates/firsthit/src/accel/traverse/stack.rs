@@ -50,7 +50,7 @@ impl Stack {
         self.height += usize::from(is);
     }
 
-    /// Those from `base` on.
+    /// The entries from `base` on.
     #[inline(always)]
     pub(in crate::accel) fn entries_from(&self, base: usize) -> &[u64] {
         &self.entries[base.min(STACK)..self.height.min(STACK)]

@@ -10,7 +10,7 @@ use crate::accel::tile::edge_test::{EdgeTest, beside};
 use crate::accel::tile::visibility::{BLOCK, ExactTest};
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
-/// From a block's first pixel to its last, along a row.
+/// The distance from a block's first pixel to its last, along a row.
 pub(super) const EDGE: f32 = BLOCK as f32 - 1.0;
 
 /// The columns of a block's pixels, and of a tile's blocks.
