@@ -13,7 +13,7 @@ use crate::shape::Mesh;
 pub struct Attribute<const N: usize> {
     /// The values.
     pub values: Storage<[f32; N]>,
-    /// For each triangle the indices of its corners' values; `None`: the indices of its vertices.
+    /// The indices of the values at each triangle's corners; `None`: the indices of its vertices.
     pub corners: Option<Storage<[u32; 3]>>,
 }
 

@@ -56,7 +56,7 @@ pub(crate) fn crossing(t: f64, primitive: f64) -> Crossing {
 }
 
 impl<N: Copy> RayOf<N> {
-    /// In which lanes `t` is between the ray's ends.
+    /// The lanes in which `t` is between the ray's ends.
     #[inline(always)]
     pub(crate) fn holds<A: Arithmetic<Number = N>>(&self, of: A, t: N) -> A::Mask {
         of.lt(self.t_min, t) & of.le(t, self.t_max)
@@ -170,7 +170,7 @@ pub(crate) fn is_finite<A: Arithmetic>(of: A, x: A::Number) -> A::Mask {
     of.le(abs(of, x), of.number(f64::MAX))
 }
 
-/// Where the sign is that of -1, which zero can have too.
+/// The lanes in which the sign is that of -1, which zero can have too.
 #[inline(always)]
 pub(super) fn has_minus<A: Arithmetic>(of: A, x: A::Number) -> A::Mask {
     let zero = of.number(0.0);

@@ -80,7 +80,7 @@ impl Cone {
         self.top_radius
     }
 
-    /// How much the radius grows along the axis.
+    /// The growth of the radius along the axis.
     #[inline(always)]
     fn slope(&self) -> f64 {
         (self.top_radius - self.bottom_radius) / self.height
@@ -153,7 +153,8 @@ impl Surface for Cone {
         }
     }
 
-    /// In the half-plane through the axis and the point, the side and the lids are segments.
+    /// Measures in the half-plane through the axis and the point, where the side and the lids are
+    /// segments.
     fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
         let Some(scale) = similarity(&place.world_from_object().matrix3) else {
             return;
@@ -216,7 +217,8 @@ impl super::conformance::Conforming for Cone {
         ]
     }
 
-    /// In the half-plane through the axis the cone is a polygon with three sides that count.
+    /// The distance in the half-plane through the axis, where the cone is a polygon with three
+    /// sides that count.
     fn distance(&self, point: DVec3) -> f64 {
         let at = point - self.bottom;
         let z = at.dot(self.axis);
@@ -244,7 +246,7 @@ impl super::conformance::Conforming for Cone {
 mod tests {
     use super::*;
 
-    /// Where a ray meets a cone, and in which of its primitives.
+    /// The first crossing of a ray with a cone, and its primitive.
     fn met(cone: &Cone, origin: DVec3, direction: DVec3) -> Option<(f64, i32)> {
         let hit = cone.intersect(&Ray::new(origin, direction))?;
         Some((hit.t, hit.primitive))

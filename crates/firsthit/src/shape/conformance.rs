@@ -1,4 +1,4 @@
-//! What every shape must do, by being in the list: a shape that is registered is tested here.
+//! Tests of the contract of [`Surface`] for every registered shape.
 //!
 //! The independent reference is the distance to the surface, written in another way than the intersection;
 //! walking along a ray by that distance (Hart, "Sphere Tracing", The Visual Computer 12, 1996) finds the
@@ -7,7 +7,7 @@
 use super::{Crossing, Nearest, Shape, Surface};
 use crate::geometry::{Bounds, DAffine3, DMat3, DQuat, DVec3, Ray, Transform};
 
-/// What a shape brings to be tested.
+/// The test data of a shape.
 pub(super) trait Conforming: Sized {
     fn examples() -> Vec<Self>;
 
@@ -81,7 +81,7 @@ enum Walk {
     TooCloseToCall,
 }
 
-/// Where a walk along a ray ends.
+/// The end of a walk along a ray.
 const FAR: f64 = 1e3;
 
 fn walk(shape: &Shape, ray: &Ray) -> Walk {
@@ -294,7 +294,7 @@ fn all_crossings_are_those_met_one_after_another() {
     });
 }
 
-/// What a ray meets that begins at its first crossing is the second one, as seen from the other end.
+/// A ray that begins at its first crossing meets the second one, as seen from the other end.
 #[test]
 fn t_min_is_not_included_and_lets_the_next_crossing_through() {
     let mut passed = 0;
@@ -336,7 +336,7 @@ fn what_is_behind_the_start_is_not_met() {
     }
 }
 
-/// At 10^7 units the start's coordinates, and so every answer, are off by about 2e-9.
+/// The error at 10^7 units, from the rounding of the start's coordinates, is about 2e-9.
 #[test]
 fn shapes_are_met_from_ten_million_units_away() {
     each_hit(|shape, ray, hit| {
@@ -411,7 +411,8 @@ fn the_nearest_point_is_at_the_distance() {
     }
 }
 
-/// Under a transform that stretches, the distance is the smallest to many points of the surface, which rays find.
+/// The reference under a transform that stretches: the smallest distance to many points of the
+/// surface, which rays find.
 #[test]
 fn stretched_shapes_are_measured_in_the_world() {
     let stretch = DMat3::from_cols_array(&[2.0, 0.1, 0.0, -0.5, 0.7, 0.3, 0.0, 0.2, 1.3]);

@@ -46,12 +46,12 @@ impl Cuboid {
         })
     }
 
-    /// Its lowest corner.
+    /// The lowest corner.
     pub fn low(&self) -> DVec3 {
         self.bounds.low
     }
 
-    /// Its highest corner.
+    /// The highest corner.
     pub fn high(&self) -> DVec3 {
         self.bounds.high
     }
@@ -73,7 +73,7 @@ impl Cuboid {
             .moved(of.number(0.0))
     }
 
-    /// Where rays meet it first.
+    /// The first crossings of rays with the cuboid.
     #[inline(always)]
     pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
         self.inside(of, ray).first(ray)

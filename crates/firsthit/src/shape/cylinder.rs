@@ -45,12 +45,12 @@ impl Cylinder {
         self.cone.top()
     }
 
-    /// How far from the axis it is.
+    /// The distance of the side from the axis.
     pub fn radius(&self) -> f64 {
         self.cone.bottom_radius()
     }
 
-    /// The same as a cone.
+    /// The cylinder as a cone.
     pub(crate) fn cone(&self) -> &Cone {
         &self.cone
     }

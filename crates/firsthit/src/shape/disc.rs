@@ -41,24 +41,24 @@ impl Disc {
         })
     }
 
-    /// Its middle.
+    /// The centre.
     pub fn center(&self) -> DVec3 {
         self.center
     }
 
-    /// Where its front looks, of length one.
+    /// The direction that the front faces, of length one.
     pub fn facing(&self) -> DVec3 {
         self.plane.facing()
     }
 
-    /// How far it reaches.
+    /// The radius.
     pub fn radius(&self) -> f64 {
         self.radius
     }
 }
 
 impl Disc {
-    /// Where rays cross it.
+    /// The crossings of rays with the disc.
     #[inline(always)]
     pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
         let crossing = self.plane.first(of, ray);
@@ -101,7 +101,7 @@ impl Surface for Disc {
         self.plane.onto(point, primitive)
     }
 
-    /// Where the transform stretches, the nearest point of the ellipse that it makes.
+    /// Measures to the ellipse that the transform makes, where it stretches.
     fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
         let center = place.point_in_world(self.center);
         let normal = place.normal_in_world(self.facing());

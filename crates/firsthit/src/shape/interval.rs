@@ -8,7 +8,8 @@ use super::bundle::{CrossingOf, RayOf, crossing, equal, is_finite};
 use crate::geometry::Ray;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 
-/// Where a line enters or leaves, and the part of the surface that is there: a small whole number.
+/// An end of an interval, where a line enters or leaves, and the part of the surface there: a small
+/// whole number.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct End<N> {
     pub(super) t: N,
@@ -29,7 +30,8 @@ impl<N: Copy> End<N> {
 #[derive(Clone, Copy)]
 pub(super) struct Interval<A: Arithmetic> {
     of: A,
-    /// Not where the line is known to miss the solid; elsewhere the stretch may be empty.
+    /// The lanes in which the line is not known to miss the solid; the stretch may be empty there
+    /// too.
     is_there: A::Mask,
     enter: End<A::Number>,
     exit: End<A::Number>,
@@ -52,7 +54,7 @@ impl<A: Arithmetic> Interval<A> {
         Self::new(of, is_there, [enter, exit])
     }
 
-    /// From one end to the other, where that is in the mask.
+    /// The interval from one end to the other, in the lanes of the mask.
     #[inline(always)]
     pub(super) fn new(of: A, is_there: A::Mask, [enter, exit]: [End<A::Number>; 2]) -> Self {
         Self {
@@ -63,7 +65,8 @@ impl<A: Arithmetic> Interval<A> {
         }
     }
 
-    /// What is left from `t` on where a mask says so, `primitive` being the surface there; on a tie the lower one stays.
+    /// The rest of the interval from `t` on in the lanes of a mask, `primitive` being the surface
+    /// there; on a tie the lower one stays.
     #[inline(always)]
     pub(super) fn from(mut self, mask: A::Mask, t: A::Number, primitive: A::Number) -> Self {
         let Self { of, enter, .. } = self;
@@ -73,7 +76,7 @@ impl<A: Arithmetic> Interval<A> {
         self
     }
 
-    /// What is left up to `t`.
+    /// The rest of the interval up to `t`.
     #[inline(always)]
     pub(super) fn until(mut self, mask: A::Mask, t: A::Number, primitive: A::Number) -> Self {
         let Self { of, exit, .. } = self;
@@ -83,8 +86,9 @@ impl<A: Arithmetic> Interval<A> {
         self
     }
 
-    /// What is left between the planes where a coordinate is `low` and `high`, each with its primitive; the ray has the coordinate `at` at
-    /// its start and `speed` along. Nothing where it runs beside them.
+    /// The rest of the interval between the planes where a coordinate is `low` and `high`, each
+    /// with its primitive; the ray has the coordinate `at` at its start and `speed` along. The rest
+    /// is empty where the ray runs beside them.
     #[inline(always)]
     pub(super) fn between(
         self,
@@ -114,7 +118,7 @@ impl<A: Arithmetic> Interval<A> {
         left.only(!is_beside | is_within)
     }
 
-    /// What is left where a mask says so.
+    /// The interval in the lanes of a mask alone.
     #[inline(always)]
     pub(super) fn only(mut self, mask: A::Mask) -> Self {
         self.is_there = self.is_there & mask;
@@ -130,7 +134,7 @@ impl<A: Arithmetic> Interval<A> {
         of.is_anywhere(self.is_there & !of.lt(exit.t, enter.t))
     }
 
-    /// How much of the ray is inside; negative for nothing.
+    /// The length of the interval; negative if it is empty.
     #[inline(always)]
     pub(super) fn length(&self) -> A::Number {
         self.of.sub(self.exit.t, self.enter.t)
@@ -191,7 +195,7 @@ impl<A: Arithmetic> Interval<A> {
 }
 
 impl Interval<Scalar> {
-    /// Those of the ends that the ray holds.
+    /// The ends that the ray holds.
     pub(super) fn crossings(self, ray: &Ray) -> [Option<Crossing>; 2] {
         [self.enter, self.exit].map(|end| {
             let is_held = self.is_there && ray.holds(end.t) && end.t.is_finite();

@@ -47,7 +47,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     pub(crate) fn len(self) -> usize {
         match self {
             Self::One(mesh) => mesh.triangles().len(),
@@ -122,7 +122,8 @@ impl<'a> Meshes<'a> {
         self.one()?.crowds()
     }
 
-    /// To be called where the order of two triangles along a ray had to be found exactly; see [`Mesh::ask_for_planes`].
+    /// Counts that the order of two triangles along a ray had to be found exactly; see
+    /// [`Mesh::ask_for_planes`].
     #[cold]
     pub(crate) fn ask_for_planes(self, one: u32, other: u32) {
         let ((mesh, _), (same, _)) = (self.locate(one), self.locate(other));
@@ -132,7 +133,7 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// How many triangles are a block, of whose first one the mesh is noted.
+/// The number of triangles in a block, of whose first one the mesh is noted.
 const BLOCK: usize = 64;
 
 /// See [the module](self).
@@ -177,7 +178,7 @@ impl JoinedMeshes {
         })
     }
 
-    /// Which of the meshes has a triangle, and its number there.
+    /// The mesh that has a triangle, and the triangle's number there.
     #[inline]
     pub(crate) fn locate(&self, triangle: u32) -> (usize, u32) {
         let mut member = self.blocks[triangle as usize / BLOCK] as usize;
@@ -255,7 +256,7 @@ impl JoinedMeshes {
 mod tests {
     use super::*;
 
-    /// A strip of so many triangles.
+    /// A strip of `triangles` triangles.
     fn strip(triangles: u32, beside: f64) -> Arc<Mesh> {
         let points = (0..triangles + 2).map(|k| [beside + f64::from(k / 2), f64::from(k % 2), 0.0]);
         let triangles = (0..triangles).map(|k| [k, k + 1, k + 2]).collect();

@@ -176,8 +176,9 @@ impl Mesh {
         }
     }
 
-    /// The same triangles and attributes, with other vertices. A scene that has this mesh in the place of the old one fits the old
-    /// one's tree to it ([`Scene::with_objects`](crate::Scene::with_objects)).
+    /// The mesh with other vertices under its triangles and attributes. A scene that has this mesh
+    /// in the place of the old one refits the old one's tree to it
+    /// ([`Scene::with_objects`](crate::Scene::with_objects)).
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! What rays can meet: a file per shape, each in its own object space.
+//! Shapes that rays can meet: a file per shape, each in its own object space.
 
 #![allow(
     clippy::inline_always,
@@ -49,14 +49,14 @@ pub use crate::memory::Storage;
 use crate::geometry::Digest;
 use crate::geometry::{Bounds, DVec2, DVec3, Ray, Transform};
 
-/// Where a ray crosses a surface.
+/// The crossing of a ray with a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
     /// The ray's parameter.
     pub t: f64,
-    /// Which part of the shape.
+    /// The part of the shape.
     pub primitive: i32,
-    /// In a triangle the weights of corners 1 and 2, else NaN.
+    /// The weights of corners 1 and 2 in a triangle, else NaN.
     pub barycentric: DVec2,
 }
 
@@ -70,7 +70,7 @@ impl Crossing {
     }
 }
 
-/// What every shape can do, in its object space.
+/// The contract of every shape, in its object space.
 pub trait Surface {
     /// A box around the shape; everything for an infinite one.
     fn bounds(&self) -> Bounds;
@@ -239,8 +239,9 @@ impl Shape {
     }
 }
 
-/// How far a circle of radius one around `normal`, of length one, reaches along each axis: the sine of the
-/// angle between them. (Not the root of 1 - cosine^2, which is rounding where the angle is small.)
+/// The reach along each axis of a circle of radius one around `normal`, of length one: the sine of
+/// the angle between them. (Not the root of 1 - cosine^2, which is rounding where the angle is
+/// small.)
 fn sines(normal: DVec3) -> DVec3 {
     let squares = normal * normal;
     DVec3::new(

@@ -17,11 +17,11 @@ use crate::geometry::{DMat3, DVec2, DVec3};
 pub struct Nearest {
     /// The square of the distance, in the world.
     pub squared: f64,
-    /// Where it is, in the world.
+    /// The nearest point, in the world.
     pub point: DVec3,
-    /// Which part of the shape.
+    /// The part of the shape.
     pub primitive: i32,
-    /// In a triangle the weights of corners 1 and 2, else NaN.
+    /// The weights of corners 1 and 2 in a triangle, else NaN.
     pub barycentric: DVec2,
 }
 
@@ -31,7 +31,7 @@ impl Nearest {
         Self::apart((point - from).length_squared(), point, primitive)
     }
 
-    /// The same where the square of the distance is known better than from the point.
+    /// The point with a square of the distance that is more precise than from the point.
     pub(super) fn apart(squared: f64, point: DVec3, primitive: i32) -> Self {
         Self {
             squared,
@@ -51,7 +51,7 @@ impl Nearest {
     }
 }
 
-/// How much a map that keeps angles stretches lengths; `None` for one that bends spheres.
+/// The factor on lengths of a map that keeps angles; `None` for one that bends spheres.
 ///
 /// The columns of such a map are perpendicular and of one length. Products of a few rotations are so but for rounding, for
 /// which 2^-46 of that length's square is room.

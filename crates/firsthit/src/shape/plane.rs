@@ -47,12 +47,12 @@ impl Plane {
         self.point
     }
 
-    /// Where its front looks, of length one.
+    /// The direction that the front faces, of length one.
     pub fn facing(&self) -> DVec3 {
         self.normal
     }
 
-    /// Where rays cross it.
+    /// The crossings of rays with the plane.
     #[inline(always)]
     pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
         let normal = splat(of, self.normal);

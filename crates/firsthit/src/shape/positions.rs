@@ -22,7 +22,7 @@ use crate::memory::{self, Storage};
 pub enum Positions {
     /// Every coordinate is a float32.
     Single(Storage<[f32; 3]>),
-    /// At least one coordinate needs float64.
+    /// Points of which at least one coordinate needs float64.
     Double(Storage<[f64; 3]>),
 }
 
@@ -78,7 +78,7 @@ impl Positions {
         Ok(Self::Double(points.into()))
     }
 
-    /// How many points there are.
+    /// The number of points.
     pub fn len(&self) -> usize {
         match self {
             Self::Single(points) => points.len(),

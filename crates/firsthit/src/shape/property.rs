@@ -11,19 +11,19 @@ use crate::memory::Storage;
 /// `channel::attribute` looks them up where rays met the mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Property {
-    /// What the file calls it.
+    /// The name in the file.
     pub name: String,
-    /// What has the numbers.
+    /// The elements that have the numbers.
     pub of: PropertyOf,
-    /// How many numbers each has.
+    /// The number of components of each value.
     pub components: usize,
-    /// What the value between the corners of a triangle is.
+    /// The rule for the value between the corners of a triangle.
     pub between: Between,
     /// The numbers, those of one vertex, corner or polygon after the other.
     pub values: PropertyValues,
 }
 
-/// What the value between the corners of a triangle is.
+/// The rule for the value between the corners of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Between {
     /// The mean of the corners' values by the barycentric weights: for quantities.
@@ -32,7 +32,7 @@ pub enum Between {
     NearestCorner,
 }
 
-/// What has a property.
+/// The elements of a mesh that have a property.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum PropertyOf {
     /// The vertices, numbers for each.
@@ -66,7 +66,7 @@ impl Debug for PropertyValues {
 }
 
 impl PropertyValues {
-    /// How many there are.
+    /// The number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::Single(values) => values.len(),
@@ -79,7 +79,7 @@ impl PropertyValues {
         self.len() == 0
     }
 
-    /// One of them, if there are so many.
+    /// The value at an index; `None` beyond the last.
     pub fn get(&self, index: usize) -> Option<f64> {
         match self {
             Self::Single(values) => values.get(index).map(|&value| value.into()),
@@ -164,7 +164,7 @@ impl Property {
     }
 }
 
-/// How many things of a mesh can have properties.
+/// The numbers of a mesh's elements that can have properties.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Counts {
     pub(super) vertices: usize,

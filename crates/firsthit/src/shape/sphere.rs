@@ -42,12 +42,12 @@ impl Sphere {
         })
     }
 
-    /// Its middle.
+    /// The centre.
     pub fn center(&self) -> DVec3 {
         self.center
     }
 
-    /// How far from the middle it is.
+    /// The radius.
     pub fn radius(&self) -> f64 {
         self.radius
     }
@@ -85,7 +85,7 @@ impl Sphere {
         Interval::new(of, is_there, [enter, exit])
     }
 
-    /// Where rays meet it first.
+    /// The first crossings of rays with the sphere.
     #[inline(always)]
     pub(super) fn first<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> CrossingOf<A> {
         self.inside(of, ray).first(ray)
@@ -123,7 +123,7 @@ impl Surface for Sphere {
         self.center + self.radius * unit(point - self.center)
     }
 
-    /// Where the transform stretches, the nearest point of the ellipsoid that it makes.
+    /// Measures to the ellipsoid that the transform makes, where it stretches.
     fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
         let center = place.point_in_world(self.center);
         let away = from - center;

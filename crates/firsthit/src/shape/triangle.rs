@@ -63,12 +63,12 @@ pub struct Shear {
 pub enum EdgeRule {
     /// Edges and corners are part of every triangle that has them: between neighbours there is no gap.
     Closed,
-    /// Each point of an edge belongs to one of two neighbours, as a ray infinitely little beside it would see them: on
-    /// a closed mesh every ray enters as often as it leaves.
+    /// One of two neighbours has each point of an edge, as a ray infinitely little beside it would
+    /// see them: on a closed mesh every ray enters as often as it leaves.
     Once,
 }
 
-/// Where a ray meets a triangle's plane inside the triangle.
+/// The crossing of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleHit {
     /// The ray's parameter; any sign.
@@ -148,19 +148,21 @@ impl Shear {
         }
     }
 
-    /// Where the ray meets the triangle, edges and corners included; `None` past it or along it.
+    /// Intersects the ray with the triangle, edges and corners included; `None` past it or along
+    /// it.
     #[inline(always)]
     pub fn intersect(&self, corners: [DVec3; 3]) -> Option<TriangleHit> {
         self.intersect_by(EdgeRule::Closed, corners, Doubtful::settle)
     }
 
-    /// The same with another rule for edges and corners.
+    /// Intersects the ray with the triangle by another rule for edges and corners.
     #[inline(always)]
     pub fn intersect_with(&self, edges: EdgeRule, corners: [DVec3; 3]) -> Option<TriangleHit> {
         self.intersect_by(edges, corners, Doubtful::settle)
     }
 
-    /// The same, where a kernel brings its own function to `settle` what float64 cannot decide.
+    /// Intersects the ray with the triangle, where a kernel brings its own function to `settle`
+    /// what float64 cannot decide.
     #[inline(always)]
     pub(crate) fn intersect_by(
         &self,
@@ -197,7 +199,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// More than the sides are off by: see the error bounds above; and more where products are subnormal.
+    /// An upper bound on the error of the sides: see the error bounds above; and more where
+    /// products are subnormal.
     #[inline(always)]
     fn doubt(&self) -> f64 {
         20.0 * f64::EPSILON * self.largest * self.across + f64::MIN_POSITIVE
@@ -216,7 +219,8 @@ impl Seen {
     }
 }
 
-/// Where a ray meets a triangle that it is known to meet; see [`Shear::intersect_by`].
+/// Computes the crossing of a ray with a triangle that it is known to meet; see
+/// [`Shear::intersect_by`].
 #[inline(always)]
 pub(crate) fn locate(
     ray: &Ray,
@@ -263,13 +267,13 @@ impl Doubtful {
         self.meeting.is_outside(t_min, t_max)
     }
 
-    /// What exact arithmetic says.
+    /// Decides by exact arithmetic.
     #[inline(never)]
     pub(crate) fn settle(self) -> Option<TriangleHit> {
         self.settle_in_place()
     }
 
-    /// The same, inlined into a kernel.
+    /// [`settle`](Self::settle), inlined into a kernel.
     #[inline(always)]
     pub(crate) fn settle_in_place(self) -> Option<TriangleHit> {
         let meeting = &self.meeting;
@@ -402,7 +406,7 @@ mod tests {
         }
     }
 
-    /// Both products round to 1: only what was rounded away tells the sides apart.
+    /// The products both round to 1: only what was rounded away tells the sides apart.
     #[test]
     fn the_sign_of_an_edge_is_exact_where_products_round_to_the_same() {
         let e = f64::EPSILON;

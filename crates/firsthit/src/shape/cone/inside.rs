@@ -8,7 +8,7 @@ use super::super::interval::Interval;
 use super::Cone;
 use crate::geometry::arithmetic::Arithmetic;
 
-/// A cone whose radius changes by more than so many times its height is flat.
+/// The largest change of a cone's radius, in heights, that is not flat.
 const FLAT: f64 = 4.0;
 
 /// A line, or one in each lane, relative to a cone's axis: across it and along it, at the start and in one unit of its parameter.
@@ -178,7 +178,7 @@ impl Cone {
             .moved(start)
     }
 
-    /// Where rays meet it first.
+    /// The first crossings of rays with the cone.
     #[inline(always)]
     pub(in crate::shape) fn first<A: Arithmetic>(
         &self,

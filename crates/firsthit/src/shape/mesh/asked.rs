@@ -1,11 +1,12 @@
-//! What takes long to find out, and pays only where it is asked for often.
+//! Values that are computed only once they have been asked for often enough to pay.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::parallel;
 
-/// A value that is found out once it was asked for a number of times. Until then whoever asks goes the long way, to the same answer.
+/// A value that is computed once it was asked for a number of times. Until then callers take the
+/// long way to an equal answer.
 pub(super) struct WhenAsked<T> {
     /// `None` where there was no memory.
     value: OnceLock<Option<T>>,

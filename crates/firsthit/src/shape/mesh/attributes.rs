@@ -1,4 +1,4 @@
-//! What a mesh knows beside its triangles: attributes of vertices and corners, faces, slots, numbers by name.
+//! The attributes of a mesh: of vertices and corners, faces, slots, numbers by name.
 
 use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3};
@@ -6,7 +6,7 @@ use crate::shape::property::Counts;
 use crate::shape::{Attribute, Mesh, Property, PropertyOf, PropertyValues};
 
 impl Mesh {
-    /// The same mesh, its triangles knowing which polygon of the file they were part of.
+    /// The mesh with the polygon of the file that each triangle was part of.
     ///
     /// # Errors
     ///
@@ -26,7 +26,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with shading normals, in object space; they need not be of length one.
+    /// The mesh with shading normals, in object space; they need not be of length one.
     ///
     /// # Errors
     ///
@@ -37,7 +37,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with texture coordinates.
+    /// The mesh with texture coordinates.
     ///
     /// # Errors
     ///
@@ -48,7 +48,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with a second set of texture coordinates, for textures that take it.
+    /// The mesh with a second set of texture coordinates, for textures that take it.
     ///
     /// # Errors
     ///
@@ -59,8 +59,8 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with tangents, in object space, for normal maps: the direction in which the map's columns run, and 1, or -1
-    /// where the bitangent is not normal times tangent but the opposite.
+    /// The mesh with tangents, in object space, for normal maps: the direction in which the map's
+    /// columns run, and 1, or -1 where the bitangent is not normal times tangent but the opposite.
     ///
     /// # Errors
     ///
@@ -71,7 +71,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with linear colours, which the object's own colour multiplies.
+    /// The mesh with linear colours, which the object's own colour multiplies.
     ///
     /// # Errors
     ///
@@ -82,7 +82,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with an alpha of its own, which a material's multiplies.
+    /// The mesh with an alpha of its own, which a material's multiplies.
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh, each triangle having a slot: which of its object's materials it takes.
+    /// The mesh with a slot for each triangle: the index of its object's material.
     ///
     /// # Errors
     ///
@@ -107,7 +107,7 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The same mesh with numbers by name, in place of those it had.
+    /// The mesh with numbers by name, in place of those it had.
     ///
     /// # Errors
     ///
@@ -138,7 +138,7 @@ impl Mesh {
         found.map(|property| &property.values)
     }
 
-    /// Which polygon each triangle was part of, where the mesh knows.
+    /// The polygon that each triangle was part of, where the mesh has polygons.
     pub fn faces(&self) -> Option<&[u32]> {
         self.faces.as_deref()
     }
@@ -173,7 +173,7 @@ impl Mesh {
         self.alphas.as_ref()
     }
 
-    /// Each triangle's slot, where the mesh has more than one.
+    /// The slot of each triangle, where the mesh has more than one.
     pub fn slots(&self) -> Option<&[u32]> {
         self.slots.as_deref()
     }
@@ -230,7 +230,7 @@ impl Mesh {
         })
     }
 
-    /// Which of its object's materials a triangle takes.
+    /// The slot of a triangle: the index of its object's material.
     #[inline]
     pub fn slot(&self, triangle: usize) -> usize {
         self.slots

@@ -19,8 +19,8 @@ use crate::error::{Error, Result};
 use crate::memory;
 use crate::parallel;
 
-/// What was found out about the triangles, here, in `facing.rs`, `rings.rs` and `planes.rs`; equal to any other, since it follows from
-/// them.
+/// Topology of the triangles, computed when asked for, here, in `facing.rs`, `rings.rs` and
+/// `planes.rs`; always compares equal, since it follows from the triangles.
 #[derive(Clone, Default)]
 pub(super) struct Closed {
     edges: OnceLock<Edges>,
@@ -32,10 +32,10 @@ pub(super) struct Closed {
 /// An edge and its way are one number.
 const MOST_PLACES: usize = 1 << 31;
 
-/// What the edges of a mesh say.
+/// Facts about the edges of a mesh.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edges {
-    /// How many belong to an odd number of triangles.
+    /// The number of edges that belong to an odd number of triangles.
     pub(super) odd: usize,
     /// Whether as many triangles go along each edge one way as the other.
     pub(super) is_balanced: bool,
@@ -70,7 +70,8 @@ impl Mesh {
         Ok(self.odd_edges()? == 0)
     }
 
-    /// How many edges belong to an odd number of triangles. Remembered once it is found out.
+    /// The number of edges that belong to an odd number of triangles. Remembered once it is
+    /// computed.
     pub(crate) fn odd_edges(&self) -> Result<usize> {
         Ok(self.edges()?.odd)
     }

@@ -7,7 +7,7 @@ use crate::shape::triangle::{EdgeRule, Meeting, Shear, TriangleHit, are_close};
 use crate::shape::{Crossing, Mesh};
 
 impl Mesh {
-    /// Where the ray of `shear` meets a triangle, wherever that is along the ray.
+    /// Intersects the ray of `shear` with a triangle, at any `t`.
     pub fn intersect_triangle(
         &self,
         triangle: usize,

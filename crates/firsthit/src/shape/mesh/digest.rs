@@ -7,7 +7,8 @@ use crate::geometry::{DVec3, Digest};
 use crate::parallel;
 use crate::shape::Attribute;
 
-/// How many triangles become one part of a digest: a constant, because the parts show in the result.
+/// The number of triangles in one part of a digest: a constant, because the parts show in the
+/// result.
 const AT_ONCE: usize = 4096;
 
 impl Mesh {
@@ -21,7 +22,7 @@ impl Mesh {
         digest.bytes(parts.as_flattened());
     }
 
-    /// Of some triangles, all that is known about them.
+    /// The digest of some triangles with all their attributes.
     fn part(&self, triangles: Range<usize>) -> [u8; 32] {
         let mut digest = Digest::default();
         let corners = triangles.clone().flat_map(|k| self.corners(k));

@@ -5,7 +5,7 @@
 pub(crate) struct DisjointSets(Vec<u32>);
 
 impl DisjointSets {
-    /// Each number alone.
+    /// Sets of one number each.
     pub(crate) fn new(count: usize) -> Self {
         Self((0..u32::try_from(count).unwrap_or(u32::MAX)).collect())
     }

@@ -1,4 +1,5 @@
-//! Which way the triangles of a closed mesh face, so that it goes around every point a whole number of times.
+//! The facing of a closed mesh's triangles with which it goes around every point a whole number of
+//! times.
 //!
 //! That needs as many triangles along each edge in one direction as in the other. Nearly every closed mesh is so as it stands. In others
 //! some triangles are flipped:
@@ -16,14 +17,14 @@ use crate::error::Result;
 use crate::memory;
 use crate::parallel;
 
-/// Which way the triangles of a closed mesh face.
+/// The facing of a closed mesh's triangles.
 #[derive(Debug, Clone)]
 pub(crate) enum Facing {
-    /// As their corners go around.
+    /// Triangles face as their corners go around.
     AsGiven,
-    /// Those for which it is `true` the other way.
+    /// Triangles with `true` face the other way.
     Turned(Vec<bool>),
-    /// There is no way for all of them, or the mesh is open.
+    /// No facing fits all triangles, or the mesh is open.
     Undecided,
 }
 
@@ -52,7 +53,7 @@ pub(crate) fn edges([a, b, c]: [u32; 3]) -> impl Iterator<Item = ([u32; 2], bool
 }
 
 impl Mesh {
-    /// Which way the triangles face. Remembered once it is found out.
+    /// The facing of the triangles. Remembered once it is computed.
     ///
     /// # Errors
     ///
@@ -78,7 +79,8 @@ impl Mesh {
         Ok(parallel::once(known, || facing))
     }
 
-    /// Which triangles are to be turned, so that those at edges of two facets face alike and most stay as they are.
+    /// The triangles to be turned, so that those at edges of two facets face alike and most stay as
+    /// they are.
     ///
     /// # Errors
     ///

@@ -81,12 +81,12 @@ fn property_name(property: &Property) -> &str {
 }
 
 impl<'a> NamedAttribute<'a> {
-    /// Its name.
+    /// The name.
     pub fn name(&self) -> &'a str {
         self.name
     }
 
-    /// What has its values.
+    /// The elements that have the values.
     pub fn of(&self) -> PropertyOf {
         let has_corners = match self.values {
             Values::Property(property) => return property.of,
@@ -102,7 +102,7 @@ impl<'a> NamedAttribute<'a> {
         }
     }
 
-    /// How many numbers a value has.
+    /// The number of components of a value.
     pub fn components(&self) -> usize {
         match self.values {
             Values::Property(property) => property.components,
@@ -113,7 +113,7 @@ impl<'a> NamedAttribute<'a> {
         }
     }
 
-    /// How many values there are.
+    /// The number of values.
     pub(crate) fn count(&self) -> usize {
         match self.values {
             Values::Property(property) => property.values.len() / property.components,

@@ -43,7 +43,7 @@ impl Mesh {
         Ok(parts)
     }
 
-    /// How many parts it has: see [`split`](Self::split).
+    /// The number of parts: see [`split`](Self::split).
     ///
     /// # Errors
     ///
@@ -79,7 +79,8 @@ impl Mesh {
             .collect()
     }
 
-    /// Some triangles alone, with their vertices. `number` is memory for a number of each vertex, all of them `u32::MAX` before and after.
+    /// A mesh of some triangles alone, with their vertices. `number` is memory for a number of each
+    /// vertex, all of them `u32::MAX` before and after.
     #[expect(clippy::too_many_lines, reason = "a few lines for each attribute")]
     fn of_triangles(&self, triangles: &[u32], number: &mut [u32]) -> Result<Self> {
         let mut vertices: Vec<u32> = Vec::new();
@@ -189,7 +190,7 @@ impl Mesh {
     }
 }
 
-/// Some triangles of a mesh, and their vertices.
+/// A selection of a mesh's triangles, and their vertices.
 struct Chosen<'a> {
     triangles: &'a [u32],
     vertices: &'a [u32],
@@ -225,7 +226,7 @@ impl Chosen<'_> {
     }
 }
 
-/// Of groups of so many numbers those that are listed.
+/// The groups of `each` numbers whose indices are listed.
 fn chosen<T: Copy>(all: &[T], (which, each): (&[u32], usize)) -> Vec<T> {
     which
         .iter()

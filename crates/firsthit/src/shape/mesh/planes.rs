@@ -1,4 +1,4 @@
-//! Which triangles lie in one plane, exactly?
+//! Groups the triangles that lie in one plane, exactly.
 //!
 //! Where thousands lie in one place, as in drawings, each ray would compare all of them exactly. So after as many such comparisons as there
 //! are triangles their planes are found:
@@ -18,13 +18,13 @@ use crate::geometry::DVec3;
 use crate::geometry::orientation::orient_3d;
 use crate::memory;
 
-/// Within these float64 knows which triangles have an area.
+/// The least size of numbers with which float64 tells the triangles that have an area.
 const LEAST: f64 = 1e-60;
 const MOST: f64 = 1e60;
 
 /// The planes of a mesh's triangles.
 pub(super) struct Planes {
-    /// For each triangle the first one in its plane.
+    /// The first triangle in the plane of each triangle.
     firsts: Vec<u32>,
     /// Whether all are in one plane.
     are_one: bool,
@@ -54,7 +54,7 @@ impl Mesh {
         self.closed.planes.known()?.crowds.as_ref()
     }
 
-    /// To be called where the order of two triangles along a ray had to be found exactly.
+    /// Counts that the order of two triangles along a ray had to be found exactly.
     #[cold]
     #[inline(never)]
     pub(crate) fn ask_for_planes(&self) {

@@ -1,4 +1,4 @@
-//! How far a mesh reaches in a direction, asked for several of them to frame it.
+//! The support function of a mesh, asked for in several directions to frame it.
 //!
 //! 1. Once for a mesh, find the boxes around blocks of triangles that follow each other.
 //! 2. Ask the boxes how far the triangles in them may reach, and the triangles of the most promising block how far they do.
@@ -10,7 +10,7 @@ use super::Mesh;
 use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
 
-/// How many triangles are in a block.
+/// The number of triangles in a block.
 const BLOCK: usize = 256;
 
 /// A box for each block; equal to any other, since it follows from the triangles.

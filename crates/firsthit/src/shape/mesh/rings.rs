@@ -1,4 +1,4 @@
-//! Which triangles are around a corner?
+//! Rings of the triangles around a corner.
 //!
 //! The corners of triangles that are in one place are a ring: for each there is the number of the next one. To find all rings takes as
 //! long as to look for the triangles around some corners in the tree: it is done after so many questions.
@@ -7,7 +7,7 @@ use super::Mesh;
 use super::weld::Welded;
 use crate::memory;
 
-/// No corner has this number.
+/// The number of no corner.
 const NONE: u32 = u32::MAX;
 
 impl Mesh {
@@ -31,7 +31,7 @@ impl Mesh {
         }))
     }
 
-    /// For each corner the next one in its place, in a circle.
+    /// Finds the next corner in the place of each corner, in a circle.
     fn find_rings(&self) -> Option<Vec<u32>> {
         let count = 3 * self.triangles.len();
         u32::try_from(count).ok()?;

@@ -1,4 +1,4 @@
-//! A mesh taken apart into arrays, and put together again from arrays that nobody vouches for.
+//! The arrays of a mesh, and the assembly of a mesh from untrusted arrays.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::parallel;
 use crate::shape::property::Counts;
 use crate::shape::{Attribute, Positions, Property, PropertyOf};
 
-/// How many elements one task checks.
+/// The number of elements that one task checks.
 const CHUNK: usize = 1 << 16;
 
 /// All that a mesh is made from.
@@ -137,7 +137,7 @@ fn is_empty(bounds: Bounds) -> bool {
     bounds == Bounds::EMPTY
 }
 
-/// Whether an attribute fits a mesh of so many vertices and triangles.
+/// Whether an attribute fits a mesh with these numbers of vertices and triangles.
 fn fits<const N: usize>(
     attribute: Option<&Attribute<N>>,
     vertices: usize,

@@ -16,7 +16,7 @@ impl Surface for Arc<Mesh> {
         Mesh::bounds(self)
     }
 
-    /// Over the triangles' corners: vertices without a triangle do not count.
+    /// The support of the triangles' corners: vertices without a triangle do not count.
     fn support(&self, direction: DVec3) -> f64 {
         self.reach(direction)
     }
@@ -86,7 +86,7 @@ impl crate::shape::conformance::Conforming for Arc<Mesh> {
         vec![mesh(&tips, &sides), mesh(&pyramid, &faces)]
     }
 
-    /// To the nearest triangle; inside, where every normal points away, negative.
+    /// The distance to the nearest triangle; inside, where every normal points away, negative.
     fn distance(&self, point: DVec3) -> f64 {
         let to = |triangle| {
             let [a, b, c] = self.corners(triangle);

@@ -10,7 +10,8 @@ use std::collections::HashMap;
 use crate::geometry::{DVec2, DVec3, unit};
 use crate::shape::{Attribute, Mesh};
 
-/// What a corner is known by: the bits of its place, its normal and its texture coordinates, and whether the map is mirrored.
+/// The identity of a corner: the bits of its place, its normal and its texture coordinates, and
+/// whether the map is mirrored.
 type Key = ([u64; 3], [u32; 3], [u32; 2], bool);
 
 /// The tangent of a corner so far.

@@ -10,7 +10,7 @@ use crate::geometry::{DVec3, compare_points};
 use crate::memory;
 use crate::parallel;
 
-/// How many triangles one task takes of many.
+/// The number of triangles in one task.
 const CHUNK: usize = 1 << 12;
 
 /// The corners of a mesh by their places.
@@ -18,7 +18,7 @@ const CHUNK: usize = 1 << 12;
 pub(crate) struct Welded {
     /// The corners of each triangle as numbers of places.
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// In each place the vertex with the lowest index.
+    /// The vertex with the lowest index in each place.
     pub(crate) vertices: Vec<u32>,
 }
 

@@ -12,13 +12,13 @@ use crate::geometry::DVec3;
 /// The axes of an ellipsoid, or of an ellipse, which has a length of zero.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Principal {
-    /// Of length one, perpendicular.
+    /// The directions, of length one, perpendicular.
     pub(crate) directions: [DVec3; 3],
     pub(crate) lengths: [f64; 3],
 }
 
 impl Principal {
-    /// Of the points `x f + y g + z h` with a vector (x, y, z) of length one.
+    /// The axes of the points `x f + y g + z h` with a vector (x, y, z) of length one.
     pub(crate) fn new(spanned_by: [DVec3; 3]) -> Self {
         // One-sided: turn two of the vectors in their plane until all are perpendicular. The ellipsoid stays the same.
         let mut axes = spanned_by;

@@ -32,7 +32,7 @@ const DOT: f64 = 6.0 * f64::EPSILON;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Foot {
     pub(super) squared: f64,
-    /// Where between the ends it is: 0 at the first, 1 at the second.
+    /// The place between the ends: 0 at the first, 1 at the second.
     pub(super) share: f64,
 }
 
@@ -109,7 +109,7 @@ fn ordered(p: DVec3, a: DVec3, b: DVec3) -> Foot {
     }
 }
 
-/// In twice the digits, for a point that is nearest between the ends.
+/// The foot in double-double, for a point that is nearest between the ends.
 #[inline(always)]
 fn between_exactly(p: DVec3, a: DVec3, b: DVec3) -> Foot {
     let (to_a, edge) = (apart(a, p), apart(b, a));

@@ -174,7 +174,7 @@ fn clamped(v: f64, w: f64) -> DVec2 {
     DVec2::new(v, w.min(1.0 - v))
 }
 
-/// The same in twice the digits. The weights may be there already.
+/// The height in double-double. The weights may be there already.
 #[inline(always)]
 fn height_exactly(from: DVec3, [a, b, c]: [DVec3; 3], sure: Option<DVec2>) -> Option<Height> {
     let [ab, bc, ca] = [apart(b, a), apart(c, b), apart(a, c)];

@@ -32,21 +32,22 @@ use crate::geometry::double::{
 use crate::geometry::exact::{Expansion, Scaled, determinant, power};
 use crate::geometry::{DVec2, DVec3, Ray};
 
-/// How far the origin may be off the point, as a share of the largest coordinate of a corner. What is nearer to an edge or a corner is
-/// there.
+/// The largest distance of the origin from the point, as a share of the largest coordinate of a
+/// corner. A point nearer to an edge or a corner is on it.
 const OFF: f64 = 8.0 * f64::EPSILON;
 
 /// The point of a triangle that a ray leaves; see [the module](self).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeparturePoint {
     pub(super) corners: [DVec3; 3],
-    /// Those of the corners 1 and 2: neither is negative, and together they are at most 1. The first may need two numbers.
+    /// The weights of the corners 1 and 2: neither is negative, and together they are at most 1.
+    /// The first may need two numbers.
     pub(super) weights: [[f64; 2]; 2],
-    /// Which of the three weights are not zero.
+    /// The weights, of the three, that are not zero.
     pub(super) has_weight: [bool; 3],
     /// The point, rounded: where the ray starts.
     pub(crate) rounded: DVec3,
-    /// No coordinate of the point is farther off that.
+    /// The largest error of a coordinate of the rounded point.
     pub(crate) off: f64,
 }
 
@@ -139,7 +140,8 @@ impl DeparturePoint {
         DVec2::new(weights[1], weights[2])
     }
 
-    /// Where a ray from the point meets a triangle ahead of it. The ray's origin is the rounded point.
+    /// Intersects a ray from the point with a triangle ahead of it. The ray's origin is the rounded
+    /// point.
     #[inline(always)]
     pub(super) fn intersect(
         &self,
@@ -187,7 +189,7 @@ impl DeparturePoint {
         self.settle(doubtful, corners)
     }
 
-    /// The same in exact arithmetic.
+    /// Decides in exact arithmetic.
     #[cold]
     #[inline(never)]
     fn settle(&self, doubtful: Doubtful, corners: [DVec3; 3]) -> Option<TriangleHit> {
@@ -288,7 +290,7 @@ type ExactVector = [Expansion; 3];
 
 /// A triangle as seen from the point, without rounding. Lengths are in units of a power of two, and so is the direction.
 struct Exact {
-    /// From the point to the corners.
+    /// The vectors from the point to the corners.
     relative: [ExactVector; 3],
     direction: ExactVector,
     /// The first corner to the two others.
@@ -369,7 +371,8 @@ impl Exact {
         is_front != is_back
     }
 
-    /// Where the line crosses the triangle's plane, with the exact sign; `None` where it is along that.
+    /// The `t` of the line's crossing with the triangle's plane, with the exact sign; `None` where
+    /// the line is along the plane.
     fn t(&self) -> Option<f64> {
         let [e, f] = &self.edges;
         let slope = exact_determinant(e, f, &self.direction);

@@ -27,7 +27,7 @@ use crate::geometry::double::{Double, DoubleVector, between};
 use crate::geometry::exact::{Scaled, determinant};
 use crate::geometry::{DVec3, Side, arrays};
 
-/// With more triangles around a corner nobody asks which of them the ray is in front of.
+/// The most triangles around a corner among which the one that stops a ray is searched.
 const MANY: usize = 64;
 
 /// A part of a triangle as seen from the point, from one direction to another, counter-clockwise in front of the triangle.
@@ -37,7 +37,7 @@ struct Arc {
 
 /// The triangles that hold a point.
 pub(crate) struct Fan {
-    /// Their numbers and corners.
+    /// The numbers of the triangles and their corners.
     pub(crate) triangles: Vec<(u32, [DVec3; 3])>,
     /// Whether no two triangles of the mesh go along an edge in one direction, and every edge has a length.
     pub(crate) is_of_one_way: bool,
@@ -57,7 +57,7 @@ impl DeparturePoint {
         self.exactly_stopped_by(direction, outwards, fan)
     }
 
-    /// The same by exact signs.
+    /// The triangle that stops a ray, by exact signs.
     #[cold]
     #[inline(never)]
     fn exactly_stopped_by(&self, direction: DVec3, outwards: f64, fan: &Fan) -> Option<u32> {
@@ -134,7 +134,8 @@ impl DeparturePoint {
         own.all(|own| p == own || q == own || r == own)
     }
 
-    /// Whether neighbours face the same side: no two triangles have an edge at the point in one direction. Of too many nobody asks.
+    /// Whether neighbours face one way: no two triangles have an edge at the point in one
+    /// direction. Not with too many triangles.
     fn face_one_way(&self, fan: &Fan) -> bool {
         let around = &fan.triangles;
         if around.len() > MANY {
@@ -208,7 +209,7 @@ impl Arc {
 struct Way<'a> {
     direction: &'a DoubleVector<f64>,
     ends: [&'a DoubleVector<f64>; 2],
-    /// Where the direction is moved a little.
+    /// The direction of the perturbation of `direction`.
     upwards: &'a DoubleVector<f64>,
 }
 
@@ -225,7 +226,7 @@ impl Way<'_> {
             && start * not_zero(&[begin, next].map(|of| move || sign(from, to, of))) < 0.0
     }
 
-    /// On which side of the way a direction is.
+    /// The side of the way on which a direction is.
     fn side(&self, of: &DoubleVector<f64>) -> f64 {
         let [begin, next] = self.ends;
         let [d, up] = [self.direction, self.upwards];
@@ -279,7 +280,7 @@ fn high(v: &DoubleVector<f64>) -> DVec3 {
     DVec3::new(v[0].high, v[1].high, v[2].high)
 }
 
-/// Of a length around 1, so that no product is too small.
+/// The vector scaled to a length around 1, so that no product is too small.
 fn around_one(v: &DoubleVector<f64>) -> DVec3 {
     high(&Scaled::new(v).vector)
 }

@@ -1,4 +1,5 @@
-//! What a ray does not meet of one mesh, in the mesh's space: see [`RayFilter`](crate::geometry::RayFilter).
+//! The filter of a ray for one mesh, in the mesh's space: see
+//! [`RayFilter`](crate::geometry::RayFilter).
 
 use std::cmp::Ordering;
 
@@ -7,14 +8,14 @@ use crate::geometry::orientation::along_normal;
 use crate::geometry::{DVec2, DVec3, ROUNDED, Ray, Side, arrays};
 use crate::shape::Meshes;
 
-/// No triangle has this number.
+/// The number of no triangle.
 const NO_TRIANGLE: u32 = u32::MAX;
 
 /// All triangles.
 const ALL: [u32; 2] = [0, NO_TRIANGLE];
 
-/// Where a ray that leaves a surface in another space begins at joined meshes. What rounds most decides (`shoot/filter.rs`), and that may be
-/// the mesh.
+/// The start at joined meshes of a ray that leaves a surface in another space. What rounds most
+/// decides (`shoot/filter.rs`), and that may be the mesh.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Begin {
     /// The largest number that the start is computed from.
@@ -25,14 +26,14 @@ pub(crate) struct Begin {
 }
 
 impl Begin {
-    /// At one `t` for all.
+    /// The start at one `t` for all meshes.
     pub(crate) const TOGETHER: Self = Self {
         start: 0.0,
         along: 1.0,
         latest: 0.0,
     };
 
-    /// For meshes whose largest number is at most `farthest`.
+    /// The start at meshes whose largest number is at most `farthest`.
     pub(crate) fn new(start: f64, along: f64, farthest: f64) -> Self {
         let begin = Self {
             start,
@@ -57,7 +58,7 @@ pub(crate) struct MeshFilter {
     /// Triangles that are not met.
     skip: [u32; 2],
     cull: Option<Side>,
-    /// Where the ray starts, if it leaves a triangle of this mesh, or of another in its space.
+    /// The ray's start, if it leaves a triangle of this mesh, or of another in its space.
     departure: Option<DeparturePoint>,
     /// The triangle that it leaves, if that is one of this mesh.
     left: u32,
@@ -65,7 +66,7 @@ pub(crate) struct MeshFilter {
     is_departing: bool,
     /// The numbers of the triangles that are met: from the first to before the second.
     within: [u32; 2],
-    /// Where it begins at joined meshes.
+    /// The ray's start at joined meshes.
     begin: Begin,
 }
 
@@ -120,12 +121,13 @@ impl MeshFilter {
         self.within = within;
     }
 
-    /// At joined meshes the ray does not begin at one `t` for all.
+    /// Sets a start at joined meshes that is not at one `t` for all.
     pub(crate) fn begin(&mut self, begin: Begin) {
         self.begin = begin;
     }
 
-    /// From which `t` on all joined meshes may be met; zero where the ray begins at one `t` for all.
+    /// The `t` from which on all joined meshes may be met; zero where the ray begins at one `t` for
+    /// all.
     #[inline(always)]
     pub(crate) fn latest_begin(&self) -> f64 {
         self.begin.latest
@@ -159,7 +161,7 @@ impl MeshFilter {
         self.is_departing
     }
 
-    /// Where the ray starts, if it leaves a triangle.
+    /// The ray's start, if it leaves a triangle.
     pub(crate) fn departure(&self) -> Option<&DeparturePoint> {
         self.departure.as_ref()
     }
@@ -170,7 +172,8 @@ impl MeshFilter {
         self.cull.is_none() && self.skip == [NO_TRIANGLE; 2] && self.within == ALL
     }
 
-    /// The same for triangles in one place.
+    /// Whether the ray meets every one of some triangles in one place ahead of its start that a ray
+    /// without a filter meets.
     #[inline(always)]
     pub(crate) fn meets_all_of<T: Iterator<Item = u32>>(
         &self,
@@ -180,7 +183,7 @@ impl MeshFilter {
         self.meets_everything() || self.cull.is_none() && !triangles().any(skips)
     }
 
-    /// Where the ray meets a triangle, if it does; `settle` is as in [`Shear::intersect_by`].
+    /// Intersects a triangle with the filter; `settle` is as in [`Shear::intersect_by`].
     #[inline(always)]
     pub(crate) fn intersect(
         &self,
@@ -217,7 +220,7 @@ impl MeshFilter {
     }
 }
 
-/// Which side of a triangle a ray meets, exactly: the front against the normal.
+/// The side of a triangle that a ray meets, exactly: the front against the normal.
 fn side_met(direction: DVec3, corners: [DVec3; 3]) -> Side {
     match along_normal(corners, direction) {
         Ordering::Less => Side::Front,

@@ -1,4 +1,5 @@
-//! Where a ray crosses the plane of a triangle that it is known to meet: `t`, and the weights of the corners 1 and 2.
+//! Computes the crossing of a ray with the plane of a triangle that it is known to meet: `t`, and
+//! the weights of the corners 1 and 2.
 //!
 //! Let `R` go from the ray's origin to corner 0, `E` and `F` from corner 0 to the two others, and `n = E x F`. The ray
 //! crosses the plane at `t = n.R / n.d`.
@@ -76,7 +77,7 @@ fn high<N: Copy>(v: &DoubleVector<N>) -> Vector<N> {
     [v[0].high, v[1].high, v[2].high]
 }
 
-/// The same vector in all lanes.
+/// The vector in all lanes.
 #[inline(always)]
 fn splat<A: Arithmetic>(a: A, v: &Vector<f64>) -> Vector<A::Number> {
     [a.number(v[0]), a.number(v[1]), a.number(v[2])]

@@ -1,4 +1,5 @@
-//! What stops a ray at its start, by plain float64 where that is sure of every sign.
+//! Finds the triangle that stops a ray at its start, by plain float64 where that is sure of every
+//! sign.
 //!
 //! A sign is that of a product `(p x q).r`. Each of its six products of three numbers is rounded at most eight times, and so are its factors:
 //! it is off by 24 epsilons of the largest such product. 64 are taken.
@@ -16,7 +17,7 @@ struct Measured {
     largest: f64,
 }
 
-/// From the point to the other corners of a triangle.
+/// The vectors from the point to the other corners of a triangle.
 struct PlainArc {
     corners: [DVec3; 2],
     ends: [Measured; 2],
@@ -57,7 +58,7 @@ impl Measured {
 }
 
 impl PlainArc {
-    /// Of a triangle that has the corner `point`.
+    /// The arc of a triangle that has the corner `point`.
     #[inline(always)]
     fn new(point: DVec3, [a, b, c]: &[DVec3; 3]) -> Option<Self> {
         let corners = if *a == point {
@@ -88,7 +89,7 @@ struct PlainWay<'a> {
 }
 
 impl PlainWay<'_> {
-    /// On which side an end of an arc is.
+    /// The side of the way on which an end of an arc is.
     #[inline(always)]
     fn side(&self, arc: &PlainArc, end: usize) -> Option<bool> {
         let first = is_positive(&self.sides[0], &arc.ends[end]);

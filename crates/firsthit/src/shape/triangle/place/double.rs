@@ -124,10 +124,10 @@ impl Sight {
     }
 }
 
-/// Where a plane is from an origin.
+/// The place of a plane relative to an origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Start<N> {
-    /// From the origin to corner 0.
+    /// The vector from the origin to corner 0.
     start: DoubleVector<N>,
     /// The origin's distance from the plane times the length of the normal: `n.R`.
     above: Double<N>,
@@ -170,7 +170,7 @@ impl Plane<f64> {
         [height, off + f64::MIN_POSITIVE]
     }
 
-    /// The same in all lanes.
+    /// The plane in all lanes.
     #[inline(always)]
     pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Plane<A::Number> {
         Plane {
@@ -183,7 +183,7 @@ impl Plane<f64> {
 }
 
 impl Start<f64> {
-    /// The same in all lanes.
+    /// The place in all lanes.
     #[inline(always)]
     pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Start<A::Number> {
         Start {
@@ -203,7 +203,7 @@ const OFF: f64 = power(-98);
 /// above.
 const SURE: f64 = power(-82);
 
-/// Where a square is neither so large nor so small that products of these vectors leave the range of float64.
+/// The lanes in which products of vectors with this square stay in the range of float64.
 #[inline(always)]
 fn in_range<A: Arithmetic>(a: A, squared: A::Number) -> A::Mask {
     a.lt(a.number(1e-40), squared) & a.lt(squared, a.number(1e40))

@@ -133,17 +133,17 @@ impl<N: Copy> Plain<N> {
     }
 }
 
-/// Where a triangle is from an origin.
+/// The place of a triangle relative to an origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlainStart<N> {
-    /// From the origin to corner 0.
+    /// The vector from the origin to corner 0.
     start: DoubleVector<N>,
     /// The origin's distance from the plane times the length of the normal: `n.R`.
     above: N,
 }
 
 impl Plain<f64> {
-    /// The same in all lanes.
+    /// The triangle in all lanes.
     #[inline(always)]
     pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> Plain<A::Number> {
         Plain {
@@ -157,7 +157,7 @@ impl Plain<f64> {
 }
 
 impl PlainStart<f64> {
-    /// The same in all lanes.
+    /// The place in all lanes.
     #[inline(always)]
     pub(crate) fn splat<A: Arithmetic>(&self, a: A) -> PlainStart<A::Number> {
         PlainStart {

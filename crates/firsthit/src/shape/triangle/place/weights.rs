@@ -21,7 +21,7 @@ pub(super) struct Edges<N> {
 }
 
 impl<N: Copy> Edges<N> {
-    /// Those of two edges and their normal; and the edges' squares.
+    /// Prepares two edges and their normal; and returns the edges' squares.
     #[inline(always)]
     pub(super) fn new<A: Arithmetic<Number = N>>(
         a: A,
@@ -47,9 +47,9 @@ impl<N: Copy> Edges<N> {
     /// The weights of the point that `r` leads to from corner 0: none below zero, together at most one but for a
     /// rounding.
     ///
-    /// That of `F` is an area's share. In a thin triangle the areas have few digits, so that of `E` is what remains of
-    /// `r` along `E`: then the point of these weights is off by a rounding of the longer edge, however thin the
-    /// triangle is.
+    /// `F`'s weight is a ratio of areas. `E`'s is the rest of `r` along `E`, since areas of thin
+    /// triangles have few digits: then the point of these weights is off by a rounding of the longer
+    /// edge, however thin the triangle is.
     #[inline(always)]
     pub(super) fn weights<A: Arithmetic<Number = N>>(&self, a: A, r: &Vector<N>) -> [N; 2] {
         let zero = a.number(0.0);
@@ -69,7 +69,8 @@ impl<N: Copy> Edges<N> {
         }
     }
 
-    /// The same; rounding may make that of `E` less than zero, or the sum more than one.
+    /// The weights without clamping: rounding may make `E`'s less than zero, or the sum more than
+    /// one.
     #[inline(always)]
     pub(super) fn inside<A: Arithmetic<Number = N>>(&self, a: A, r: &Vector<N>) -> [N; 2] {
         let [e, f] = &self.vectors;
@@ -110,7 +111,7 @@ impl<N: Copy> Edges<N> {
 }
 
 impl Edges<f64> {
-    /// The same in all lanes.
+    /// The edges in all lanes.
     #[inline(always)]
     pub(super) fn splat<A: Arithmetic>(&self, a: A) -> Edges<A::Number> {
         let [e, f] = &self.vectors;
