@@ -11,7 +11,8 @@ type Rgb = [u8; 3];
 /// The colour of a miss, in every picture but those of colours.
 const BLACK: Rgb = [0; 3];
 
-/// How the values of one channel become bytes, with the ranges that depend on the whole channel.
+/// The mapping from one channel's values to bytes, with the ranges that depend on the whole
+/// channel.
 pub(super) enum ChannelColors {
     Color(Tones),
     /// Colours with coverage (alpha): four bytes, not three.
@@ -46,7 +47,7 @@ impl ChannelColors {
         }
     }
 
-    /// How many bytes a pixel has.
+    /// The number of bytes of a pixel.
     pub(super) fn bytes(&self) -> usize {
         match self {
             Self::Transparent(_) => 4,
@@ -101,7 +102,8 @@ impl ChannelColors {
     }
 }
 
-/// How to read a picture of `channel` back, in words, with every digit; `None` where it needs no words.
+/// The text that explains a picture of `channel`, for reading values back, with every digit; `None`
+/// where it needs no words.
 pub fn legend(channel: &Channel) -> Option<String> {
     legend_in(channel, |number| format!("{number:?}"))
 }
@@ -200,13 +202,13 @@ impl Range {
         self.low > self.high
     }
 
-    /// Where `value` lies: 0 at the low end, 1 at the high end; 0 if both are the same.
+    /// The place of `value` in the range: 0 at the low end, 1 at the high end; 0 if both are equal.
     fn fraction(&self, value: f64) -> f64 {
         fraction(value, [self.low, self.high])
     }
 }
 
-/// How the distances of a channel are spread.
+/// The mapping from the distances of a channel to the colour scale.
 ///
 /// On a linear scale a ground that runs to the horizon takes nearly all colours, and the objects on it look alike. So
 /// the colour depends on `1 / (1 + x)`, where `x` is 0 at the nearest distance and 1 at the median: the nearer half of
@@ -236,7 +238,7 @@ impl Depths {
         Self { range, middle }
     }
 
-    /// From 1 at the nearest to 0 at the farthest distance.
+    /// The nearness: from 1 at the nearest to 0 at the farthest distance.
     fn nearness(&self, t: f64) -> f64 {
         let Range { low, high } = self.range;
         if low == high {
@@ -248,13 +250,13 @@ impl Depths {
     }
 }
 
-/// Each identifier's own colour as bytes of red, green and blue, the same in every picture; misses, which are
-/// negative, are black.
+/// The colour of an identifier as bytes of red, green and blue, equal in all pictures; misses,
+/// which are negative, are black.
 pub fn color_of_identifier(identifier: i32) -> [u8; 3] {
     identifier_color(f64::from(identifier))
 }
 
-/// Each identifier's own colour, the same in every picture; misses are black.
+/// The colour of an identifier, equal in all pictures; misses are black.
 ///
 /// Three multiplicative sequences, which spread evenly however many identifiers there are: the golden
 /// ratio's for the hue, so that neighbours are 137.5 degrees apart, and those of the plastic number

@@ -1,7 +1,7 @@
 use super::decode::output::{Array, Numbers};
 use crate::geometry::single;
 
-/// How two channels differ.
+/// The difference of two channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
     /// The number of elements (pixels, rays).

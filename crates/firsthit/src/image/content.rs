@@ -22,7 +22,7 @@ pub struct WriteSettings {
     pub png_labels: bool,
     /// Whether an NPZ is packed, by deflate.
     pub compress: bool,
-    /// How a PNG shows colours. All other formats hold them as they are.
+    /// The display transform of colours in a PNG. All other formats hold them as they are.
     pub display: DisplayTransform,
 }
 

@@ -8,21 +8,21 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// What a file says of a channel of mattes: the entries of the specification.
+/// The entries of a file's metadata for a channel of mattes, as the specification has them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cryptomatte {
-    /// What the layers of an EXR are called, such as `CryptoObject`.
+    /// The name of the layers of an EXR, such as `CryptoObject`.
     pub name: String,
-    /// How names become whole numbers: `MurmurHash3_32`.
+    /// The hash that turns names into whole numbers: `MurmurHash3_32`.
     pub hash: String,
-    /// How whole numbers become floats: `uint32_to_float32`.
+    /// The conversion of whole numbers to floats: `uint32_to_float32`.
     pub conversion: String,
     /// The identifier of every name, as eight hexadecimal digits.
     pub manifest: BTreeMap<String, String>,
 }
 
 impl Cryptomatte {
-    /// What is said of a channel, with these names in its manifest.
+    /// The entries for a channel, with these names in the manifest.
     pub fn new(channel: &str, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         let entry = |name: String| {
             let id = format!("{:08x}", matte_id(&name));
@@ -51,14 +51,15 @@ impl Cryptomatte {
     }
 }
 
-/// What the component of a channel is called in an EXR: two pairs make a layer of red, green, blue and alpha.
+/// The name of a channel's component in an EXR: two pairs make a layer of red, green, blue and
+/// alpha.
 #[cfg(feature = "exr")]
 pub(super) fn plane_name(layers: &str, component: usize) -> String {
     let letter = ["R", "G", "B", "A"][component % 4];
     format!("{layers}{:02}.{letter}", component / 4)
 }
 
-/// What the layers of a channel are called in an EXR: `CryptoObject` of `crypto_object`.
+/// The name of a channel's layers in an EXR: `CryptoObject` of `crypto_object`.
 pub(super) fn layers(channel: &str) -> String {
     let mut name = String::new();
     for word in channel.split('_') {
@@ -138,7 +139,8 @@ pub(super) fn ascii(json: &str) -> String {
 mod tests {
     use super::*;
 
-    /// Those that implementations are checked with, and `bunny` and `default` of the specification's example.
+    /// The hashes that implementations are checked with, and `bunny` and `default` of the
+    /// specification's example.
     #[test]
     fn hashes_are_those_of_murmur3() {
         for (text, hash) in [

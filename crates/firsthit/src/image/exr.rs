@@ -31,7 +31,7 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
     channels.try_for_each(|channel| check_float32(channel, content.shape, expected))
 }
 
-/// How an EXR stores a channel: by the names that programs look for, where there are such.
+/// The record of an EXR's channel: by the names that programs look for, where there are such.
 pub(super) fn stored(channel: &Channel) -> Stored {
     let names = match (&*channel.name, channel.components) {
         (name, components) if channel.display == Display::Matte => {

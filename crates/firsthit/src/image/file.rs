@@ -103,7 +103,7 @@ pub(super) fn write_with_sidecar(
     second.commit().or_else(refuse_sidecar)
 }
 
-/// Where the metadata of an array is: `x.npy.json` beside `x.npy`.
+/// The path of an array's metadata: `x.npy.json` beside `x.npy`.
 pub fn sidecar_of(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".json");
@@ -123,7 +123,7 @@ fn reported(path: &Path, watch: &dyn Watch, written: io::Result<()>) -> Result<(
     })
 }
 
-/// Where the bytes go.
+/// The destination of the bytes.
 enum Target {
     /// A file to replace, or to make; the permissions of the one that is there.
     File(PathBuf, Option<fs::Permissions>),
@@ -236,7 +236,7 @@ fn append(
 
 /// A temporary file, not yet under its final name.
 enum Temporary {
-    /// It has no name at all, and vanishes with the process.
+    /// A file without a name, which vanishes with the process.
     #[cfg(target_os = "linux")]
     Nameless(File),
     Named(NamedTempFile),
@@ -285,7 +285,7 @@ fn nameless_in(folder: &Path) -> Option<File> {
     fs::metadata(path_of_open(&file)).ok().map(|_| file)
 }
 
-/// For systems that have files without names and refuse to give them one.
+/// Copies a nameless file to a named one, for systems that refuse to give it a name.
 #[cfg(target_os = "linux")]
 fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile<File>> {
     let named = beside(path, create)?;

@@ -111,11 +111,11 @@ pub const FORMATS: &[Format] = &[
 /// A file format.
 #[derive(Debug, Clone, Copy)]
 pub struct Format {
-    /// Its name, in lower case.
+    /// The name, in lower case.
     pub name: &'static str,
     /// The extensions that choose it, in lower case and without the dot.
     pub extensions: &'static [&'static str],
-    /// How much of a frame a file holds.
+    /// The part of a frame that a file holds.
     pub holds: Holds,
     /// Whether it stores only pictures, `[rows, columns]`, and no batches of rays.
     pub only_pictures: bool,
@@ -123,11 +123,11 @@ pub struct Format {
     pub has_sidecar: bool,
     /// Whether it stores Cryptomattes, and does not make colours or columns of them.
     pub takes_mattes: bool,
-    /// Its purpose, as a phrase for lists.
+    /// The purpose, as a phrase for lists.
     pub summary: &'static str,
     /// Whether this content can be stored.
     check: fn(&Content<'_>) -> Result<()>,
-    /// How it stores a channel.
+    /// The record of a stored channel.
     stored: fn(&Channel, &WriteSettings) -> Stored,
     /// Writes content that was checked.
     encode: fn(&Content<'_>, &mut dyn Write) -> io::Result<()>,
@@ -135,7 +135,7 @@ pub struct Format {
     pub(super) decode: fn(&[u8], u64) -> std::result::Result<Output, String>,
 }
 
-/// How much of a [`Frame`] one file holds.
+/// The part of a [`Frame`] that one file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Holds {
     /// One channel.
@@ -155,7 +155,7 @@ impl Holds {
         }
     }
 
-    /// The channels of a picture's file where nobody says which.
+    /// The channels of a picture's file by default.
     pub fn default_channels(self) -> &'static [&'static str] {
         match self {
             Self::Points => &["position", "normal", "color", "object"],

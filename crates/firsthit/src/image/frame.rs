@@ -32,15 +32,15 @@ pub struct Frame {
 /// One named output: the same number of values for every element of its [`Frame`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Its name in files and in interfaces, unique in its frame.
+    /// The name in files and in interfaces, unique in its frame.
     pub name: Cow<'static, str>,
     /// The number of values of each element, at least 1.
     pub components: usize,
     /// The values: all components of element 0, then those of element 1.
     pub data: Data,
-    /// How it is shown.
+    /// The colour scale in a PNG.
     pub display: Display,
-    /// Its description, for readers of the file.
+    /// The description, for readers of the file.
     pub description: Description,
 }
 
@@ -59,7 +59,7 @@ pub struct Description {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Unit {
-    /// None: identifiers, fractions, vectors of length one.
+    /// No unit: identifiers, fractions, vectors of length one.
     #[default]
     None,
     /// Linear light with Rec. 709 primaries, 1 being a white surface in full light.
@@ -85,7 +85,8 @@ pub enum Data {
     Bool(Vec<bool>),
 }
 
-/// How a PNG shows a [`Channel`], which depends on the kind of its values. `docs/outputs.md` has the formulas.
+/// The colours of a [`Channel`] in a PNG, by the kind of its values. `docs/outputs.md` has the
+/// formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Display {
@@ -148,12 +149,12 @@ impl Frame {
         }
     }
 
-    /// The same frame with another origin.
+    /// The frame with another origin.
     pub fn from_origin(self, origin: Origin) -> Self {
         Self { origin, ..self }
     }
 
-    /// Its scene and its camera.
+    /// The scene and the camera that the frame comes from.
     pub fn origin(&self) -> &Origin {
         &self.origin
     }
@@ -287,7 +288,7 @@ impl Channel {
         }
     }
 
-    /// What errors call it.
+    /// The name of the channel in errors.
     pub(super) fn argument(&self) -> &'static str {
         match self.name {
             Cow::Borrowed(name) => name,
@@ -315,7 +316,7 @@ impl Channel {
 }
 
 impl Data {
-    /// Makes room for the values of `count` rays, of so many components.
+    /// Makes room for the values of `count` rays, each of `components` numbers.
     ///
     /// # Errors
     ///
@@ -398,7 +399,7 @@ impl Data {
 }
 
 impl Unit {
-    /// Its name in metadata, for rays of a camera or for others.
+    /// The name in metadata, for rays of a camera or for others.
     pub fn name(self, has_camera: bool) -> Option<&'static str> {
         match self {
             Self::None => None,

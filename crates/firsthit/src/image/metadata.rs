@@ -31,34 +31,35 @@ pub struct Metadata {
     pub scene: Option<String>,
     /// `[rows, columns]` of a picture, `[n]` of a batch of rays.
     pub shape: Vec<u64>,
-    /// How pixels lie; `None` for a batch of rays.
+    /// The layout of pixels; `None` for a batch of rays.
     pub pixels: Option<Pixels>,
     /// The camera that made the rays, if one did.
     pub camera: Option<CameraRecord>,
-    /// What made the rays, if it is no camera.
+    /// The sensor that made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
     /// The number of samples whose mean is a pixel's colour, and whose shares are those of its mattes: where a noise ends
     /// them earlier, the most that a pixel has. Other channels are sampled at the pixel's centre.
     pub samples: Option<u32>,
-    /// How the colours were made, if there are any.
+    /// The shading that made the colours, if there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shading: Option<ShadingRecord>,
-    /// How surfaces are coloured by numbers: the legend of the colours, if they are in this file.
+    /// The colouring of surfaces by numbers: the legend of the colours, if they are in this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colors: Option<ColorsRecord>,
-    /// A digest of the numbers, where they are the state of a picture that is gone on with.
+    /// A digest of the numbers, where they are the state of a picture to be continued.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<String>,
     /// The channels in this file.
     pub channels: Vec<ChannelRecord>,
-    /// What the identifiers of the channels `object`, `node`, `mesh` and `material` stand for, if one of them is in this file.
+    /// The names behind the identifiers of the channels `object`, `node`, `mesh` and `material`, if
+    /// one of them is in this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<Names>,
-    /// What the identifiers of mattes stand for, by the channel.
+    /// The names behind the identifiers of mattes, by the channel.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cryptomatte: BTreeMap<String, Cryptomatte>,
-    /// How a laser scanner made the points, where a scan is what is in this file.
+    /// The laser scanner that made the points, where a scan is what is in this file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scan: Option<serde_json::Value>,
     /// The scans that were put together, where there are several.
@@ -66,73 +67,77 @@ pub struct Metadata {
     pub scans: Option<serde_json::Value>,
 }
 
-/// How pixels lie: the same in all outputs.
+/// The layout of pixels, equal in all outputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pixels {
-    /// Where the centre of the first pixel (row 0, column 0) is: across and down, in pixels from the corner of the camera's
-    /// whole picture.
+    /// The centre of the first pixel (row 0, column 0): across and down, in pixels from the corner
+    /// of the camera's whole picture.
     pub first_center: [f64; 2],
-    /// Where row 0 is.
+    /// The place of row 0.
     pub row_0: String,
-    /// Where column 0 is.
+    /// The place of column 0.
     pub column_0: String,
 }
 
 /// A channel, as it was computed and as this file stores it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ChannelRecord {
-    /// Its name.
+    /// The channel's name.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The description, in a sentence.
     pub about: String,
     /// The NumPy name of the type in which it was computed.
     pub dtype: String,
-    /// How many numbers each element has.
+    /// The number of components of each element.
     pub components: u64,
     /// The unit; `None` for numbers without one.
     pub unit: Option<String>,
     /// The frame that the numbers are in: `world`, `camera`, `ray`, `triangle` or `texture`.
     pub frame: Option<String>,
-    /// Its value for a ray that met nothing: `inf`, `-1`, `nan`, `false`, `background` or `transparent`.
+    /// The value for a ray that met nothing: `inf`, `-1`, `nan`, `false`, `background` or
+    /// `transparent`.
     pub miss: String,
-    /// How this file stores it; `None` where the numbers are in memory.
+    /// The encoding in this file; `None` where the numbers are in memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stored: Option<Stored>,
 }
 
-/// How a file stores a channel.
+/// The encoding of a channel in a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stored {
-    /// What the components are called in the file.
+    /// The names of the components in the file.
     pub names: Vec<String>,
     /// The type of the numbers in the file.
     pub dtype: String,
-    /// How the numbers were made from the channel's.
+    /// The conversion of the channel's numbers to the file's.
     pub encoding: Encoding,
     /// The value of a miss in the file.
     pub miss: String,
-    /// With [`Encoding::Steps`]: the size of one step, in the channel's unit.
+    /// The size of one step, in the channel's unit, with [`Encoding::Steps`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// With [`Encoding::Steps`]: the number that stands for distances beyond the last step, where that was asked for.
+    /// The number that stands for distances beyond the last step, with [`Encoding::Steps`], where
+    /// that was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<String>,
-    /// With [`Encoding::Picture`]: how to read the picture, where that needs words.
+    /// The text that explains the picture, with [`Encoding::Picture`], where it needs words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub legend: Option<String>,
-    /// With [`Encoding::Picture`], of colours: the exposure in stops that was applied, unless it is 0.
+    /// The exposure in stops that was applied to colours, with [`Encoding::Picture`], unless it is
+    /// 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f64>,
-    /// With [`Encoding::Picture`], of colours: the name of the tone map that was applied, unless it is none.
+    /// The name of the tone map that was applied to colours, with [`Encoding::Picture`], unless it
+    /// is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tone_map: Option<String>,
 }
 
-/// How stored numbers were made from a channel's.
+/// The conversion of a channel's numbers to stored ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Encoding {
-    /// The same numbers.
+    /// Stored as they are.
     Exact,
     /// Rounded to the nearest float32.
     Rounded,
@@ -147,7 +152,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// In words.
+    /// The name in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -233,7 +238,7 @@ impl Metadata {
         }
     }
 
-    /// As JSON in one line of ASCII.
+    /// The metadata as JSON in one line of ASCII.
     ///
     /// # Panics
     ///
@@ -244,7 +249,7 @@ impl Metadata {
         ascii(&text)
     }
 
-    /// From JSON.
+    /// The metadata of a JSON text.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! What identifiers stand for.
+//! The names behind identifiers.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub struct Names {
     /// The materials; an empty name for one without.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<Vec<String>>,
-    /// How many entries each table lacks, by its channel, where it lacks any.
+    /// The number of entries that each table lacks, by its channel, where it lacks any.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub left_out: BTreeMap<String, u64>,
 }
@@ -30,13 +30,13 @@ pub struct Names {
 /// An object, and what it comes from, by identifiers of the other tables.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ObjectNames {
-    /// Its name; may be empty, need not be unique.
+    /// The object's name; may be empty, need not be unique.
     pub name: String,
-    /// Its node, if it has one.
+    /// The identifier of the node, if the object has one.
     pub node: Option<i32>,
-    /// Its mesh, unless it is another shape.
+    /// The identifier of the mesh, unless the object is another shape.
     pub mesh: Option<i32>,
-    /// Its materials, in the order of a mesh's slots.
+    /// The identifiers of the materials, in the order of a mesh's slots.
     pub materials: Vec<i32>,
 }
 

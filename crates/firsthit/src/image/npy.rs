@@ -2,7 +2,8 @@ use std::io::{self, Write};
 
 use super::frame::{Channel, Data};
 
-/// How many values are turned into bytes at a time: the buffer of 64 KiB stays in the cache.
+/// The number of values that are turned into bytes at a time: the buffer of 64 KiB stays in the
+/// cache.
 const CHUNK: usize = 8192;
 
 /// Writes one channel as an NPY array of `shape`, followed by the components if there are several.
@@ -56,7 +57,7 @@ fn write_header(descr: &str, shape: &[usize], out: &mut dyn Write) -> io::Result
     out.write_all(header.as_bytes())
 }
 
-/// By chunks: one value after the other would be a call for each.
+/// Writes values by chunks: one value after the other would be a call for each.
 fn write_values<T: Copy, const BYTES: usize>(
     values: &[T],
     bytes_of: impl Fn(T) -> [u8; BYTES],

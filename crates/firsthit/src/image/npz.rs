@@ -6,7 +6,7 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use super::content::Content;
 use super::npy;
 
-/// From here on an entry needs ZIP64, with some room for its header.
+/// The size from which on an entry needs ZIP64, with some room for its header.
 const LARGE: u64 = u32::MAX as u64 - 65_536;
 
 /// The entry that holds the metadata: a text, in an array without dimensions.

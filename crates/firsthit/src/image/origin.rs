@@ -1,4 +1,4 @@
-//! Where a frame comes from: its scene and what made its rays.
+//! The origin of a frame: its scene and the sensor that made its rays.
 
 use std::collections::BTreeMap;
 
@@ -8,38 +8,40 @@ use super::color_bar::ColorsRecord;
 use super::cryptomatte::Cryptomatte;
 use super::names::Names;
 
-/// Where a frame comes from: the facts that no channel has. In JSON, the part of [`Metadata`](super::Metadata) with
-/// these names.
+/// The origin of a frame: the facts that no channel has. In JSON, the part of
+/// [`Metadata`](super::Metadata) with these names.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Origin {
     /// The scene's fingerprint, such as that of `Scene::fingerprint`.
     pub scene: Option<String>,
     /// The camera that made the rays, if one did.
     pub camera: Option<CameraRecord>,
-    /// What made the rays, if it is no camera.
+    /// The sensor that made the rays, if it is no camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor: Option<SensorRecord>,
     /// The number of samples whose mean is a pixel's colour, if there are colours or mattes; the most that a pixel has, where a noise
     /// ends them earlier.
     pub samples: Option<u32>,
-    /// How colours were made; a file says it of colours.
+    /// The shading of colours; a file says it of colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shading: Option<ShadingRecord>,
-    /// How surfaces were coloured by numbers, if they were; a file says it if it has colours.
+    /// The colouring of surfaces by numbers, if there was one; a file says it if it has colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colors: Option<ColorsRecord>,
-    /// Which row and column of the camera's pixels the first ones of the frame are: `[0, 0]` but for a region.
+    /// The row and column of the camera's pixel that is the first one of the frame: `[0, 0]` but
+    /// for a region.
     #[serde(default)]
     pub first_pixel: [u64; 2],
-    /// What identifiers stand for; a file says of it what its channels ask for.
+    /// The names behind identifiers; a file says of it what its channels ask for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub names: Option<Names>,
-    /// What the identifiers of mattes stand for, by the channel; a file says it of the channels that it has.
+    /// The names behind the identifiers of mattes, by the channel; a file says it of the channels
+    /// that it has.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cryptomatte: BTreeMap<String, Cryptomatte>,
 }
 
-/// How colours were made.
+/// The shading that made colours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShadingRecord {
     /// The shader's name.
@@ -53,11 +55,11 @@ pub struct ShadingRecord {
 /// A camera: in the specification's words, as intrinsic matrix, and as pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CameraRecord {
-    /// Where the camera is, in the world.
+    /// The camera's position in the world.
     pub position: [f64; 3],
     /// The direction it looks in, of length one.
     pub aim: [f64; 3],
-    /// Which way is up, as it was given.
+    /// The direction upwards, as it was given.
     pub up: [f64; 3],
     /// The distance from the camera to the viewplane; `None` for a projection without one, as for the next two.
     pub focal_length: Option<f64>,
@@ -71,15 +73,16 @@ pub struct CameraRecord {
     pub columns: u64,
     /// The projection's name.
     pub projection: String,
-    /// Where `t` counts from: `viewplane` or `eye`.
+    /// The start that `t` counts from: `viewplane` or `eye`.
     pub ray_start: String,
     /// All numbers of the lens by their names, in the words of `Lens::parameters`; angles of fields of view and tilts are in degrees.
     /// Empty in files of before version 0.2.
     #[serde(default)]
     pub parameters: BTreeMap<String, f64>,
-    /// As intrinsic matrix; `None` for parallel rays, which have none. Of a lens with distortion it comes after that.
+    /// The intrinsic matrix; `None` for parallel rays, which have none. It is applied after a
+    /// lens's distortion.
     pub intrinsics: Option<Intrinsics>,
-    /// Where it is and how it is turned.
+    /// The camera's position and orientation.
     pub pose: Pose,
 }
 
@@ -91,7 +94,7 @@ pub struct Intrinsics {
     /// The coordinates (u and v) of the first pixel's centre: 0.5, as in COLMAP and OpenGL. For OpenCV,
     /// where they are 0, subtract 0.5 from the two numbers in the last column.
     pub first_pixel_center: f64,
-    /// What x, y, z are: the camera's right, down and forwards, as in OpenCV and COLMAP.
+    /// The meaning of x, y, z: the camera's right, down and forwards, as in OpenCV and COLMAP.
     pub axes: String,
 }
 
@@ -100,7 +103,8 @@ pub struct Intrinsics {
 pub struct Pose {
     /// Row by row; it is applied to columns.
     pub world_from_camera: [[f64; 4]; 4],
-    /// What the camera's x, y, z are: right, up and backwards, as in OpenGL, glTF and Blender.
+    /// The meaning of the camera's x, y, z: right, up and backwards, as in OpenGL, glTF and
+    /// Blender.
     pub axes: String,
 }
 
@@ -115,20 +119,20 @@ pub struct SensorRecord {
     pub columns: u64,
     /// A digest of the origins and directions of all rays.
     pub digest: String,
-    /// Its numbers, by their names.
+    /// The sensor's numbers, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,
-    /// Its words, by their names.
+    /// The sensor's words, by their names.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub words: BTreeMap<String, String>,
-    /// What the x, y, z of its own coordinates are, if it has some.
+    /// The meaning of x, y, z in the sensor's own coordinates, if it has some.
     pub axes: Option<String>,
     /// Row by row: the matrix that takes its coordinates to the world's, or to those of the body that carries it.
     pub pose: Option<[[f64; 4]; 4]>,
     /// The camera that is moved, in the coordinates of the body that carries it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraRecord>,
-    /// How the body moves that carries it, if one does.
+    /// The trajectory of the body that carries the sensor, if one does.
     pub trajectory: Option<TrajectoryRecord>,
 }
 
@@ -137,21 +141,21 @@ pub struct SensorRecord {
 pub struct TrajectoryRecord {
     /// A digest of all times and poses.
     pub digest: String,
-    /// How many poses it has.
+    /// The number of poses.
     pub poses: u64,
     /// The time of the first.
     pub start: f64,
     /// The time of the last.
     pub end: f64,
-    /// What is between poses.
+    /// The interpolation between poses.
     pub interpolation: String,
-    /// What is beyond them.
+    /// The extrapolation beyond the poses.
     pub extrapolation: String,
-    /// Some of the poses between the first ray and the last.
+    /// A sample of the poses between the first ray and the last.
     pub sampled: Vec<TimedPose>,
 }
 
-/// Where a body is at a time.
+/// The pose of a body at a time.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TimedPose {
     /// The time.

@@ -11,10 +11,12 @@ use crate::error::{Error, Result};
 use crate::geometry::{DisplayTransform, ToneMap};
 use crate::parallel;
 
-/// How many bytes an IDAT chunk has. Fixed, like the compression, so that the file is the same everywhere.
+/// The number of bytes of an IDAT chunk. Fixed, like the compression, so that files are equal
+/// everywhere.
 const CHUNK: usize = 1 << 16;
 
-/// How many bytes of colours are made at a time, about: they stay near the cores until they are packed.
+/// The approximate number of bytes of colours that are made at a time: they stay near the cores
+/// until they are packed.
 const BLOCK: usize = 1 << 19;
 
 /// Refuses a frame that is no picture, distances that do not fit into 16 bits of the chosen steps, and colours of an exposure that

@@ -24,7 +24,7 @@ pub(super) const POSITION: &str = "position";
 /// Readers keep a line of a header in 1024 bytes, or in 256.
 const LINE: usize = 200;
 
-/// How a format lays out a point.
+/// The layout of a point in a format.
 pub(super) struct Layout {
     /// The names of a normal's three columns.
     pub(super) normal: [&'static str; 3],
@@ -119,7 +119,7 @@ impl Layout {
     }
 }
 
-/// The same content with metadata that count its points.
+/// The content with metadata that count its points.
 pub(super) fn counted(content: Content<'_>) -> Content<'_> {
     let count = points(&content).count() as u64;
     Content {

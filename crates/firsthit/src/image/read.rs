@@ -53,8 +53,8 @@ pub fn read(path: &Path) -> Result<Output> {
     Ok(output)
 }
 
-/// The same from a file's content. `name` is what messages call it; its extension tells the format. The numbers
-/// may take `max_memory` bytes.
+/// Reads an output from a file's content. `name` is the file's name in messages; its extension
+/// tells the format. The numbers may take `max_memory` bytes.
 ///
 /// # Errors
 ///

@@ -29,13 +29,13 @@ const POSITIONS: [&str; 5] = ["points", "position", "point", "positions", "xyz"]
 /// The names of three arrays that have them.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// How many bytes of numbers a byte of LAZ stands for at most, in what scanners write.
+/// The most bytes of numbers that a byte of LAZ stands for, in what scanners write.
 const MOST_UNPACKED: u64 = 64;
 
 /// Points with whatever else their file says of each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Points {
-    /// Where they are, in the order of the file. Those of rays that met nothing are not finite.
+    /// The positions, in the order of the file. Those of rays that met nothing are not finite.
     pub positions: Vec<[f64; 3]>,
     /// Further numbers of each point: arrays of `[n]` or of `[n, components]`.
     pub columns: Vec<Array>,

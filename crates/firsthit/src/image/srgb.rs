@@ -9,8 +9,8 @@ pub(super) fn srgb() -> &'static SrgbBytes {
     parallel::once(&SRGB, SrgbBytes::new)
 }
 
-/// More than the bytes per unit of light where the curve is steepest, 12.92 * 255: so that no two steps
-/// fall into the same part.
+/// The number of parts of the curve: more than the bytes per unit of light where it is steepest,
+/// 12.92 * 255, so that no two steps fall into one part.
 const PARTS: u16 = 4096;
 
 /// The byte of each linear value, as `(srgb_encode(linear) * 255).round()`, without the power: that

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use crate::watch::Watch;
 
-/// How long a stream is waited for before the watch is asked again.
+/// The time that a stream is waited for before the watch is asked again.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A stream to append to. A FIFO is waited for in steps, here and where it is full: the system's own wait ends for no watch.

@@ -1,7 +1,8 @@
 use super::srgb::{srgb, unpremultiplied};
 use crate::geometry::{Color, DisplayTransform, ToneMap};
 
-/// How colours become bytes: a display transform, ready for many of them, and the sRGB curve.
+/// The mapping from colours to bytes: a display transform, ready for many of them, and the sRGB
+/// curve.
 pub(super) struct Tones {
     gain: f64,
     tone_map: ToneMap,

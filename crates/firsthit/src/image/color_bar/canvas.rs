@@ -5,10 +5,10 @@ use std::ops::Range;
 use super::font::{self, is_ink};
 use crate::geometry::Color;
 
-/// From one letter to the next, in pixels of letters.
+/// The distance from one letter to the next, in pixels of letters.
 pub(super) const ADVANCE: usize = font::SIZE[0] + 1;
 
-/// How wide a text is, in pixels of letters.
+/// The width of a text, in pixels of letters.
 pub(super) fn width(text: &str) -> usize {
     (ADVANCE * text.chars().count()).saturating_sub(1)
 }
@@ -18,7 +18,7 @@ pub(super) fn width(text: &str) -> usize {
 pub(super) struct Canvas {
     pixels: Vec<Option<Color>>,
     columns: usize,
-    /// How many pixels a letter's pixel is wide and high.
+    /// The width and height of a letter's pixel, in pixels of the picture.
     scale: usize,
 }
 
@@ -82,7 +82,7 @@ impl Canvas {
         }
     }
 
-    /// What is drawn: rows, columns and colours.
+    /// The drawn pixels: rows, columns and colours.
     pub(super) fn pixels(&self) -> impl Iterator<Item = ([usize; 2], Color)> {
         let pixels = self.pixels.iter().enumerate();
         pixels.filter_map(|(k, color)| Some(([k / self.columns, k % self.columns], (*color)?)))

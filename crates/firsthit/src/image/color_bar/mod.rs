@@ -13,10 +13,10 @@ use crate::error::{Error, Result};
 use crate::geometry::{Color, ColorMap, single};
 use canvas::Canvas;
 
-/// How surfaces were coloured by numbers: the legend of such a picture.
+/// The record of a colouring by numbers: the legend of such a picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ColorsRecord {
-    /// What gave the numbers: `attribute:NAME`, `values`, or another word of `--color-by`.
+    /// The source of the numbers: `attribute:NAME`, `values`, or another word of `--color-by`.
     pub by: String,
     /// The name of the colour map.
     pub map: String,
@@ -40,7 +40,7 @@ pub struct ColorBar {
     first: [usize; 2],
 }
 
-/// A letter's pixel is one of the picture's, and one more for so many along the picture's smaller side.
+/// The pixels along the picture's smaller side for each step of a letter's scale, from 1 on.
 const PER_SCALE: usize = 360;
 
 // All in pixels of letters.
@@ -51,7 +51,7 @@ const BAR: usize = 9;
 /// Between the bar and its numbers, and below it.
 const GAP: usize = 4;
 
-/// From the picture's edge.
+/// The margin from the picture's edge.
 const MARGIN: usize = 8;
 
 /// The height of a box for numbers outside, with the gap to the bar.
@@ -64,7 +64,7 @@ const NAME: usize = 14;
 const PITCH: usize = 12;
 
 impl ColorBar {
-    /// The bar for a picture of so many rows and columns.
+    /// The bar for a picture with these numbers of rows and columns.
     ///
     /// # Errors
     ///

@@ -1,7 +1,7 @@
 //! The numbers beside a bar, as short as they can be.
 
-/// The numbers at so many even steps of a range, from its low end on: with the decimals that tell a hundredth of the range, or as powers of
-/// ten where those are many.
+/// The numbers at `steps` even steps of a range, from its low end on: with the decimals that tell a
+/// hundredth of the range, or as powers of ten where those are many.
 pub(super) fn labels([low, high]: [f64; 2], steps: usize) -> Vec<String> {
     let last = steps as f64;
     let number = |step: usize| {
@@ -19,14 +19,14 @@ pub(super) fn labels([low, high]: [f64; 2], steps: usize) -> Vec<String> {
     (0..=steps).map(|step| text(number(step))).collect()
 }
 
-/// More decimals than this are no longer short.
+/// The most decimals of a short number.
 const MOST: usize = 5;
 
 fn scaled(number: f64, decimals: usize) -> f64 {
     (0..decimals).fold(number, |number, _| 10.0 * number)
 }
 
-/// With four digits.
+/// The number rounded to four digits.
 fn rounded(number: f64) -> String {
     let number = format!("{number:.3e}").parse().unwrap_or(number);
     if number == 0.0 || (1e-4..1e7).contains(&number.abs()) {
@@ -36,7 +36,7 @@ fn rounded(number: f64) -> String {
     }
 }
 
-/// Without zeros at the end of decimals, and without the sign of a zero.
+/// The number without zeros at the end of decimals, and without the sign of a zero.
 fn trimmed(text: &str) -> String {
     let text = if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.')

@@ -2,7 +2,7 @@
 
 use super::super::metadata::{Encoding, Metadata};
 
-/// What a file holds.
+/// The content of an output file that was read.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Output {
     /// The channels, as numbers. Those of ours have the values that were written, misses included.
@@ -20,7 +20,7 @@ pub struct Array {
     pub name: Option<String>,
     /// `[rows, columns]`, or `[n]`; then the components, if there are several.
     pub shape: Vec<usize>,
-    /// How many numbers each element has.
+    /// The number of components of each element.
     pub components: usize,
     /// The numbers, row by row.
     pub numbers: Numbers,
@@ -49,7 +49,7 @@ impl Output {
 }
 
 impl Numbers {
-    /// How many there are.
+    /// The number of values.
     pub fn len(&self) -> usize {
         match self {
             Self::Float64(values) => values.len(),
@@ -85,7 +85,7 @@ pub(super) fn only_channel(metadata: Option<&Metadata>) -> Option<(&str, Encodin
     Some((&channel.name, stored.encoding, stored.scale))
 }
 
-/// How many elements an array has, if its numbers fit into memory.
+/// The number of an array's elements, if its numbers fit into memory.
 pub(super) fn elements(shape: &[u64], bytes_each: u64, most: u64) -> Result<usize, String> {
     let count = shape.iter().try_fold(1_u64, |n, &side| n.checked_mul(side));
     let fits = |count: &u64| count.checked_mul(bytes_each).is_some_and(|n| n <= most);

@@ -68,7 +68,7 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
     Ok(output)
 }
 
-/// Why there is no picture. The crate's own words hold names of its types.
+/// The reason why there is no picture. The crate's own words hold names of its types.
 fn in_words(error: &DecodingError, length: usize) -> String {
     match error {
         DecodingError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => {

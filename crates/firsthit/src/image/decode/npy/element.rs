@@ -6,7 +6,7 @@ pub(super) struct Element {
     pub(super) is_big_endian: bool,
     /// `f` for floats, `i` and `u` for whole numbers, `U` for texts, and so on.
     pub(super) kind: char,
-    /// In bytes; of a text, in characters.
+    /// The size in bytes; of a text, in characters.
     pub(super) size: u64,
 }
 
@@ -49,7 +49,8 @@ impl Element {
         })
     }
 
-    /// Its name, such as `float64`; `None` for types that are no numbers, and for numbers that are not read.
+    /// The name, such as `float64`; `None` for types that are no numbers, and for numbers that are
+    /// not read.
     pub(super) fn dtype(self) -> Option<&'static str> {
         Some(match (self.kind, self.size) {
             ('f', 8) => "float64",

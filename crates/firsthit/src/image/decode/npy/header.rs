@@ -4,16 +4,16 @@ use super::element::Element;
 use super::literal::{Value, dictionary};
 use crate::error::escape_controls;
 
-/// What every array begins with.
+/// The first bytes of every array.
 const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Headers of plain arrays have a hundred bytes.
 const LONGEST_HEADER: u64 = 1 << 16;
 
-/// More elements than any file holds.
+/// An upper bound on the elements that any file holds.
 const MOST_ELEMENTS: u64 = 1 << 48;
 
-/// As many axes as NumPy 2 allows.
+/// The most axes, as in NumPy 2.
 const MOST_AXES: usize = 64;
 
 /// The header of a NumPy array (`.npy`): the type of its elements, its shape and its order. [`NpyHeader::values`] reads
@@ -195,7 +195,7 @@ pub(super) mod tests {
         format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}  \n")
     }
 
-    /// Each axis once took its part of each element's time.
+    /// The time of a read once grew with the product of axes and elements.
     #[test]
     fn axes_are_as_many_as_in_numpy() {
         let shape = |axes: usize| format!("({}2, 3)", "1, ".repeat(axes - 2));

@@ -50,7 +50,8 @@ impl NpyHeader {
         }))
     }
 
-    /// As many elements of `B` bytes as the shape says, each made of its bytes in little-endian order.
+    /// The elements of `B` bytes that the shape counts, each made of its bytes in little-endian
+    /// order.
     fn numbers<T: Copy, const B: usize>(
         &self,
         data: &[u8],

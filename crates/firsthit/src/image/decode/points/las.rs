@@ -5,7 +5,7 @@ use super::super::output::{collected, elements, metadata_of};
 use super::{Table, Type, laz, padded};
 use crate::image::{Array, Numbers, Output};
 
-/// How long a point is in each format, without extra bytes.
+/// The length of a point in each format, without extra bytes.
 const LENGTHS: [usize; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
 
 /// The first of the formats in which a pulse has up to 15 returns.
@@ -14,7 +14,7 @@ const LONG: u8 = 6;
 /// The bit of the format that says that points are packed, as LAZ has it.
 const PACKED: u8 = 0x80;
 
-/// How long the description of some extra bytes is.
+/// The length of the description of some extra bytes.
 const DESCRIPTION: usize = 192;
 
 /// A record that says something of all points: whose it is, its number, and its content.

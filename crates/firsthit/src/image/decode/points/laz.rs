@@ -5,10 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use ::laz::{LasZipDecompressor, LazItemType, LazVlr};
 
-/// How many bytes of points are unpacked at a time.
+/// The number of bytes of points that are unpacked at a time.
 const PIECE: usize = 1 << 20;
 
-/// The rows of so many points, of `row` bytes each. `how` is the record that says how they are packed.
+/// The rows of `count` points, of `row` bytes each. `how` is the record of the packing.
 pub(super) fn unpacked(
     how: &[u8],
     packed: &[u8],
@@ -62,7 +62,7 @@ fn damaged(error: &dyn std::fmt::Display) -> String {
     format!("has packed points that cannot be unpacked: {error}")
 }
 
-/// How many parts of its own an item has in each chunk.
+/// The number of layers of an item in each chunk.
 fn layers(item: LazItemType) -> usize {
     match item {
         LazItemType::Point14 => 9,

@@ -2,7 +2,7 @@
 
 /// The content of `packed`, which must be `length` bytes.
 pub(super) fn unpacked(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static str> {
-    /// Three bytes stand for at most so many.
+    /// The most bytes that three packed bytes stand for.
     const MOST: usize = 264;
     const DAMAGED: &str = "has compressed points that are damaged";
     if length > packed.len().saturating_mul(MOST) {

@@ -41,7 +41,7 @@ fn unknown(what: &str) -> String {
 enum Type {
     Float64,
     Float32,
-    /// A whole number of so many bytes.
+    /// A signed whole number of this many bytes.
     Signed(usize),
     Unsigned(usize),
 }
@@ -133,13 +133,13 @@ fn padded<const N: usize>(cell: &[u8]) -> [u8; N] {
     bytes
 }
 
-/// Nobody needs more, and taking columns out goes through all of them.
+/// The most columns: far above any real file's, since taking columns out goes through all of them.
 const MOST_COLUMNS: usize = 256;
 
 /// A column that the file keeps room for, and that says nothing.
 const PADDING: &str = "_";
 
-/// What a header says.
+/// The content of a header.
 #[derive(Default)]
 struct Header {
     count: Option<u64>,
@@ -224,7 +224,7 @@ struct Table<'a> {
     count: usize,
 }
 
-/// Where a point's row has a number.
+/// A column: the place of a number in a point's row.
 struct Column {
     name: String,
     kind: Type,

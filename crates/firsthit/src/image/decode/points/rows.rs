@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::super::output::collected;
 use super::{Type, lzf, unknown};
 
-/// How a file keeps its points.
+/// The encoding of a file's points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Order {
     /// A line each.
@@ -17,7 +17,7 @@ pub(super) enum Order {
 }
 
 impl Order {
-    /// The rows of so many points with columns of these types, and how many bytes come after them.
+    /// The rows of `count` points with columns of these types, and the number of bytes after them.
     pub(super) fn rows<'a>(
         self,
         data: &'a [u8],
@@ -87,7 +87,8 @@ fn from_text(data: &[u8], kinds: &[Type], count: usize) -> Result<Vec<u8>, Strin
     Ok(rows)
 }
 
-/// From all numbers of the first column, then those of the second, and so on, packed by LZF.
+/// The rows from all numbers of the first column, then those of the second, and so on, packed by
+/// LZF.
 fn from_columns(
     data: &[u8],
     kinds: &[Type],

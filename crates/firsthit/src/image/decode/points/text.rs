@@ -16,7 +16,7 @@ const AXES: &[[&str; 3]] = &[
 /// The beginnings of lines that are no points.
 const COMMENTS: [&[u8]; 3] = [b"#", b"//", b"%"];
 
-/// Nobody needs more.
+/// The most columns: far above any real file's.
 const MOST_COLUMNS: usize = 256;
 
 /// The separator of a line's fields.
@@ -66,11 +66,11 @@ fn bare(field: &[u8]) -> &[u8] {
 /// Numbers by columns.
 struct Columns {
     separator: Separator,
-    /// Which columns are the coordinates.
+    /// The columns of the coordinates.
     axes: [usize; 3],
-    /// Each with its name, as long as it is all numbers.
+    /// The columns with names, each as long as it is all numbers.
     named: Vec<(String, Option<Vec<f64>>)>,
-    /// The fault of a line of names that nobody knows, where no point follows.
+    /// The fault of a line of unknown names, where no point follows.
     doubt: Option<String>,
 }
 
@@ -257,7 +257,7 @@ fn positions(points: Vec<[f64; 3]>) -> Array {
     }
 }
 
-/// Where the columns of these names are.
+/// The indices of the columns with these names.
 fn places(set: &[&str; 3], names: &[String]) -> Option<[usize; 3]> {
     let [x, y, z] = set.map(|wanted| {
         names
