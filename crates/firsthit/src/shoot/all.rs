@@ -17,7 +17,8 @@ use crate::scene::Scene;
 use crate::simd::with_stack;
 use crate::watch::Watch;
 
-/// What many rays met, all of it: the hits of the ray `k` are those from `offsets[k]` to `offsets[k + 1]`, in their order.
+/// All hits of many rays: those of the ray `k` are from `offsets[k]` to `offsets[k + 1]`, in their
+/// order.
 ///
 /// ```
 /// use firsthit::{DVec3, Object, Ray, Scene, Sphere};
@@ -35,7 +36,8 @@ use crate::watch::Watch;
 /// ```
 #[derive(Clone, Default)]
 pub struct AllHits {
-    /// Where the hits of each ray begin, and in the end how many hits there are: one more than rays.
+    /// The index of each ray's first hit, and the number of all hits in the end: one more than
+    /// rays.
     pub offsets: Vec<usize>,
     /// The hits of all rays.
     pub hits: Hits,
@@ -45,7 +47,7 @@ pub struct AllHits {
 summary!(AllHits, "AllHits", |all| "rays": all.offsets.len().saturating_sub(1), "hits": all.hits.len());
 
 impl AllHits {
-    /// For each hit the number of its ray.
+    /// The number of the ray of each hit.
     ///
     /// # Errors
     ///
@@ -92,7 +94,7 @@ pub struct RaysOfHits<'a, R: ?Sized> {
 }
 
 impl<'a, R: Rays + ?Sized> RaysOfHits<'a, R> {
-    /// Of `rays`, those with the [numbers](AllHits::ray_numbers).
+    /// A selection of `rays`: those with the [numbers](AllHits::ray_numbers).
     pub fn new(rays: &'a R, numbers: &'a [i32]) -> Self {
         Self { rays, numbers }
     }
@@ -109,11 +111,11 @@ impl<R: Rays + ?Sized> Rays for RaysOfHits<'_, R> {
     }
 }
 
-/// Where all hits go: see [`All`](super::All).
+/// The destination of all hits: see [`All`](super::All).
 #[derive(Debug)]
 pub struct AllAnswers<'a> {
     pub(super) all: &'a mut AllHits,
-    /// How many of each ray are wanted.
+    /// The most hits that are wanted of each ray.
     pub(super) nearest: usize,
 }
 

@@ -25,7 +25,8 @@ use crate::shape::triangle::MeshFilter;
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
 
-/// How many rays a thread takes at a time at most: enough to be worth it, few enough to stop within a moment.
+/// The most rays that a thread takes at a time: enough to be worth it, few enough to stop within a
+/// moment.
 pub(super) const BATCH: usize = 1024;
 
 /// Rays that need have nothing in common, by all threads of the current rayon pool.
@@ -90,14 +91,14 @@ pub(super) struct Memory {
     pub(super) scratch: Scratch,
     /// One for each ray of a batch.
     pub(super) walk_stacks: Vec<WalkStack>,
-    /// For each filtered ray of a batch what it does not meet of the mesh that it is at.
+    /// The filter of each filtered ray of a batch at the mesh that it is at.
     pub(super) in_meshes: Vec<MeshFilter>,
     pub(super) packets: Vec<Packet>,
     pub(super) dispatcher: Dispatcher,
 }
 
 impl Memory {
-    /// This thread's; to be given back.
+    /// Takes this thread's memory; to be given back.
     pub(super) fn take() -> Self {
         let new = || Self {
             scratch: Scratch::new(),
@@ -113,7 +114,7 @@ impl Memory {
         MEMORY.set(Some(self));
     }
 
-    /// Makes room for so many packets.
+    /// Makes room for `count` packets.
     #[inline(never)]
     pub(super) fn hold_packets(&mut self, count: usize) {
         if self.packets.len() < count {
@@ -121,7 +122,7 @@ impl Memory {
         }
     }
 
-    /// Makes room for the mesh filters of so many rays.
+    /// Makes room for the mesh filters of `rays` rays.
     #[inline(never)]
     fn hold_filters(&mut self, rays: usize) {
         if self.in_meshes.len() < rays {
@@ -161,7 +162,7 @@ impl<S: Sink> Kernel for Batch<'_, S> {
 }
 
 impl<S: Sink> Batch<'_, S> {
-    /// By single-ray traversal.
+    /// Traces the rays by single-ray traversal.
     #[inline(always)]
     fn one_by_one<L: Lanes>(mut self, l: L, memory: &mut Memory) {
         for index in 0..self.sink.len() {
@@ -258,7 +259,7 @@ impl<S: Sink> Batch<'_, S> {
         }
     }
 
-    /// From object to object.
+    /// Traces the rays from object to object.
     #[inline(always)]
     fn through_scene<L: Lanes>(mut self, l: L, memory: &mut Memory) {
         let scene = self.scene;
@@ -323,8 +324,8 @@ impl<S: Sink> Batch<'_, S> {
     }
 }
 
-/// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays that go on as they are, a bit each, and
-/// those that do not see the object.
+/// Sets the filters of some rays that have entered the only mesh of a scene. Returns the rays whose
+/// filter does not matter there, a bit each, and those that do not see the object.
 fn set_filters(
     packet: &mut Packet,
     (scene, index, (mesh, tree)): (&Scene, u32, (Meshes<'_>, &MeshTree)),

@@ -1,4 +1,4 @@
-//! What a ray does to one object, whatever the others do: it meets it, or there is a reason why not.
+//! The encounter of a ray with one object alone: a hit, or the reason why there is none.
 //!
 //! 1. The line of the ray, without ends, goes through the tree of a mesh, and every triangle that it may touch is asked (`accel`'s
 //!    `EachCandidate`). Other shapes are asked directly.
@@ -15,7 +15,7 @@ use crate::shape::triangle::{Doubtful, EdgeRule, MeshFilter, Shear};
 use crate::shape::{Crossing, Mesh, Shape, Surface};
 use crate::simd;
 
-/// Why a ray does not meet a place that its line touches.
+/// The reason why a ray does not meet a place that its line touches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rejection {
     /// The ray starts on this surface and leaves it.
@@ -26,22 +26,22 @@ pub(crate) enum Rejection {
     Culled(Side),
     /// The material is cut out there.
     CutOut,
-    /// It is beyond the ray's end.
+    /// The place is beyond the ray's end.
     BeyondEnd,
-    /// It is not ahead of the ray's start.
+    /// The place is not ahead of the ray's start.
     BehindStart,
 }
 
-/// What a ray does to an object.
+/// The encounter of a ray with an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Encounter {
-    /// No ray meets it.
+    /// The object is hidden from all rays.
     Hidden,
     /// The ray meets another object only.
     NotAsked,
-    /// Its mask and that of the ray have no bit in common.
+    /// The masks of the object and the ray have no bit in common.
     Masked,
-    /// Its numbers, or those of the ray in its space, are out of range.
+    /// The numbers of the object, or of the ray in its space, are out of range.
     OutOfRange,
     /// The line of the ray does not touch it.
     Untouched,
@@ -57,7 +57,7 @@ pub(crate) struct Encounters<'a> {
     ray: Ray,
     filter: &'a RayFilter,
     scaled: ScaledRay,
-    /// The same without ends.
+    /// The ray without ends.
     line: ScaledRay,
     scratch: Scratch,
     set: InstructionSet,
@@ -83,7 +83,7 @@ impl<'a> Encounters<'a> {
         t(one) == t(other)
     }
 
-    /// What the ray does to the object `index` of the scene.
+    /// The encounter of the ray with the object `index` of the scene.
     #[expect(clippy::too_many_lines, reason = "one case after the other")]
     pub(crate) fn with(&mut self, index: u32) -> Encounter {
         let scene = self.scene;
@@ -173,7 +173,7 @@ fn endless(ray: &Ray) -> Ray {
     }
 }
 
-/// What is known of an object so far.
+/// An object whose encounter is being decided.
 struct Touched<'a> {
     scene: &'a Scene,
     object: &'a Object,
@@ -301,7 +301,8 @@ impl Touched<'_> {
         true
     }
 
-    /// Why a crossing with the line, other than the one that the ray leaves, is none with the ray.
+    /// The reason why a crossing with the line, other than the one that the ray leaves, is none
+    /// with the ray.
     fn reason(
         &self,
         crossing: &Crossing,
@@ -346,14 +347,15 @@ impl Touched<'_> {
     }
 }
 
-/// Which crossing of a line is the nearest to its start.
+/// The index of the crossing nearest to the line's start.
 fn nearest_start(crossings: &[Option<Crossing>; 2]) -> Option<usize> {
     let distance = |k: &usize| crossings[*k].map_or(f64::INFINITY, |crossing| crossing.t.abs());
     let there = (0..2).filter(|&k| crossings[k].is_some());
     there.min_by(|one, other| distance(one).total_cmp(&distance(other)))
 }
 
-/// What is told first: the nearest of what is on the ray, then what is the least beyond its end, then the least behind its start.
+/// The order of rejections: the nearest on the ray first, then the least beyond its end, then the
+/// least behind its start.
 fn rank(hit: &Hit, why: Rejection) -> (u8, f64) {
     match why {
         Rejection::Left | Rejection::Skipped | Rejection::Culled(_) | Rejection::CutOut => {

@@ -1,4 +1,4 @@
-//! Who computes the answers.
+//! Engines: they compute the answers of queries.
 
 use std::fmt::Debug;
 use std::sync::OnceLock;
@@ -49,12 +49,13 @@ pub trait Engine: Debug + Sync {
     }
 }
 
-/// This machine: trees in lanes, on all threads of the current rayon pool.
+/// The CPU engine: trees in lanes, on all threads of the current rayon pool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cpu(InstructionSet);
 
 impl Cpu {
-    /// With the instruction set that `FIRSTHIT_ISA` names, or else the fastest that this machine has.
+    /// The engine with the instruction set that `FIRSTHIT_ISA` names, or else the fastest that this
+    /// machine has.
     ///
     /// # Errors
     ///
@@ -63,19 +64,19 @@ impl Cpu {
         InstructionSet::current().map(Self)
     }
 
-    /// With an instruction set: only times depend on it. One that this machine does not have is replaced by the next
-    /// plainer one.
+    /// The engine with an instruction set: only times depend on it. One that this machine does not
+    /// have is replaced by the next plainer one.
     pub const fn with(instruction_set: InstructionSet) -> Self {
         Self(instruction_set)
     }
 
-    /// The default one, for whoever borrows an engine.
+    /// The default engine, for callers that borrow one.
     pub fn shared() -> &'static Self {
         static SHARED: OnceLock<Cpu> = OnceLock::new();
         parallel::once(&SHARED, Self::default)
     }
 
-    /// What it computes with.
+    /// The instruction set.
     pub fn instruction_set(self) -> InstructionSet {
         self.0
     }

@@ -1,4 +1,4 @@
-//! What a ray does not meet, object by object: a [`RayFilter`] brought into an object's space.
+//! Filters of rays, object by object: a [`RayFilter`] brought into an object's space.
 
 use super::scaled_ray::ScaledRay;
 use crate::geometry::{DVec3, Ray, RayFilter, Side, SurfaceId, arrays};
@@ -6,12 +6,13 @@ use crate::scene::{Group, Object, Scene};
 use crate::shape::triangle::{Begin, MeshFilter};
 use crate::shape::{Crossing, Shape, Surface};
 
-/// How the parts of an object are numbered.
+/// The numbering of an object's primitives.
 #[derive(Clone, Copy)]
 pub(super) enum Place {
-    /// By themselves.
+    /// The object's primitives are numbered by themselves.
     Object(u32),
-    /// With those of the objects that it leads, as rays come to them.
+    /// The primitives are numbered with those of the objects that this one leads, as rays come to
+    /// them.
     Leader(u32),
 }
 
@@ -62,14 +63,14 @@ pub(super) fn tells_copies_apart(filter: &RayFilter, index: u32, object: &Object
         || (filter.departure.is_some() && object.mesh().is_none())
 }
 
-/// What a ray does not meet of the mesh of an object.
+/// The filter of a ray at an object's mesh.
 fn mesh_filter(scene: &Scene, filter: &RayFilter, place: Place) -> MeshFilter {
     let mut of_mesh = MeshFilter::NONE;
     set_mesh_filter(&mut of_mesh, scene, filter, place);
     of_mesh
 }
 
-/// The same in place.
+/// Sets the filter of a ray at an object's mesh in place.
 #[inline(always)]
 pub(super) fn set_mesh_filter(
     of_mesh: &mut MeshFilter,

@@ -1,6 +1,7 @@
-//! Which of two hits of a ray is the first: the one with the smaller `t`, which of triangles is the float64 nearest to
-//! the exact one; of equal ones the lower (object, primitive). A hit's own `t` may be the next to the nearest: with its last digit for all
-//! rays, those of a camera would take a half longer.
+//! Orders two hits of a ray: first is the one with the smaller `t`, for triangles the float64
+//! nearest to the exact one; of equal ones the lower (object, primitive). A hit's own `t` may be
+//! the next to the nearest: with its last digit for all rays, those of a camera would take a half
+//! longer.
 //!
 //! Of a ray that leaves a surface `t` itself decides: it is measured from a rounded start.
 //!
@@ -47,7 +48,7 @@ impl ScaledRay {
         }
     }
 
-    /// The same for hits with nearly the same `t`. Each keeps its own: what else is met changes no hit.
+    /// Orders hits with nearly equal `t`. Each keeps its own: what else is met changes no hit.
     #[cold]
     fn order_closely(&self, scene: &Scene, hits: &mut [Hit]) {
         let with_nearest = |hit: &Hit| (self.nearest_t(scene, hit), *hit);

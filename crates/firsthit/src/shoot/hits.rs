@@ -5,7 +5,7 @@ use crate::geometry::summary::summary;
 use crate::geometry::{DVec2, Hit};
 use crate::memory::fit;
 
-/// What many rays met, an array for each quantity; see [`Hit`] for their meaning.
+/// The hits of many rays, an array for each quantity; see [`Hit`] for their meaning.
 ///
 /// ```
 /// use firsthit::{Camera, Object, Scene, Sphere, DVec3, View, shoot::{First, trace}};
@@ -34,7 +34,7 @@ pub struct Hits {
 summary!(Hits, "Hits", |hits| "rays": hits.len(), "hit": hits.count_hit());
 
 impl Hits {
-    /// How many of the rays hit something.
+    /// The number of rays that hit something.
     pub fn count_hit(&self) -> usize {
         self.t.iter().filter(|&&t| t < f64::INFINITY).count()
     }
@@ -56,7 +56,7 @@ impl Hits {
         }
     }
 
-    /// How many rays there were.
+    /// The number of rays.
     pub fn len(&self) -> usize {
         self.t.len()
     }
@@ -66,7 +66,7 @@ impl Hits {
         self.t.is_empty()
     }
 
-    /// What the ray `index` met.
+    /// The hit of the ray `index`.
     ///
     /// # Panics
     ///
@@ -81,7 +81,7 @@ impl Hits {
     }
 }
 
-/// Where hits go: [`Hits`] in memory of the caller's, all of one length.
+/// The destination of hits: [`Hits`] in memory of the caller's, all of one length.
 #[derive(Debug)]
 pub struct HitSlices<'a> {
     /// The rays' parameters, infinity for a miss.
@@ -95,7 +95,7 @@ pub struct HitSlices<'a> {
 }
 
 impl HitSlices<'_> {
-    /// For how many hits they are; `None` where their lengths differ.
+    /// The number of hits that fit; `None` where the lengths differ.
     pub fn count(&self) -> Option<usize> {
         let count = self.t.len();
         let others = [
@@ -119,7 +119,7 @@ impl HitSlices<'_> {
         self.barycentric[index] = hit.barycentric;
     }
 
-    /// Those before an index, and those from it on.
+    /// Splits the slices at an index.
     pub(super) fn split_at(self, index: usize) -> (Self, Self) {
         let (t, later_t) = self.t.split_at_mut(index);
         let (object, later_object) = self.object.split_at_mut(index);

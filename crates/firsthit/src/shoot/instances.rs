@@ -75,7 +75,7 @@ fn prepare<L: Lanes, Q: RayQuery>(l: L, packet: &mut Packet, trees: impl Trees, 
     }
 }
 
-/// Takes the answers of meshes: the rays go on to the next.
+/// Takes the answers of meshes: the rays continue to the next one.
 struct OfInstances<'r, 'a, Q> {
     scene: &'a Scene,
     instances: &'r [(usize, Instance<'a>)],
@@ -97,9 +97,9 @@ impl<Q: RayQuery> accel::Sink<Found<Q>> for OfInstances<'_, '_, Q> {
 struct Packing {
     /// The instances' indices, those of a packet side by side.
     order: Vec<usize>,
-    /// For each packet where its rays begin in `order`, and how many they are.
+    /// The start in `order` and the number of rays of each packet.
     packets: Vec<(usize, usize)>,
-    /// How many packets, which come first, have all their rays at one object.
+    /// The number of packets, which come first, with all their rays at one object.
     together: usize,
 }
 

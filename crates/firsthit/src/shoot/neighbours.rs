@@ -18,7 +18,8 @@ use crate::shape::bundle::crossing;
 use crate::shape::{Shape, Surface};
 use crate::simd::{InLanes, Kernel, Lanes, WIDE, set_bits};
 
-/// Up to sixteen neighbours on their way. Most of them meet no shape, and need no state of their own.
+/// A group of up to sixteen neighbouring rays on their way. Most of them meet no shape, and need no
+/// state of their own.
 pub(super) struct Neighbours<'r, Q> {
     rays: &'r [Ray],
     /// All rays, and the number of the first.
@@ -66,7 +67,7 @@ impl<'r, Q: RayQuery> Neighbours<'r, Q> {
         self.states[index].as_ref()
     }
 
-    /// The state of a ray, which goes on alone.
+    /// Takes the state of a ray, which continues alone.
     #[inline(always)]
     pub(super) fn take(&mut self, index: usize) -> RayState<Q> {
         let (rays, number) = self.source;
@@ -112,7 +113,7 @@ fn begun<Q: RayQuery>(ray: &Ray, (rays, number): (&dyn Rays, usize)) -> RayState
     RayState::new(ray, Q::begin(rays, number), f64::INFINITY)
 }
 
-/// Up to eight rays on their way through a scene, and the lone shapes of a list, which they come to.
+/// Intersects up to eight rays on their way through a scene with the lone shapes of a list.
 struct MeetShapes<'r, 'n, 'a, Q> {
     scene: &'a Scene,
     rays: &'r mut Neighbours<'n, Q>,
@@ -121,7 +122,7 @@ struct MeetShapes<'r, 'n, 'a, Q> {
     listed: Listed<'a>,
 }
 
-/// What is known of the rays of a [`MeetShapes`].
+/// The state of the rays of a [`MeetShapes`].
 struct Eight {
     columns: Columns,
     /// The rays that may meet more.
@@ -279,7 +280,8 @@ impl<S: Surface> Kernel for GoInwards<'_, S> {
     }
 }
 
-/// Where eight rays cross a shape: in which lanes, at which `t`, and the primitives. A function of its own, one for all queries.
+/// Intersects eight rays with a shape: the lanes that meet it, their `t`, and the primitives. A
+/// function of its own, one for all queries.
 struct CrossShape<'r> {
     object: &'r Object,
     eight: &'r Eight,
@@ -312,7 +314,7 @@ impl Kernel for CrossShape<'_> {
 }
 
 impl Eight {
-    /// Those of some rays that go into an object which they leave, a bit each.
+    /// The rays, of some that leave an object, that go into it, a bit each.
     #[inline(always)]
     fn inwards<L: Lanes>(&self, l: L, object: &Object, leaving: u8) -> u8 {
         macro_rules! on {
@@ -335,7 +337,7 @@ impl Eight {
         leaving & inwards
     }
 
-    /// Learns how far a ray goes on.
+    /// Updates a ray's limit, and whether it is still open.
     #[inline(always)]
     fn update<Q: RayQuery>(&mut self, lane: usize, state: &RayState<Q>) {
         self.columns.t_max[lane] = state.limit();

@@ -12,8 +12,8 @@ use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Positions, Shape};
 use crate::simd::{self, Kernel, Lanes};
 
-/// How many hits are a block: their cache lines fit into a first-level cache, and they take longer to look up than memory
-/// takes to answer.
+/// The number of hits in a block: their cache lines fit into a first-level cache, and they take
+/// longer to look up than memory takes to answer.
 const BLOCK: usize = 32;
 
 /// Prefetches the triangles of some hits, a block ahead of where they are looked up.
@@ -25,7 +25,8 @@ pub(crate) struct Prefetcher<'a> {
 }
 
 impl<'a> Prefetcher<'a> {
-    /// For `count` hits from number `first` on. With a `count` of 0 it does nothing.
+    /// Begins to prefetch for `count` hits from number `first` on. With a `count` of 0 it does
+    /// nothing.
     pub(crate) fn new(scene: &'a Scene, hits: &'a Hits, first: usize, count: usize) -> Self {
         let made = Self {
             scene,
@@ -39,7 +40,8 @@ impl<'a> Prefetcher<'a> {
         made
     }
 
-    /// To be called with the number of each hit in turn, from 0, before it is looked up.
+    /// Prefetches for later hits; called with the number of each hit in turn, from 0, before it is
+    /// looked up.
     #[inline]
     pub(crate) fn advance(&mut self, k: usize) {
         if k.is_multiple_of(BLOCK) && k < self.count {
@@ -63,7 +65,7 @@ impl<'a> Prefetcher<'a> {
     }
 }
 
-/// What is prefetched.
+/// The stage of prefetching.
 #[derive(Clone, Copy)]
 enum Stage {
     /// The vertex indices of triangles.

@@ -1,4 +1,4 @@
-//! What can be asked about rays, and where the answers go.
+//! The queries for rays, and the destinations of their answers.
 
 use super::all::{AllAnswers, AllHits};
 use super::hits::{HitSlices, Hits};
@@ -41,7 +41,7 @@ pub struct First;
 #[derive(Debug, Clone, Copy)]
 pub struct Any;
 
-/// How many times each ray crosses a surface: how many hits [`All`] has for it.
+/// Counts how many times each ray crosses a surface: how many hits [`All`] has for it.
 #[derive(Debug, Clone, Copy)]
 pub struct Count;
 
@@ -58,7 +58,7 @@ pub struct Count;
 /// ([`Departure`](crate::Departure)) are in the order of `t` as it is, then of (object, primitive), at edges too.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct All {
-    /// How many of each ray are wanted, the first ones; all for `None`.
+    /// The number of first hits of each ray that are wanted; all for `None`.
     pub nearest: Option<usize>,
 }
 
@@ -107,18 +107,19 @@ impl Query for Count {
 /// Memory for the answers of many rays, one for each; what is asked follows from it. What is in it before does not matter.
 #[derive(Debug)]
 pub enum Answers<'a> {
-    /// Those of [`First`].
+    /// The answers of [`First`].
     First(HitSlices<'a>),
-    /// Those of [`Any`].
+    /// The answers of [`Any`].
     Any(&'a mut [bool]),
-    /// Those of [`Count`].
+    /// The answers of [`Count`].
     Count(&'a mut [u32]),
-    /// Those of [`All`].
+    /// The answers of [`All`].
     All(AllAnswers<'a>),
 }
 
 impl Answers<'_> {
-    /// For how many rays they are; `None` where the slices of hits differ in length.
+    /// The number of rays that the answers are for; `None` where the slices of hits differ in
+    /// length.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::First(hits) => hits.count(),

@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use crate::shape::Crossing;
 use crate::shape::triangle::clear_of;
 
-/// What is asked about a ray, and what it has met so far.
+/// The query of a ray, with its answer so far.
 pub(super) trait RayQuery: Copy + Send {
     /// The query that runs in each mesh.
     type InMesh: MeshQuery;
@@ -16,14 +16,14 @@ pub(super) trait RayQuery: Copy + Send {
     const ALL: bool = false;
     /// Whether there are rays that do not meet everything.
     const IS_FILTERED: bool = false;
-    /// Before anything is met.
+    /// The answer before anything is met.
     const START: Self;
-    /// Before a ray, by its index, has met anything.
+    /// The answer of a ray, by its index, before it has met anything.
     #[inline(always)]
     fn begin(_rays: &dyn Rays, _index: usize) -> Self {
         Self::START
     }
-    /// What the ray does not meet.
+    /// The filter of the ray.
     #[inline(always)]
     fn filter(&self) -> &RayFilter {
         &RayFilter::NONE
@@ -118,7 +118,7 @@ impl RayQuery for AnyHit {
     }
 }
 
-/// How many hits there are.
+/// The number of hits.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HitCount(pub(super) u32);
 
@@ -242,16 +242,16 @@ impl<S: Sink> Sink for FilteredSink<S> {
 
 /// Memory for the answers of a query, one for each ray.
 pub(super) trait Sink: Sized + Send {
-    /// What the rays are asked.
+    /// The query of each ray.
     type Query: RayQuery;
-    /// For how many rays it is.
+    /// The number of rays.
     fn len(&self) -> usize;
-    /// That of the rays before an index, and that of the others.
+    /// Splits the sink into that of the rays before an index, and that of the others.
     fn split_at(self, index: usize) -> (Self, Self);
     /// Takes the answer of a ray, by its index. Answers come in any order.
     fn put(&mut self, index: usize, answer: &Self::Query);
 
-    /// In chunks of `size` rays; the last one may have fewer.
+    /// Splits the sink into chunks of `size` rays; the last one may have fewer.
     fn chunks(self, size: usize) -> Vec<Self> {
         let mut chunks = Vec::with_capacity(self.len().div_ceil(size));
         let mut rest = self;

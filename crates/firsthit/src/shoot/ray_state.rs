@@ -50,7 +50,7 @@ impl<Q: RayQuery> RayState<Q> {
         self.t_max >= 0.0
     }
 
-    /// Up to which `t` it does.
+    /// The largest `t` at which the ray may still meet something that matters.
     #[inline(always)]
     pub(super) fn limit(&self) -> f64 {
         let t_max = self.scaled.as_ref().map_or(-1.0, |scaled| scaled.ray.t_max);

@@ -7,9 +7,10 @@ use crate::shape::Crossing;
 /// See [the module](self). It goes into objects, and what it meets there becomes hits of the original.
 pub(super) struct ScaledRay {
     pub(super) ray: Ray,
-    /// What its `t` is to be multiplied with to be the original's: a power of two, hardly ever another than 1.
+    /// The factor from the scaled ray's `t` to the original's: a power of two, hardly ever another
+    /// than 1.
     pub(super) t_scale: f64,
-    /// Where the ray begins and ends as the caller has it.
+    /// The ends of the ray as the caller has it.
     t_min: f64,
     t_max: f64,
     /// Whether it leaves a surface: then its `t` is measured from a rounded start.
@@ -38,7 +39,7 @@ impl ScaledRay {
         })
     }
 
-    /// The same for a ray that does not meet everything.
+    /// The scaled ray of one with a filter.
     #[inline(always)]
     pub(super) fn filtered(ray: &Ray, filter: &RayFilter) -> Option<Self> {
         let is_departing = filter.departure.is_some();

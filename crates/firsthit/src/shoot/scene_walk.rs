@@ -201,7 +201,7 @@ struct TriangleByTriangle<'r, Q> {
     scene: &'r Scene,
     at_mesh: (u32, &'r MeshTree, Meshes<'r>),
     ray: &'r Ray,
-    /// Of rays without a filter it has no meaning.
+    /// The filter of the ray at the mesh; without meaning for rays without a filter.
     in_mesh: &'r MeshFilter,
 }
 
@@ -243,7 +243,7 @@ impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
     }
 }
 
-/// Intersects a triangle for [`TriangleByTriangle`], and returns the `t_max` to go on with.
+/// Intersects a triangle for [`TriangleByTriangle`], and returns the `t_max` to continue with.
 struct OneTriangle<'r, Q> {
     state: &'r mut RayState<Q>,
     scene: &'r Scene,

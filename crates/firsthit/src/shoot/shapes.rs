@@ -13,7 +13,7 @@ use crate::shape::Crossing;
 use crate::shape::bundle::{RayOf, crossing, minus, plus, splat, squared, times, turned};
 use crate::simd::{InLanes, Lanes, WIDE, set_bits};
 
-/// Up to eight rays, a number of each in a row.
+/// The columns of up to eight rays: one number of each in a row.
 pub(super) struct Columns {
     pub(super) origin: [[f64; WIDE]; 3],
     pub(super) direction: [[f64; WIDE]; 3],
@@ -174,7 +174,7 @@ pub(super) struct FirstOfShapes<'r, 'out> {
 }
 
 impl FirstOfShapes<'_, '_> {
-    /// For rays one by one.
+    /// Intersects rays that are given one by one.
     #[inline(always)]
     pub(super) fn of_rays<L: Lanes>(self, l: L, rays: &[Ray]) {
         let mut columns = Columns::NONE;
@@ -197,7 +197,7 @@ impl FirstOfShapes<'_, '_> {
         u8::MAX >> (WIDE - self.count)
     }
 
-    /// For rays side by side, none of an extreme length.
+    /// Intersects rays side by side, none of an extreme length.
     #[inline(always)]
     pub(super) fn of_bundle<L: Lanes>(self, l: L, ray: &RayOf<L::Doubles>) {
         let all = self.all() & ray.is_valid(InLanes(l));

@@ -31,7 +31,7 @@ pub(super) struct SingleRay<'a, Q> {
     memory: &'a mut Memory,
     scene: &'a Scene,
     ray: &'a Ray,
-    /// What the ray has met already, at `t_max` or before.
+    /// The query, with the answer up to `t_max`.
     query: Q,
     t_max: f64,
     /// Whether to skip an object, by its number; objects beyond the end are not skipped.
@@ -52,7 +52,7 @@ impl<'a, Q: RayQuery> SingleRay<'a, Q> {
 }
 
 impl<'a> SingleRay<'a, FirstHit> {
-    /// The same ray after it has met `known`, among the objects that are not skipped.
+    /// The ray after it has met `known`, among the objects that are not skipped.
     pub(super) fn after(self, known: Hit, is_skipped: &'a [bool]) -> Self {
         Self {
             query: FirstHit(known),

@@ -10,7 +10,8 @@ use crate::shape::triangle::{DeparturePoint, Fan, MeshFilter};
 use crate::shape::{Crossing, Mesh};
 use crate::simd;
 
-/// What stops a ray, given in the space of an object, at the point of that object which it leaves. `t` is the least above zero.
+/// The crossing that stops a ray, given in the space of an object, at the point of that object
+/// which it leaves. `t` is the least above zero.
 ///
 /// Closed meshes stop no ray: it crosses them as often as its start says.
 #[inline(always)]

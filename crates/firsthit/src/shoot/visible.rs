@@ -9,7 +9,7 @@ use crate::watch::Watch;
 /// A point at an end of a line of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {
-    /// Where it is in the world.
+    /// The position in the world.
     pub position: DVec3,
     /// The surface that it lies on, if any: that hides nothing.
     pub surface: Option<SurfaceId>,
@@ -103,7 +103,8 @@ impl Rays for Sights<'_> {
         self.pairs.len()
     }
 
-    /// Its direction may be zero or infinite, and its end before its start: then it meets nothing.
+    /// The ray between the points. Its direction may be zero or infinite, and its end before its
+    /// start: then it meets nothing.
     fn ray(&self, index: usize) -> Ray {
         let [from, to] = self.ordered(index).map(|end| end.position);
         let ray = Ray::new(from, to - from);

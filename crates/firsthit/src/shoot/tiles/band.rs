@@ -14,7 +14,7 @@ use crate::simd::{Kernel, Lanes};
 /// See [the module](self).
 pub(super) struct Band<'a> {
     pub(super) plan: &'a Plan<'a>,
-    /// Its number, from the top.
+    /// The band's number, from the top.
     pub(super) index: usize,
     pub(super) out: HitSlices<'a>,
 }
@@ -88,7 +88,7 @@ impl Kernel for Band<'_> {
     }
 }
 
-/// Of so few objects it costs more to ask where they are seen than to ask their trees.
+/// The most objects for which asking their trees costs less than finding where they are seen.
 const FEW: usize = 3;
 
 thread_local! {
@@ -102,7 +102,7 @@ struct TileMemory {
     square: Square,
     /// Made when rays are not those of one grid.
     rays: Option<SquareRays>,
-    /// Of the tile that is done.
+    /// The displacements of the tile that is being done.
     displacements: Displacements,
 }
 

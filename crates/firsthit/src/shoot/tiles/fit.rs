@@ -1,4 +1,4 @@
-//! The camera in an array of rays: many are those of a picture's pixels, whoever made them.
+//! Finds the camera in an array of rays, which often are those of a picture's pixels.
 //!
 //! 1. Find how long a row is: where one begins, there is a leap from ray to ray.
 //! 2. Fit a grid of pixels to the rays in the corners.
@@ -119,9 +119,10 @@ pub(super) fn viewplane([first, right, below, last]: [DVec3; 4]) -> Option<[DVec
     is_ahead.then_some([first, lengths.x * right, lengths.y * below])
 }
 
-/// Where the first whole row begins, and how many rays there are in a row, if there are rows: each begins with a leap.
+/// The start of the first whole row, and the number of rays in a row, if there are rows: each
+/// begins with a leap.
 fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
-    /// Of a row's steps, none is so many times longer than the one before.
+    /// The factor between steps of a row that makes a leap.
     const LEAP: f64 = 5.0;
     /// Longer rows are not looked for.
     const LONGEST: usize = 1 << 16;

@@ -7,17 +7,17 @@ use crate::simd::{LANES, Lanes, WIDE};
 /// Halves of blocks in a tile.
 pub(super) const HALVES: usize = 2 * LANES;
 
-/// Where on the viewplane a tile's pixels are.
+/// The places of a tile's pixels on the viewplane.
 pub(super) struct Pixels {
-    /// For each column of blocks.
+    /// The coordinates to the right, for each column of blocks.
     x: [[f64; WIDE]; BLOCK],
-    /// For each half of a row of blocks.
+    /// The coordinates upwards, for each half of a row of blocks.
     y: [[f64; WIDE]; 2 * BLOCK],
 }
 
 impl Pixels {
-    /// Those of the tile that begins in a row and a column of the grid and has so many; beyond them the last ones stand
-    /// again.
+    /// The places in the tile that begins in a row and a column of the grid and has `rows` and
+    /// `columns`; beyond them the last ones stand again.
     #[inline]
     pub(super) fn new(
         grid: &PixelGrid,
@@ -44,7 +44,7 @@ impl Pixels {
         pixels
     }
 
-    /// To the right of the middle, of half a block.
+    /// The coordinates to the right of the middle, of half a block.
     #[inline(always)]
     pub(super) fn x<L: Lanes>(&self, l: L, half: usize) -> L::Doubles {
         l.load64(&self.x[half / 2 % BLOCK])

@@ -1,4 +1,4 @@
-//! What a picture's tiles need to know of the scene: which objects they can do, and where each may be seen.
+//! The plan of a picture's tiles: the objects that tiles can do, and where each may be seen.
 
 use std::ops::Range;
 
@@ -11,11 +11,11 @@ use crate::shape::Surface;
 /// An object's transform may round by as much, as a share of coordinates, for its box to be of use.
 const MOST_ROUNDING: f64 = 1e-10;
 
-/// From so many pixels on, results go past the caches.
+/// The number of pixels from which on results go past the caches.
 const LARGE: usize = 1 << 17;
 
-/// Where this many meshes and more may be seen in a tile, in the mean, it is asked whether tiles [cost](costs_more) more than the tree
-/// over the objects.
+/// The mean number of meshes in a tile from which on tiles are compared with the tree over the
+/// objects, by [cost](costs_more).
 const MANY_IN_TILE: usize = 8;
 
 /// Tiles down a band, where there are many bands.
@@ -41,7 +41,7 @@ pub(super) struct Plan<'a> {
 
 /// The objects that a visibility buffer cannot hold, by the way in which a tile's rays meet them.
 pub(super) enum Rest {
-    /// There are none.
+    /// No objects are left.
     Nothing,
     /// A few shapes other than meshes: the rays of a tile intersect those that may be seen in it.
     Shapes(Vec<Placed>),
@@ -52,7 +52,7 @@ pub(super) enum Rest {
 /// The most shapes that are listed tile by tile.
 pub(super) const MOST_SHAPES: usize = 64;
 
-/// Where a tile's grid of pixels comes from.
+/// The source of a tile's grid of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
     /// The rays are those of one grid.
@@ -71,7 +71,8 @@ pub(super) struct Placed {
     pub(super) columns: Range<usize>,
     /// The depth from which on it may be met, in units of the viewplane's; of curved rays the distance.
     pub(super) entry: f64,
-    /// Of curved rays: a sphere around it, its centre relative to where they start, and its radius.
+    /// The sphere around the object, for curved rays: its centre relative to where they start, and
+    /// its radius.
     sphere: (DVec3, f64),
 }
 
@@ -189,12 +190,12 @@ impl<'a> Plan<'a> {
         });
     }
 
-    /// How many pixels there are.
+    /// The number of pixels.
     pub(super) fn pixels(&self) -> usize {
         self.grid.rows * self.grid.columns
     }
 
-    /// How many pixels a band has, but for the last one.
+    /// The number of pixels in a band, but for the last one.
     pub(super) fn band(&self) -> usize {
         self.tiles_down * TILE * self.grid.columns
     }
@@ -220,7 +221,7 @@ fn has_digits(grid: &PixelGrid) -> bool {
         && is_sound(grid.height)
 }
 
-/// Where an object in a box in its space may be seen; `None` for nowhere.
+/// The part of the picture in which an object in a box in its space may be seen; `None` for none.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -311,11 +312,11 @@ fn around(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> 
     }
 }
 
-/// From points relative to a grid's position to its own coordinates: to the right and upwards along the viewplane, which need not
-/// be at right angles to anything, and along `toward`.
+/// The map from points relative to a grid's position to its own coordinates: to the right and
+/// upwards along the viewplane, which need not be at right angles to anything, and along `toward`.
 struct Axes {
     inverse: DMat3,
-    /// What a coordinate's rounding may grow by: the sum of each row of the inverse.
+    /// The largest growth of a coordinate's rounding: the sum of each row of the inverse.
     growth: DVec3,
     is_parallel: bool,
     is_sound: bool,

@@ -155,7 +155,7 @@ impl TileTask<'_> {
         put_sound(l, (at, out), seen, bytemuck::cast(primitives), halves)
     }
 
-    /// The same for a block whose pixels all meet one triangle.
+    /// Resolves a block whose pixels all meet one triangle.
     #[inline(always)]
     fn resolve_triangle<L: Lanes>(
         &self,

@@ -1,4 +1,4 @@
-//! Where a tile's hits are written first: a square of 4 x 4 tiles, small enough for the first cache.
+//! The buffer for the hits of tiles: a square of 4 x 4 tiles, small enough for the first cache.
 //!
 //! From there they go to memory in long rows, which it takes far faster; of large pictures past the caches, in whole cache lines
 //! only: a line written in two parts costs more than five whole ones. What is left of a row's last line waits for the square to the
@@ -25,17 +25,17 @@ pub(super) struct Square {
     barycentric: InPhase<DVec2>,
 }
 
-/// What memory takes at once, in bytes.
+/// The size of a cache line, in bytes.
 const LINE: usize = 64;
 
 /// Elements that may be kept: a line of the smallest.
 const KEPT: usize = LINE / size_of::<i32>();
 
 impl Square {
-    /// From a row to the next.
+    /// The distance from one row to the next.
     pub(super) const STRIDE: usize = KEPT + SIDE;
 
-    /// Where a pixel's hit is.
+    /// The index of a pixel's hit.
     pub(super) const fn index_of(row: usize, column: usize) -> usize {
         row * Self::STRIDE + KEPT + column
     }
@@ -223,7 +223,7 @@ impl BlockOfHits {
         }
     }
 
-    /// Writes those of so many rows and columns to a square, from an index on.
+    /// Writes the hits of some rows and columns to a square, from an index on.
     #[inline(always)]
     pub(super) fn write(&self, at: usize, [rows, columns]: [usize; 2], out: &mut HitSlices<'_>) {
         let t: &[f64; LANES] = bytemuck::cast_ref(&self.t);

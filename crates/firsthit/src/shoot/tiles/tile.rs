@@ -21,22 +21,22 @@ use crate::simd::{Kernel, Lanes, WIDE};
 /// See [the module](self).
 pub(super) struct TileTask<'a> {
     pub(super) plan: &'a Plan<'a>,
-    /// Its rays, unless they are those of the plan's grid.
+    /// The rays of the tile, unless they are those of the plan's grid.
     pub(super) rays: Option<TileRays<'a>>,
-    /// How far these are off the grid, in pixels; `None` where that is too far.
+    /// The largest distance of these rays from the grid, in pixels; `None` where that is too far.
     off: Option<f64>,
     /// The grid that its rays are on, or near: the picture's, or its own.
     pub(super) grid: PixelGrid,
-    /// Its first pixel in that.
+    /// The tile's first pixel in the grid.
     corner: [usize; 2],
-    /// What `Placed::entry` is divided by to be a depth.
+    /// The divisor that makes a depth of `Placed::entry`.
     unit: f64,
-    /// Its row and column of tiles.
+    /// The row and column of the tile among tiles.
     tile: [usize; 2],
-    /// Its first pixel in the picture.
+    /// The row of the tile's first pixel in the picture.
     first_row: usize,
     first_column: usize,
-    /// How many pixels it has down and across.
+    /// The number of pixels down and across.
     size: [usize; 2],
     /// The index in their square at which its results begin.
     first_index: usize,
@@ -185,7 +185,7 @@ impl<'a> TileTask<'a> {
         true
     }
 
-    /// Where in the square's results a row begins.
+    /// The index at which a row begins in the square's results.
     #[inline(always)]
     pub(super) fn at(&self, row: usize) -> usize {
         self.first_index + row * Square::STRIDE
@@ -256,7 +256,8 @@ impl<'a> TileTask<'a> {
     }
 }
 
-/// How far from its position the corners of a grid are that has a pixel more on each side, for rays that are off it.
+/// The largest distance from its position of the corners of a grid that has a pixel more on each
+/// side, for rays that are off it.
 fn longest(grid: &PixelGrid) -> f64 {
     let [width, height] = grid.size();
     let (right, up) = (

@@ -16,7 +16,7 @@ const TILES: usize = SIDE / TILE;
 /// The rays of a square of tiles as they are, in lanes: memory gives long rows far faster than short ones.
 #[derive(Debug)]
 pub(super) struct SquareRays {
-    /// For each half of a block, tile by tile and row by row, and each axis.
+    /// The origins for each half of a block, tile by tile and row by row, and each axis.
     origin: Vec<[[f64; WIDE]; 3]>,
     direction: Vec<[[f64; WIDE]; 3]>,
     /// The tiles in which a ray begins or ends somewhere, row by row.
@@ -34,7 +34,7 @@ impl Default for SquareRays {
 }
 
 impl SquareRays {
-    /// Takes the rays from a row and a column of the grid on, so many rows at most.
+    /// Takes the rays from a row and a column of the grid on, at most `rows` rows.
     #[inline(always)]
     pub(super) fn load(
         &mut self,
@@ -70,7 +70,8 @@ impl SquareRays {
         }
     }
 
-    /// Takes the rays of a [picture](Rays::picture) that all start at `position`, from a row and a column on, so many rows at most.
+    /// Takes the rays of a [picture](Rays::picture) that all start at `position`, from a row and a
+    /// column on, at most `rows` rows.
     pub(super) fn load_directions(
         &mut self,
         rays: &dyn Rays,
@@ -111,7 +112,8 @@ impl SquareRays {
         }
     }
 
-    /// A cone around all rays of so many rows of tiles that are a direction: its axis, and the cosine of its half angle.
+    /// A cone around all rays with a direction in `tiles_down` rows of tiles: its axis, and the
+    /// cosine of its half angle.
     pub(super) fn cone(&self, tiles_down: usize) -> (DVec3, f64) {
         let halves = &self.direction[..tiles_down * TILES * HALVES];
         let directions = || {
@@ -126,7 +128,7 @@ impl SquareRays {
         (axis, cosines.fold(1.0, f64::min))
     }
 
-    /// Those of a tile, by its row and column in the square.
+    /// The rays of a tile, by its row and column in the square.
     pub(super) fn tile(&self, (row, column): (usize, usize)) -> TileRays<'_> {
         let tile = row * TILES + column;
         TileRays {
@@ -141,7 +143,7 @@ impl SquareRays {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TileRays<'a> {
     square: &'a SquareRays,
-    /// Where it begins.
+    /// The index of the tile's first half block.
     first: usize,
     has_ends: bool,
 }
@@ -161,8 +163,8 @@ fn put<L: Lanes>(l: L, value: L::Doubles, to: &mut [f32]) {
 }
 
 impl TileRays<'_> {
-    /// How far the rays are off the grid at most, in pixels; `None` when not all of them are like those of a camera.
-    /// The tile has its pixels in so many rows.
+    /// The largest distance of the rays from the grid, in pixels; `None` when not all of them are
+    /// like those of a camera. The tile has its pixels in `rows` rows.
     #[inline(always)]
     pub(super) fn distance<L: Lanes>(
         &self,
@@ -196,8 +198,9 @@ impl TileRays<'_> {
         (off < FARTHEST).then_some(off)
     }
 
-    /// How far each ray is off the grid, and how far at most, in pixels along either axis; `None` when not all of them are like those
-    /// of a camera at the grid's position. The tile has its pixels in so many rows.
+    /// Computes the displacement of each ray from the grid, and returns the largest along either
+    /// axis, in pixels; `None` when not all of them are like those of a camera at the grid's
+    /// position. The tile has its pixels in `rows` rows.
     #[inline(always)]
     pub(super) fn displacements<L: Lanes>(
         &self,
@@ -298,7 +301,8 @@ impl TileRays<'_> {
         (is_unscaled && is_sound(&grid, 0.95)).then_some(grid)
     }
 
-    /// Which of eight rays are like those of a camera, and the square of how far each is off the grid's points.
+    /// The rays, of eight, that are like those of a camera, a bit each, and the squares of their
+    /// distances from the grid's points.
     #[inline(always)]
     fn squares<L: Lanes>(
         &self,
@@ -366,13 +370,13 @@ impl TileRays<'_> {
         Ray::new(vector(&origin[half]), vector(&direction[half]))
     }
 
-    /// Where eight rays start, half a block, along an axis.
+    /// The origins of eight rays, half a block, along an axis.
     #[inline(always)]
     pub(super) fn origin<L: Lanes>(&self, l: L, half: usize, axis: usize) -> L::Doubles {
         l.load64(&self.square.origin[self.first + half][axis % 3])
     }
 
-    /// Where they go.
+    /// The directions of eight rays along an axis.
     #[inline(always)]
     pub(super) fn direction<L: Lanes>(&self, l: L, half: usize, axis: usize) -> L::Doubles {
         l.load64(&self.square.direction[self.first + half][axis % 3])
