@@ -110,7 +110,7 @@ impl View {
         Self { aim, up, ..self }
     }
 
-    /// The same view, aimed at `target`.
+    /// The view, aimed at `target`.
     pub fn aimed_at(self, target: DVec3) -> Self {
         Self {
             aim: unit(target - self.position),

@@ -31,17 +31,19 @@ use crate::geometry::{DVec2, DVec3, require};
 /// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Calibrated<D> {
-    /// From the normalised image to pixels.
+    /// The map from the normalised image to pixels.
     pub matrix: PixelMatrix,
-    /// From directions to the normalised image.
+    /// The map from directions to the normalised image.
     pub distortion: D,
     /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole. See
     /// [`Camera::thin_lens`](super::Camera::thin_lens).
     pub aperture: f64,
-    /// The distance along the aim from the camera to what is in focus; 0 where nobody says, as of a pinhole.
+    /// The distance along the aim from the camera to the plane in focus; 0 by default, as of a
+    /// pinhole.
     pub focus: f64,
     limit: Limit,
-    /// What is taken from x / z and y / z of directions, where the camera is at a point of a lens.
+    /// The shear of directions, subtracted from x / z and y / z, where the camera is at a point of
+    /// a lens.
     shear: DVec2,
 }
 

@@ -14,8 +14,9 @@ use crate::geometry::arithmetic::{Arithmetic, PairOfMasks, Pairs, Scalar};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, arrays};
 use crate::simd::{InLanes, InstructionSet, Kernel, Lanes, WIDE, run};
 
-/// What every such lens can do. Directions are in the camera's coordinates x to the right, y down, z ahead, as in OpenCV; pixel
-/// coordinates are counted from the picture's upper left corner, to the right and down. `size` is rows and columns.
+/// The contract of every such lens. Directions are in the camera's coordinates x to the right, y
+/// down, z ahead, as in OpenCV; pixel coordinates are counted from the picture's upper left corner,
+/// to the right and down. `size` is rows and columns.
 pub(super) trait Central: Parameters + Send + Sync {
     /// Whether its directions have length one, but for rounding.
     const IS_UNIT: bool = false;
@@ -24,8 +25,8 @@ pub(super) trait Central: Parameters + Send + Sync {
     fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
     /// The direction that is seen at a point of the picture, of any length; `None` where nothing is.
     fn direction(&self, size: [usize; 2], pixel: DVec2) -> Option<DVec3>;
-    /// The same for a single point or for several at once, with a mask of where it is known. Elsewhere
-    /// [`direction`](Self::direction) decides.
+    /// The directions for a single point or for several at once, with a mask of where they are
+    /// known. Elsewhere [`direction`](Self::direction) decides.
     #[inline(always)]
     fn directions<A: Arithmetic>(
         &self,
@@ -39,7 +40,8 @@ pub(super) trait Central: Parameters + Send + Sync {
         let nothing = of.number(0.0);
         ([nothing; 3], of.lt(nothing, nothing))
     }
-    /// Where in the picture a direction is seen, be it beyond its edges; `None` for nowhere.
+    /// The point of the picture at which a direction is seen, be it beyond its edges; `None` for
+    /// none.
     fn pixel(&self, size: [usize; 2], direction: DVec3) -> Option<DVec2>;
     /// The lens of a part of the picture from a row and a column on, where there is one.
     fn cropped(&self, _first: [usize; 2]) -> Option<Self>
@@ -48,7 +50,7 @@ pub(super) trait Central: Parameters + Send + Sync {
     {
         None
     }
-    /// The lens of the same picture with so many times the rows and columns.
+    /// The lens for the same picture at `factors` times its rows and columns.
     fn scaled(&self, factors: [f64; 2]) -> Self
     where
         Self: Sized;

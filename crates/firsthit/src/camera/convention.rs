@@ -1,4 +1,5 @@
-//! How other programs write a camera: which way its axes point, which way its matrix goes, where the first pixel's centre is.
+//! Conventions of other programs for cameras: the directions of their axes and matrices, and the
+//! centre of the first pixel.
 
 use super::{Camera, Lens, PixelMatrix, View, Viewplane};
 use crate::error::{Error, Result};
@@ -44,12 +45,12 @@ named! {
     "gltf" => Gltf;
 }
 
-/// What a convention's matrix does.
+/// The direction of a convention's matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     WorldFromCamera,
     CameraFromWorld,
-    /// The same for rows: transposed.
+    /// The matrix maps rows: transposed.
     RowsOfCamera,
 }
 
@@ -145,7 +146,7 @@ impl Convention {
         }
     }
 
-    /// The same, back.
+    /// The matrix in the convention's own pixels, from one in ours.
     pub fn own_pixel_matrix(self, matrix: PixelMatrix) -> PixelMatrix {
         let offset = 0.5 - self.first_pixel_center();
         PixelMatrix {
@@ -183,7 +184,7 @@ pub(super) fn require_rotation(matrix: &DMat3, got: impl FnOnce() -> String) -> 
     Err(Error::argument("pose", expected, got))
 }
 
-/// So far a number of a rounded pose may be from that of the nearest rotation.
+/// The largest distance of a number of a rounded pose from that of the nearest rotation.
 const FARTHEST: f64 = 1e-3;
 
 /// The polar factor of a matrix that does not mirror, by Newton's method: near a rotation each step squares what is off, and far from it

@@ -13,21 +13,23 @@ use crate::geometry::{Bounds, DVec3, require, unit};
 /// A camera in the words of the command line and of scene files, each of which may be missing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Description {
-    /// Where it is; else where the scene fills the picture.
+    /// The position; else where the scene fills the picture.
     pub position: Option<DVec3>,
-    /// Where it looks; else at the middle of the scene, or in [`StandardView::Iso`] where there is no position either.
+    /// The aim; else the middle of the scene, or [`StandardView::Iso`] where there is no position
+    /// either.
     pub aim: Option<Aim>,
-    /// Which way is up; else the scene's.
+    /// The direction upwards; else the scene's.
     pub up: Option<DVec3>,
-    /// How much it sees; else [`Description::FOV`], or of a fisheye 180 degrees.
+    /// The field of view; else [`Description::FOV`], or of a fisheye 180 degrees.
     pub opening: Option<Opening>,
-    /// How it makes rays; else perspective. A panorama needs no opening, and stands in the middle of the scene.
+    /// The projection; else perspective. A panorama needs no opening, and stands in the middle of
+    /// the scene.
     pub projection: Option<Projection>,
-    /// Where rays start; else on a viewplane whose distance is given, and otherwise at the eye.
+    /// The start of rays; else on a viewplane whose distance is given, and otherwise at the eye.
     pub ray_start: Option<RayStart>,
     /// The diameter of the lens; else that of the opening's lens, or a pinhole.
     pub aperture: Option<f64>,
-    /// What is in focus; else what the opening's lens says.
+    /// The focus; else that of the opening's lens.
     pub focus: Option<Focus>,
     /// Pixels across; else as many as the rows and the viewplane's shape ask, or 1024.
     pub columns: Option<usize>,
@@ -35,20 +37,20 @@ pub struct Description {
     pub rows: Option<usize>,
 }
 
-/// Where a camera looks.
+/// The aim of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Aim {
-    /// In a direction, of any length but zero.
+    /// A direction, of any length but zero.
     Along(DVec3),
-    /// At a point.
+    /// A point to look at.
     At(DVec3),
-    /// At the middle of the scene.
+    /// The middle of the scene.
     Centre,
-    /// As in a standard view.
+    /// The aim of a standard view.
     View(StandardView),
 }
 
-/// What a camera with an aperture is in focus at.
+/// The focus of a camera with an aperture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Focus {
     /// A distance along the aim.
@@ -57,7 +59,7 @@ pub enum Focus {
     At(DVec3),
 }
 
-/// How much a camera sees.
+/// The field of view of a camera, or its lens.
 #[expect(
     clippy::large_enum_variant,
     reason = "a description is made once for a camera"
@@ -69,11 +71,11 @@ pub enum Opening {
     Fov(f64),
     /// A viewplane of a size.
     Viewplane {
-        /// Its width.
+        /// The width.
         width: f64,
-        /// Its height.
+        /// The height.
         height: f64,
-        /// Its distance from the camera, which parallel rays can do without.
+        /// The distance from the camera, which parallel rays can do without.
         focal_length: Option<f64>,
     },
     /// A lens with all its numbers, whatever the projection is said to be.
@@ -232,7 +234,7 @@ impl Description {
         }
     }
 
-    /// What it sees through: a viewplane by its own size or by an angle, or another lens.
+    /// The lens: a viewplane by its own size or by an angle, or another one.
     fn lens(&self, [rows, columns]: [usize; 2]) -> Result<Lens> {
         let projection = self.projection.unwrap_or_default();
         if let Some(Opening::Lens { lens, size }) = self.opening {

@@ -71,7 +71,8 @@ impl Wedge {
         -(self.right + self.left) / (2.0 * self.slope)
     }
 
-    /// By how much the scene is too wide for the wedge of an eye at `depth`; negative where there is room.
+    /// The excess of the scene's width over the wedge of an eye at `depth`; negative where there is
+    /// room.
     fn excess(&self, depth: f64) -> f64 {
         self.right + self.left + 2.0 * self.slope * depth
     }

@@ -1,4 +1,4 @@
-//! How a camera makes rays: a file per lens.
+//! Lenses: the rays of a camera; a file per lens.
 
 use super::calibrated::{Calibrated, within};
 use super::central::Central;
@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, named};
 use crate::simd::InstructionSet;
 
-/// What every lens can do, for a camera of a pose and with so many rows and columns of pixels.
+/// The contract of every lens, for a camera of a pose and with `size` rows and columns of pixels.
 pub(super) trait Model {
     /// Checks its numbers, and computes what depends on them alone.
     fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
@@ -40,18 +40,20 @@ pub(super) trait Model {
             (*x, *y, *z) = direction.into();
         }
     }
-    /// Where in the picture a point is seen: columns from the left edge and rows from the upper one. The point counts from the
-    /// camera, x to the right, y down, z ahead.
+    /// The point of the picture at which a point is seen: columns from the left edge and rows from
+    /// the upper one. The point counts from the camera, x to the right, y down, z ahead.
     fn project(&self, size: [usize; 2], point: DVec3) -> Option<DVec2>;
-    /// What turns the `t` of the ray through a pixel's centre into the other two distances.
+    /// The conversion from the `t` of the ray through a pixel's centre to the other two distances.
     fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach;
-    /// What the rays through that point of all pixels have in common, if they all go through a flat viewplane.
+    /// The grid of the rays through that point of all pixels, if they all go through a flat
+    /// viewplane.
     fn grid(&self, _: &Pose, _size: [usize; 2], _offset: DVec2) -> Option<PixelGrid> {
         None
     }
 }
 
-/// What turns a ray's `t` into the other two distances: `range = t + offset`, `z = range * cosine`.
+/// The conversion from a ray's `t` to the other two distances: `range = t + offset`, `z = range *
+/// cosine`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
     pub(super) offset: f64,
@@ -61,7 +63,7 @@ pub(super) struct Reach {
 /// Makes [`Lens`] and [`Projection`]: a lens is a file with a [`Central`], and a row.
 macro_rules! lenses {
     ($($(#[$doc:meta])* $name:literal => $variant:ident($model:ty);)*) => {
-        /// What a camera sees through, with the numbers that go with it.
+        /// The lens of a camera, with its parameters.
         ///
         /// ```
         /// use firsthit::camera::Equirectangular;
@@ -102,7 +104,7 @@ macro_rules! lenses {
                 }
             }
 
-            /// What it is called, in files and on the command line.
+            /// The projection: its name in files and on the command line.
             pub fn projection(&self) -> Projection {
                 match self {
                     Self::Flat(viewplane) if viewplane.parallel => Projection::Orthographic,
@@ -111,7 +113,7 @@ macro_rules! lenses {
                 }
             }
 
-            /// That of a part of the picture, which begins at a row and a column.
+            /// The lens for a part of the picture, which begins at a row and a column.
             pub(super) fn cropped(&self, whole: [usize; 2], first: [usize; 2], size: [usize; 2]) -> Option<Self> {
                 Some(match self {
                     Self::Flat(viewplane) => Self::Flat(viewplane.cropped(whole, first, size)),
@@ -119,7 +121,7 @@ macro_rules! lenses {
                 })
             }
 
-            /// That of the same picture with so many times the rows and columns.
+            /// The lens for the same picture at `factors` times its rows and columns.
             pub(super) fn scaled(&self, factors: [f64; 2]) -> Self {
                 match self {
                     Self::Flat(viewplane) => Self::Flat(*viewplane),
@@ -276,13 +278,13 @@ impl Lens {
         )
     }
 
-    /// Its numbers by their names.
+    /// The parameters by their names.
     pub fn parameters(&self) -> Vec<(&'static str, f64)> {
         let mut lens = *self;
         parameters::values(lens.parameters_mut())
     }
 
-    /// Its viewplane, if it has one.
+    /// The viewplane, if the lens has one.
     pub fn viewplane(&self) -> Option<&Viewplane> {
         match self {
             Self::Flat(viewplane) => Some(viewplane),
@@ -303,7 +305,7 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, View};
 
-    /// Some numbers of the projection's own.
+    /// A sample of the projection's own parameters.
     fn distortion(projection: Projection) -> &'static [(&'static str, f64)] {
         match projection {
             Projection::OpenCv => &[

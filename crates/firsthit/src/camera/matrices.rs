@@ -49,7 +49,7 @@ mod tests {
     use crate::camera::{View, Viewplane};
     use crate::geometry::DVec3;
 
-    /// What both matrices make of the point at `t` on a pixel's ray is that pixel's centre.
+    /// Both matrices take the point at `t` on a pixel's ray to that pixel's centre.
     #[test]
     fn the_matrices_take_hits_back_to_their_pixels() {
         let camera = Camera::new(View {

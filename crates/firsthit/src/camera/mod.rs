@@ -47,7 +47,7 @@ use crate::geometry::{DAffine3, DVec2, DVec3, PixelGrid, Ray, Rays, require, uni
 use crate::simd::InstructionSet;
 use pose::Pose;
 
-/// What a camera is made from. Directions need not be of length one.
+/// The position, orientation, size and lens of a camera. Directions need not be of length one.
 ///
 /// ```
 /// use firsthit::{Camera, DVec3, Lens, View, Viewplane};
@@ -70,22 +70,22 @@ use pose::Pose;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Where the camera is, `x_c`.
+    /// The camera's position, `x_c`.
     pub position: DVec3,
     /// The direction it looks in, `u_c`.
     pub aim: DVec3,
-    /// Which way is up, `v_up`; need not be perpendicular to `aim`.
+    /// The direction upwards, `v_up`; need not be perpendicular to `aim`.
     pub up: DVec3,
     /// Pixels down, `M`.
     pub rows: usize,
     /// Pixels across, `N`.
     pub columns: usize,
-    /// What it sees through.
+    /// The lens.
     pub lens: Lens,
 }
 
 impl Default for View {
-    /// At the origin, looking along -z with y up, at 640 x 480 square pixels.
+    /// The view from the origin along -z with y up, at 640 x 480 square pixels.
     fn default() -> Self {
         Self {
             position: DVec3::ZERO,
@@ -154,27 +154,27 @@ impl Camera {
         Ok(Self { view, pose })
     }
 
-    /// What the camera was made from, `aim` at length one.
+    /// The view that the camera was made from, `aim` at length one.
     pub fn view(&self) -> &View {
         &self.view
     }
 
-    /// What it sees through.
+    /// The lens.
     pub fn lens(&self) -> &Lens {
         &self.view.lens
     }
 
-    /// Where the camera is.
+    /// The camera's position.
     pub fn position(&self) -> DVec3 {
         self.pose.position
     }
 
-    /// Where it looks, of length one.
+    /// The aim, of length one.
     pub fn aim(&self) -> DVec3 {
         self.pose.aim
     }
 
-    /// To the right in the picture (`u_x`), of length one.
+    /// The direction to the right in the picture (`u_x`), of length one.
     pub fn right(&self) -> DVec3 {
         self.pose.right
     }
@@ -198,12 +198,13 @@ impl Camera {
         [self.view.rows, self.view.columns]
     }
 
-    /// How many pixels there are; `usize::MAX` if they are more.
+    /// The number of pixels; `usize::MAX` if they are more.
     pub fn pixels(&self) -> usize {
         self.view.rows.saturating_mul(self.view.columns)
     }
 
-    /// The same camera with its rays starting elsewhere. Without a viewplane they start at the eye in any case.
+    /// The camera with its rays starting elsewhere. Without a viewplane they start at the eye in
+    /// any case.
     pub fn starting_at(mut self, ray_start: RayStart) -> Self {
         if let Lens::Flat(viewplane) = &mut self.view.lens {
             viewplane.ray_start = ray_start;
@@ -211,9 +212,10 @@ impl Camera {
         self
     }
 
-    /// Where in the picture a point of the world is seen: columns from the picture's left edge and rows from its upper edge, so that
-    /// the centre of the first pixel is (0.5, 0.5). Points that are seen beyond the edges have places there. `None` where the
-    /// lens sees no such direction, as behind a pinhole. Whether anything hides the point does not matter.
+    /// The point of the picture at which a point of the world is seen: columns from the picture's
+    /// left edge and rows from its upper edge, so that the centre of the first pixel is (0.5, 0.5).
+    /// Points that are seen beyond the edges have places there. `None` where the lens sees no such
+    /// direction, as behind a pinhole. Occlusion does not matter.
     ///
     /// ```
     /// use firsthit::{Camera, DVec3, View};
@@ -284,8 +286,9 @@ impl Camera {
         })
     }
 
-    /// The same camera, moved with the body that carries it: `world_from_body` takes the coordinates in which this camera's position,
-    /// aim and up are to others. A camera that is not turned keeps its bits, but for the position.
+    /// The camera, moved with the body that carries it: `world_from_body` takes the coordinates in
+    /// which this camera's position, aim and up are to others. A camera that is not turned keeps
+    /// its bits, but for the position.
     ///
     /// ```
     /// use firsthit::{Camera, DAffine3, DVec3, View};
@@ -377,7 +380,8 @@ impl Camera {
         }
     }
 
-    /// What the rays through that point of every pixel have in common, if they all go through a flat viewplane.
+    /// The grid of the rays through that point of every pixel, if they all go through a flat
+    /// viewplane.
     pub fn grid_within(&self, offset: DVec2) -> Option<PixelGrid> {
         self.view.lens.model().grid(&self.pose, self.size(), offset)
     }

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 pub(super) trait Parameters {
     /// Visits each with its name.
     fn each(&mut self, visit: &mut dyn FnMut(&'static str, &mut f64));
-    /// Whether a number is left out where all are listed: it is what it is where nobody says.
+    /// Whether a number is left out where all are listed: it has its default value.
     fn is_silent(&self, _name: &str) -> bool {
         false
     }

@@ -1,4 +1,4 @@
-//! From normalised image coordinates to pixels and back: the intrinsic matrix K.
+//! The intrinsic matrix K: from normalised image coordinates to pixels and back.
 
 use super::parameters::parameters;
 use crate::error::Result;
@@ -86,7 +86,7 @@ impl PixelMatrix {
         require("skew", "finite", self.skew.is_finite(), self.skew)
     }
 
-    /// That of a part of the picture, which begins at a row and a column.
+    /// The matrix for a part of the picture, which begins at a row and a column.
     pub(super) fn cropped(&self, [row, column]: [usize; 2]) -> Self {
         Self {
             cx: self.cx - column as f64,
@@ -95,7 +95,7 @@ impl PixelMatrix {
         }
     }
 
-    /// That of the same picture with so many times the rows and columns.
+    /// The matrix for the same picture at the given factors times its rows and columns.
     pub(super) fn scaled(&self, [down, across]: [f64; 2]) -> Self {
         Self {
             fx: self.fx * across,

@@ -1,4 +1,4 @@
-//! Where a camera is, and how it is turned.
+//! The position and orientation of a camera.
 
 use crate::error::Result;
 use crate::geometry::{DVec3, require, require_direction, require_finite, unit};
@@ -13,7 +13,7 @@ pub(super) struct Pose {
 }
 
 impl Pose {
-    /// At `position`, looking along `aim`, which `unit_aim` brings to length one.
+    /// The pose at `position`, looking along `aim`, which `unit_aim` brings to length one.
     pub(super) fn new(
         position: DVec3,
         aim: DVec3,

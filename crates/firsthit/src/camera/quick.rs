@@ -1,4 +1,4 @@
-//! What many rays of a lens take, written once for a single number and for lanes of them.
+//! Arithmetic for many rays of a lens, written once for a single number and for lanes of them.
 //!
 //! No fused multiply-add: where the processor has none it would take longer than all the rest.
 
@@ -106,7 +106,7 @@ pub(super) struct Start {
     /// The middle of the interval, and one divided by half its length.
     middle: f64,
     scale: f64,
-    /// Of the place in the interval, from -1 to 1.
+    /// The coefficients in the place in the interval, from -1 to 1.
     coefficients: [f64; NODES],
 }
 

@@ -19,9 +19,9 @@ named! {
     "left" => Left;
     /// The right side.
     "right" => Right;
-    /// From straight above, the front at the lower edge of the picture.
+    /// The view from straight above, the front at the lower edge of the picture.
     "top" => Top;
-    /// From straight below, the front at the upper edge of the picture.
+    /// The view from straight below, the front at the upper edge of the picture.
     "bottom" => Bottom;
 }
 

@@ -10,9 +10,11 @@ use crate::error::{Error, Result};
 use crate::geometry::{DVec2, DVec3, require};
 
 impl Camera {
-    /// The same camera with a thin lens: a disc around `position`, at right angles to the aim, of diameter `aperture`. What is at the
-    /// distance `focus` along the aim is sharp. A point at another distance z becomes a disc, whose diameter on the viewplane is
-    /// `aperture * |z - focus| / (z * focus) * focal_length`. Lengths are in scene units; an aperture of 0 is a pinhole.
+    /// The camera with a thin lens: a disc around `position`, at right angles to the aim, of
+    /// diameter `aperture`. Points at the distance `focus` along the aim are sharp. A point at
+    /// another distance z becomes a disc, whose diameter on the viewplane is `aperture * |z -
+    /// focus| / (z * focus) * focal_length`. Lengths are in scene units; an aperture of 0 is a
+    /// pinhole.
     ///
     /// Only colours see it, and only with several samples: rays of a sample come from one point of the lens. The camera's own rays
     /// and all other channels are those of the pinhole at `position`.
@@ -50,8 +52,8 @@ impl Camera {
         Self::again(View { lens, ..self.view })
     }
 
-    /// How far ahead of the camera a point is: the component along the aim of (point - `position`), which [`thin_lens`](Self::thin_lens)
-    /// takes to bring it into focus.
+    /// The depth of a point ahead of the camera: the component along the aim of (point -
+    /// `position`), which [`thin_lens`](Self::thin_lens) takes to bring it into focus.
     pub fn depth(&self, point: DVec3) -> f64 {
         (point - self.pose.position).dot(self.pose.aim)
     }
@@ -84,7 +86,7 @@ impl Lens {
         self.thin_lens()[0]
     }
 
-    /// The distance along the aim to what is in focus; 0 where nobody says.
+    /// The distance along the aim to the plane in focus; 0 by default.
     pub fn focus(&self) -> f64 {
         self.thin_lens()[1]
     }
@@ -100,7 +102,7 @@ impl Lens {
 }
 
 impl Projection {
-    /// What an aperture must be with those that have no thin lens, for messages.
+    /// The expectation for an aperture with projections that have no thin lens, for messages.
     pub const NO_THIN_LENS: &str =
         "left out: only perspective cameras, opencv and fov have a thin lens";
 

@@ -22,34 +22,36 @@ use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray, named, require, requi
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewplane {
-    /// Its distance from the camera, `z_p`.
+    /// The distance from the camera, `z_p`.
     pub focal_length: f64,
-    /// Its width, `w`.
+    /// The width, `w`.
     pub width: f64,
-    /// Its height, `h`.
+    /// The height, `h`.
     pub height: f64,
     /// Whether all rays are parallel to the aim; else they run through the camera's position.
     pub parallel: bool,
-    /// Where rays start.
+    /// The start of rays.
     pub ray_start: RayStart,
-    /// From where the aim meets the viewplane to its middle: to the right and upwards, along the viewplane.
+    /// The vector from where the aim meets the viewplane to its middle: to the right and upwards,
+    /// along the viewplane.
     pub shift: DVec2,
-    /// How the viewplane is turned out of the right angle to the aim, in degrees, as a camera's back is by Scheimpflug's rule: first
-    /// about `upwards`, by `tilt.x`, which brings its right edge nearer; then about its own horizontal, by `tilt.y`, which brings its
-    /// upper edge nearer.
+    /// The turn of the viewplane out of the right angle to the aim, in degrees, as of a camera's
+    /// back by Scheimpflug's rule: first about `upwards`, by `tilt.x`, which brings its right edge
+    /// nearer; then about its own horizontal, by `tilt.y`, which brings its upper edge nearer.
     pub tilt: DVec2,
-    /// How far to the right a column leans for each unit upwards.
+    /// The shift of a column to the right for each unit upwards.
     pub skew: f64,
     /// The diameter of the lens, for the colours of pictures with several samples; 0 is a pinhole. See
     /// [`Camera::thin_lens`](super::Camera::thin_lens).
     pub aperture: f64,
-    /// The distance along the aim from the camera to what is in focus: a plane parallel to the viewplane. 0 where nobody says, as of a
-    /// pinhole.
+    /// The distance along the aim from the camera to the plane in focus, which is parallel to the
+    /// viewplane. 0 by default, as of a pinhole.
     pub focus: f64,
 }
 
 impl Default for Viewplane {
-    /// Of 4/3 by 1, at distance one; rays run through the camera's position and start on the viewplane.
+    /// A viewplane of 4/3 by 1, at distance one; rays run through the camera's position and start
+    /// on the viewplane.
     fn default() -> Self {
         Self {
             focal_length: 1.0,
@@ -87,7 +89,7 @@ impl Parameters for Viewplane {
 }
 
 named! {
-    /// Where a camera's rays start.
+    /// The start of a camera's rays.
     ///
     /// ```
     /// use firsthit::{Camera, DVec3, Lens, RayStart, View, Viewplane};
@@ -99,10 +101,10 @@ named! {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub enum RayStart, "ray_start":
-    /// On the viewplane: what lies between the camera and the viewplane is not seen.
+    /// Rays start on the viewplane: objects between the camera and the viewplane are not seen.
     #[default]
     "viewplane" => Viewplane;
-    /// At the camera's position; for parallel rays, on the plane through it.
+    /// Rays start at the camera's position; parallel ones on the plane through it.
     "eye" => Eye;
 }
 
@@ -186,7 +188,8 @@ impl Viewplane {
         (self.shift, self.tilt, self.skew) == (DVec2::ZERO, DVec2::ZERO, 0.0)
     }
 
-    /// The intrinsic matrix with so many rows and columns; `None` where rays are parallel or the viewplane is tilted.
+    /// The intrinsic matrix with these numbers of rows and columns; `None` where rays are parallel
+    /// or the viewplane is tilted.
     pub(super) fn pixel_matrix(&self, [rows, columns]: [usize; 2]) -> Option<PixelMatrix> {
         if self.parallel || self.tilt != DVec2::ZERO {
             return None;
@@ -206,7 +209,7 @@ impl Viewplane {
         })
     }
 
-    /// That of a part of the picture, which begins at a row and a column.
+    /// The viewplane of a part of the picture, which begins at a row and a column.
     pub(super) fn cropped(
         &self,
         [rows, columns]: [usize; 2],
@@ -226,7 +229,7 @@ impl Viewplane {
         }
     }
 
-    /// Where it is, for a camera with this frame.
+    /// The place of the viewplane, for a camera with this frame.
     fn placed(&self, [right, upwards, aim]: [DVec3; 3]) -> Placed {
         let ahead = self.focal_length * aim;
         if self.is_centred() {

@@ -97,7 +97,7 @@ impl<'a> Bytes<'a> {
         Ok(taken)
     }
 
-    /// How many entries there are, each of so many bytes at least.
+    /// Reads the number of entries, each of at least `least` bytes.
     fn count(&mut self, least: u64) -> Result<u64> {
         let count = u64::from_le_bytes(self.take()?);
         if count > self.rest.len() as u64 / least {
@@ -119,7 +119,8 @@ impl<'a> Bytes<'a> {
         Ok(String::from_utf8_lossy(text).into_owned())
     }
 
-    /// That all has been read. More would say that the count is too small, and that images are missing.
+    /// Checks that all has been read. More would say that the count is too small, and that images
+    /// are missing.
     fn end(&self) -> Result<()> {
         if self.rest.is_empty() {
             return Ok(());
@@ -128,7 +129,7 @@ impl<'a> Bytes<'a> {
         Err(self.wrong(format!("expected the file to end, got {more} more bytes")))
     }
 
-    /// Leaves out so many of so many bytes.
+    /// Skips `count` entries of `size` bytes.
     fn skip(&mut self, count: u64, size: u64) -> Result<()> {
         let bytes = count.checked_mul(size).map(usize::try_from);
         let Some(Ok(bytes)) = bytes else {

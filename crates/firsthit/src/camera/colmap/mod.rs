@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 use super::{Camera, Convention, Lens, PixelMatrix, Projection, Viewplane};
 use crate::error::{Error, Place, Result, escape_controls};
 
-/// What is wrong with an entry of a file, in words, if anything is.
+/// A result whose error says in words what is wrong with an entry of a file.
 type InWords<T> = std::result::Result<T, String>;
 
 /// A camera model of COLMAP that a projection of this library is.
@@ -37,11 +37,12 @@ type InWords<T> = std::result::Result<T, String>;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColmapModel {
-    /// Its number in binary files.
+    /// The number in binary files.
     pub number: i32,
-    /// Its name in text files.
+    /// The name in text files.
     pub name: &'static str,
-    /// Its parameters in COLMAP's order, by the names that the projection has for them; `f` is both `fx` and `fy`.
+    /// The parameters in COLMAP's order, by the names that the projection has for them; `f` is both
+    /// `fx` and `fy`.
     pub parameters: &'static [&'static str],
     /// The projection.
     pub projection: Projection,
@@ -51,7 +52,7 @@ pub struct ColmapModel {
 macro_rules! models {
     ($($number:literal $name:ident => $projection:ident: $($parameter:ident)*;)*) => {
         impl ColmapModel {
-            /// All of them, by their numbers.
+            /// All models, by their numbers.
             pub const ALL: &'static [Self] = &[$(Self {
                 number: $number,
                 name: stringify!($name),
@@ -182,7 +183,7 @@ struct Intrinsics {
 struct Image {
     name: String,
     camera: u32,
-    /// From the world to the camera: a quaternion, real part first, and a translation.
+    /// The pose from the world to the camera: a quaternion, real part first, and a translation.
     pose: [f64; 7],
     place: Place,
 }
@@ -430,7 +431,7 @@ fn shown(word: &str) -> String {
     format!("'{}{more}'", escape_controls(&start))
 }
 
-/// That something is wrong at a place of a file.
+/// The error that something is wrong at a place of a file.
 fn wrong(path: &Path, place: Place, what: impl Into<String>) -> Error {
     let (path, what) = (path.to_owned(), what.into());
     Error::Parse { path, place, what }

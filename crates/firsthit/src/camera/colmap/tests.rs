@@ -1,4 +1,4 @@
-//! What the two files say, and what is refused of them.
+//! The contents of the two files, and the errors of wrong ones.
 
 use std::path::Path;
 
@@ -188,7 +188,7 @@ fn what_is_wrong_in_images_is_told_with_its_line() {
     }
 }
 
-/// What no camera can be is told of the camera's line, when the camera is made.
+/// The error of a lens that no camera can have names the camera's line, when the camera is made.
 #[test]
 fn a_lens_that_is_none_is_told_of_its_line() {
     for (line, said) in [

@@ -12,9 +12,9 @@ use crate::geometry::arithmetic::{Arithmetic, Scalar};
 /// A distortion of the plane, whose radial polynomial has `N` coefficients.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Brown<const N: usize> {
-    /// Of powers of q, from the constant on.
+    /// The coefficients of the powers of q, from the constant on.
     pub(super) radial: [f64; N],
-    /// The same of what the first is divided by.
+    /// The coefficients of the divisor of the first.
     pub(super) divisor: [f64; 4],
     /// p1 and p2.
     pub(super) tangential: [f64; 2],
@@ -23,7 +23,8 @@ pub(super) struct Brown<const N: usize> {
 }
 
 impl<const N: usize> Brown<N> {
-    /// Where it folds over. `farthest` is how far from the middle the distorted points are that will be asked for, about.
+    /// The limit at which the distortion folds over. `farthest` is about the largest radius of the
+    /// distorted points that will be asked for.
     pub(super) fn limit(&self, farthest: f64) -> Limit {
         // The radius r times the factor n / d has the slope ((n + 2 q n') d - 2 q n d') / d².
         let (n, d) = (self.radial, self.divisor);
@@ -126,7 +127,7 @@ impl<const N: usize> Brown<N> {
         limit: &Limit,
         [u, v]: [A::Number; 2],
     ) -> ([A::Number; 2], A::Mask) {
-        /// From a start as near as usual, two lead to the last digit.
+        /// The most steps: from a start as near as usual, two lead to the last digit.
         const MOST_STEPS: usize = 8;
         /// A step of this share leaves its square, which is less than rounding.
         const SETTLED: f64 = 1e-8;
@@ -287,7 +288,7 @@ impl<const N: usize> Brown<N> {
         ([there_x, there_y], [by_xx, by_xy, by_yx, by_yy])
     }
 
-    /// What tangential and thin prism distortion move a point by.
+    /// The shift of a point by tangential and thin prism distortion.
     #[inline(always)]
     fn uneven<A: Arithmetic>(&self, of: A, [x, y]: [A::Number; 2]) -> [A::Number; 2] {
         let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
@@ -393,7 +394,7 @@ impl<const N: usize> Brown<N> {
 /// Whether a function is above zero between three places, the middle one of which is the least, where it is at its least in between: by
 /// golden section (Kiefer, "Sequential Minimax Search for a Maximum", Proceedings of the AMS 4(3), 1953).
 fn is_above_zero([low, middle, high]: [[f64; 2]; 3], f: impl Fn(f64) -> f64) -> bool {
-    /// They leave a hundred-thousandth of the interval.
+    /// The number of steps, which leave a hundred-thousandth of the interval.
     const STEPS: u32 = 24;
     const SHARE: f64 = 0.381_966_011_250_105_1;
     let (mut low, mut least, mut high) = (low[0], middle, high[0]);
@@ -456,7 +457,7 @@ fn slope_of<const N: usize>(coefficients: &[f64; N]) -> [f64; N] {
     slope
 }
 
-/// What a thin prism moves a point by, and the derivative of that by x, divided by x.
+/// The shift of a point by a thin prism, and its derivative by x, divided by x.
 #[inline(always)]
 fn prism<A: Arithmetic>(of: A, first: f64, second: f64, q: A::Number) -> [A::Number; 2] {
     [
@@ -469,7 +470,8 @@ fn prism<A: Arithmetic>(of: A, first: f64, second: f64, q: A::Number) -> [A::Num
 mod tests {
     use super::*;
 
-    /// What folds within a quarter of its radius may be passed over; nothing else is, however far out the point is.
+    /// A fold within a quarter of its radius may be passed over; no other one is, however far out
+    /// the point is.
     #[test]
     fn a_fold_near_the_middle_is_seen_from_far_out() {
         let mut state = 7_u64;

@@ -15,7 +15,7 @@ parameters! {
     pub struct DoubleSphere {
         /// The distance between the spheres' centres; above -1. Above 1 directions are seen whose -z is below 1 / xi of their length.
         xi = 0.0,
-        /// From 0 to 1, as in the unified model.
+        /// The weight from 0 to 1, as in the unified model.
         alpha = 0.0,
     }
 }

@@ -36,17 +36,18 @@ use crate::error::Result;
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3};
 
-/// How far a model goes before it folds over.
+/// The limit of a model, where it folds over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
     /// The largest undistorted radius, or angle to the axis.
     undistorted: f64,
-    /// What the image's radius is there.
+    /// The radius in the image at the limit.
     pub(super) distorted: f64,
-    /// Where a model is not the same all around: the undistorted radius beyond which every point is past the fold.
+    /// The undistorted radius beyond which every point is past the fold, where a model is not
+    /// radially symmetric.
     outermost: f64,
-    /// Up to this undistorted radius every solution that is not turned over is taken for the one, without a look at the way to it:
-    /// no fold was found up to there.
+    /// The undistorted radius up to which no fold was found: up to there every solution that is not
+    /// turned over is taken for the one, without a look at the way to it.
     probed: f64,
     /// About what the radius is multiplied by to be undistorted, or to be an angle, as a function of its square.
     start: Start,

@@ -22,7 +22,7 @@ pub(super) fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     product
 }
 
-/// Where the polynomial changes its sign at positive x, in rising order.
+/// The positive x at which the polynomial changes its sign, in rising order.
 ///
 /// Between two neighbouring roots of the derivative it is monotone, so a change of sign there encloses one root, which bisection
 /// finds to the last digit.

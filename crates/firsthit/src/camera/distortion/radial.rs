@@ -18,7 +18,7 @@ use crate::geometry::{DVec2, DVec3, require};
 
 /// A radius for each angle to the axis, in radians, that rises up to the limit.
 pub(super) trait RadialModel: Parameters + Copy + Send + Sync {
-    /// That of [`Distortion`].
+    /// As in [`Distortion`].
     const IS_PERSPECTIVE: bool = false;
 
     /// Checks the parameters, and says up to which angle the radius rises.
@@ -36,7 +36,7 @@ pub(super) trait RadialModel: Parameters + Copy + Send + Sync {
     ) -> ([A::Number; 2], A::Mask);
 }
 
-/// What is known everywhere.
+/// The mask of all lanes, for values that are known everywhere.
 #[inline(always)]
 fn everywhere<A: Arithmetic>(of: A) -> A::Mask {
     of.lt(of.number(0.0), of.number(1.0))
@@ -89,7 +89,7 @@ impl<M: RadialModel> Distortion for M {
             return None;
         }
         if off == 0.0 {
-            // Straight back is seen in every direction, and straight ahead in the middle; nowhere is where there is no direction.
+            // On the axis: ahead projects to the centre; behind, and a zero vector, to no point.
             return (direction.z > 0.0).then_some(DVec2::ZERO);
         }
         Some(self.radius(angle) / off * aside)
@@ -269,15 +269,15 @@ impl RadialModel for OrthographicFisheye {
 parameters! {
     /// The radius is k1 a + k2 a³ + k3 a⁵ + k4 a⁷ + k5 a⁹ for an angle a.
     pub struct KannalaBrandt {
-        /// Of the angle; positive.
+        /// The coefficient of the angle; positive.
         k1 = 1.0,
-        /// Of its third power.
+        /// The coefficient of the angle's third power.
         k2 = 0.0,
-        /// Of its fifth power.
+        /// The coefficient of its fifth power.
         k3 = 0.0,
-        /// Of its seventh power.
+        /// The coefficient of its seventh power.
         k4 = 0.0,
-        /// Of its ninth power.
+        /// The coefficient of its ninth power.
         k5 = 0.0,
     }
 }
@@ -285,13 +285,13 @@ parameters! {
 parameters! {
     /// The radius is a (1 + k1 a² + k2 a⁴ + k3 a⁶ + k4 a⁸) for an angle a, as in `cv2.fisheye`.
     pub struct OpenCvFisheye (silent fov) {
-        /// Of the angle's third power.
+        /// The coefficient of the angle's third power.
         k1 = 0.0,
-        /// Of its fifth power.
+        /// The coefficient of its fifth power.
         k2 = 0.0,
-        /// Of its seventh power.
+        /// The coefficient of its seventh power.
         k3 = 0.0,
-        /// Of its ninth power.
+        /// The coefficient of its ninth power.
         k4 = 0.0,
         /// The field of view in degrees: what is beyond it is not seen.
         fov = 360.0,

@@ -53,15 +53,15 @@ parameters! {
     pub struct RadTanThinPrismFisheye {
         /// Radial, of the angle's third power.
         k0 = 0.0,
-        /// Of its fifth power.
+        /// The coefficient of its fifth power.
         k1 = 0.0,
-        /// Of its seventh power.
+        /// The coefficient of its seventh power.
         k2 = 0.0,
-        /// Of its ninth power.
+        /// The coefficient of its ninth power.
         k3 = 0.0,
-        /// Of its eleventh power.
+        /// The coefficient of its eleventh power.
         k4 = 0.0,
-        /// Of its thirteenth power.
+        /// The coefficient of its thirteenth power.
         k5 = 0.0,
         /// Tangential.
         p0 = 0.0,
@@ -93,7 +93,7 @@ fn all_around() -> Limit {
 }
 
 impl ThinPrismFisheye {
-    /// What distorts the equidistant image.
+    /// The distortion of the equidistant image.
     fn plane(&self) -> Brown<5> {
         Brown {
             radial: [1.0, self.k1, self.k2, self.k3, self.k4],
@@ -155,7 +155,8 @@ impl RadTanThinPrismFisheye {
         AngleSeries([1.0, k0, k1, k2, k3, k4, k5])
     }
 
-    /// What distorts the polynomial's image. Its tangential numbers are OpenCV's in the other order.
+    /// The distortion of the polynomial's image. Its tangential numbers are OpenCV's in the other
+    /// order.
     fn plane(&self) -> Brown<1> {
         Brown {
             radial: [1.0],

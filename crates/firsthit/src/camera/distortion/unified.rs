@@ -16,7 +16,7 @@ use crate::geometry::{DVec2, DVec3, require};
 parameters! {
     /// The unified camera model.
     pub struct Ucm {
-        /// From 0, a pinhole, to 1.
+        /// The weight from 0, a pinhole, to 1.
         alpha = 0.0,
     }
 }
@@ -24,7 +24,7 @@ parameters! {
 parameters! {
     /// The enhanced unified camera model.
     pub struct Eucm {
-        /// From 0, a pinhole, to 1.
+        /// The weight from 0, a pinhole, to 1.
         alpha = 0.0,
         /// Positive.
         beta = 1.0,
@@ -48,7 +48,7 @@ pub(super) fn height<A: Arithmetic>(of: A, alpha: f64, r2: A::Number) -> (A::Num
     (of.div(above, below), rest)
 }
 
-/// How far behind the camera directions are still seen, as z / d.
+/// The largest z / d behind the camera at which directions are still seen.
 pub(super) fn backmost(alpha: f64) -> f64 {
     if alpha <= 0.5 {
         -alpha / (1.0 - alpha)
