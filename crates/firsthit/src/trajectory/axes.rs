@@ -1,9 +1,10 @@
-//! What the axes of a body are.
+//! The axes of a body.
 
 use crate::geometry::{DQuat, named};
 
 named! {
-    /// Which ways a body's x, y and z axes point, seen from the body. It is named by whoever knows, and never guessed.
+    /// The directions of a body's x, y and z axes, seen from the body. The caller names them; they
+    /// are never guessed.
     ///
     /// ```
     /// use firsthit::DVec3;

@@ -1,9 +1,10 @@
-//! How a trajectory goes on between its poses, and beyond them.
+//! The interpolation of a trajectory between its poses, and the extrapolation beyond them.
 
 use crate::geometry::named;
 
 named! {
-    /// How a trajectory goes from one pose to the next. Each passes through every pose, and turns the short way.
+    /// The interpolation from one pose to the next. Each passes through every pose, and turns the
+    /// short way.
     ///
     /// ```
     /// use firsthit::trajectory::Interpolation;
@@ -26,7 +27,7 @@ named! {
 }
 
 named! {
-    /// What a trajectory answers before its first and after its last pose.
+    /// The answer of a trajectory before its first and after its last pose.
     pub enum Extrapolation, "extrapolation":
     /// An error: where the body was is not known.
     #[default]

@@ -111,7 +111,7 @@ impl Trajectory {
         })
     }
 
-    /// The same poses with another way between them.
+    /// The trajectory with another interpolation between its poses.
     ///
     /// # Errors
     ///
@@ -127,13 +127,13 @@ impl Trajectory {
         Ok(self)
     }
 
-    /// The same poses with another answer beyond them.
+    /// The trajectory with another extrapolation beyond its poses.
     pub fn extrapolated(mut self, extrapolation: Extrapolation) -> Self {
         self.extrapolation = extrapolation;
         self
     }
 
-    /// The same motion of a body whose axes are called otherwise: `from` says what they are, `to` what they are to be.
+    /// The motion of the body with other names for its axes: from the axes `from` to the axes `to`.
     ///
     /// ```
     /// use firsthit::trajectory::BodyAxes;
@@ -180,17 +180,18 @@ impl Trajectory {
         self.times[self.times.len() - 1]
     }
 
-    /// How it goes from one pose to the next.
+    /// The interpolation from one pose to the next.
     pub fn interpolation(&self) -> Interpolation {
         self.interpolation
     }
 
-    /// What it answers beyond its poses.
+    /// The extrapolation beyond the poses.
     pub fn extrapolation(&self) -> Extrapolation {
         self.extrapolation
     }
 
-    /// Where the body is at `time`, in seconds. At the time of a pose it is that pose, bit for bit.
+    /// The pose of the body at `time`, in seconds. At the time of a pose it is that pose, bit for
+    /// bit.
     ///
     /// # Errors
     ///
@@ -273,7 +274,7 @@ impl Trajectory {
     }
 }
 
-/// That times are finite and increase.
+/// Checks that times are finite and increase.
 fn check_times(times: &[f64]) -> Result<()> {
     let mut before = f64::NEG_INFINITY;
     for (index, &time) in times.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Where a body is, and how it is turned.
+//! The position and orientation of a body.
 
 use super::axes::BodyAxes;
 use super::rotation::{nearest_rotation, unit_rotation};
@@ -8,7 +8,8 @@ use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, require};
 /// The largest coordinate: beyond it squares leave float64, and rays meet nothing.
 pub(super) const FARTHEST: f64 = 1e150;
 
-/// Where a body is in the world, and how it is turned: a rigid motion that takes the body's coordinates to the world's.
+/// The position and orientation of a body in the world: a rigid motion that takes the body's
+/// coordinates to the world's.
 ///
 /// The body's axes are whatever its maker says; see [`BodyAxes`]. `rotation` and its negative are the same rotation.
 ///
@@ -24,14 +25,14 @@ pub(super) const FARTHEST: f64 = 1e150;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Where the body's origin is in the world, in scene units.
+    /// The position of the body's origin in the world, in scene units.
     pub position: DVec3,
-    /// How the body's axes are turned in the world, a quaternion of length one.
+    /// The orientation of the body's axes in the world, a quaternion of length one.
     pub rotation: DQuat,
 }
 
 impl Pose {
-    /// At the world's origin, with the world's axes.
+    /// The pose at the world's origin, with the world's axes.
     pub const IDENTITY: Self = Self {
         position: DVec3::ZERO,
         rotation: DQuat::IDENTITY,

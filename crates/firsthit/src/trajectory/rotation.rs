@@ -14,7 +14,7 @@ pub(super) fn unit_rotation(q: DQuat) -> Option<DQuat> {
     is_near.then(|| if is_unit { q } else { q / length })
 }
 
-/// How far a matrix's columns may be from being at right angles and of length one.
+/// The largest deviation of a matrix's columns from right angles and from length one.
 const SKEW: f64 = 1e-4;
 
 /// The rotation that is nearest to a matrix that is nearly one.

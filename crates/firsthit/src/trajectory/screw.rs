@@ -2,8 +2,8 @@
 
 use crate::geometry::DVec3;
 
-/// How far a point has come at the share `s` of a screw motion that moves it by `whole` and turns by the rotation vector `turn`,
-/// both in world axes.
+/// The displacement of a point at the share `s` of a screw motion that moves it by `whole` and
+/// turns by the rotation vector `turn`, both in world axes.
 ///
 /// The motion is `exp(s log(T))`, the geodesic of SE(3): at constant speed about and along one line (Chasles' theorem; Murray,
 /// Li and Sastry, "A Mathematical Introduction to Robotic Manipulation", 1994, chapter 2). Across that line the point goes

@@ -42,8 +42,8 @@ pub(super) fn natural_rates(times: &[f64], means: &[DVec3]) -> Result<Vec<DVec3>
     Ok(rates)
 }
 
-/// How far the cubic curve has come at the share `s` of a stretch over which it moves by `whole`. `ends` are the rates at its
-/// ends, times its duration (Hermite's form).
+/// The displacement along the cubic curve at the share `s` of a stretch over which it moves by
+/// `whole`. `ends` are the rates at its ends, times its duration (Hermite's form).
 pub(super) fn cubic(s: f64, whole: DVec3, ends: [DVec3; 2]) -> DVec3 {
     let [first, last] = ends;
     let squared = 3.0 * whole - 2.0 * first - last;

@@ -7,7 +7,7 @@ use super::table::{Columns, Names, read_table};
 use super::text::Unit;
 use crate::error::Result;
 
-/// What the column of the time may be called, and the unit that the name says.
+/// The names of a column of the time, and the unit that each says.
 const TIMES: [(&str, Unit); 15] = [
     ("time", Unit::SECOND),
     ("time_s", Unit::SECOND),
@@ -26,7 +26,7 @@ const TIMES: [(&str, Unit); 15] = [
     ("timestamp_ns", Unit::NANOSECOND),
 ];
 
-/// What those of the pose may be called.
+/// The names of the pose's columns.
 const POSE: [Names; 7] = [
     &["x", "tx", "position_x"],
     &["y", "ty", "position_y"],

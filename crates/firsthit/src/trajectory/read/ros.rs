@@ -7,7 +7,7 @@ use super::table::{Columns, read_table};
 use super::text::Unit;
 use crate::error::Result;
 
-/// Where the position and the rotation stand in messages that have a pose.
+/// The fields of the position and the rotation in messages that have a pose.
 const MESSAGES: [[&str; 2]; 4] = [
     // geometry_msgs/PoseStamped
     ["field.pose.position", "field.pose.orientation"],

@@ -10,7 +10,7 @@ use crate::error::{Place, Result};
 use crate::geometry::{DQuat, DVec3};
 use crate::memory;
 
-/// What has been read of a trajectory.
+/// The poses of a trajectory that have been read.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
     times: Vec<f64>,
@@ -18,7 +18,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// How many poses there are.
+    /// The number of poses.
     pub(super) fn len(&self) -> usize {
         self.poses.len()
     }

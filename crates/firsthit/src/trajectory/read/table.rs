@@ -7,15 +7,15 @@ use super::rows::Rows;
 use super::text::{Field, Line, Lines, Unit, shown, wrong};
 use crate::error::{Error, Place, Result};
 
-/// What a column may be called, in small letters.
+/// The names that a column may have, in small letters.
 pub(super) type Names<'a> = &'a [&'a str];
 
-/// Where what stands in a line.
+/// The numbers of the columns in a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns {
     /// The number of the column with the time.
     pub(super) time: usize,
-    /// What its times are in.
+    /// The unit of the times.
     pub(super) unit: Unit,
     /// The numbers of the columns `x y z qx qy qz qw`.
     pub(super) pose: [usize; 7],
@@ -66,7 +66,7 @@ impl Header<'_> {
         Ok(pose)
     }
 
-    /// That a column is missing.
+    /// The error that a column is missing.
     pub(super) fn missing(&self, names: Names) -> Error {
         let names = names.join(" or ");
         let what = format!("there is no column {names}; the first line is the header");

@@ -14,7 +14,7 @@ pub(super) struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Those of UTF-8, with a byte order mark or without one.
+    /// The lines of UTF-8, with a byte order mark or without one.
     pub(super) fn new(text: &'a [u8], path: &'a Path) -> Result<Self> {
         if text.starts_with(b"\xff\xfe") || text.starts_with(b"\xfe\xff") {
             let what = "the text is UTF-16; save it as UTF-8";
@@ -65,7 +65,7 @@ pub(super) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// That the line as a whole is wrong.
+    /// The error that the line as a whole is wrong.
     pub(super) fn error(&self, what: impl Into<String>) -> Error {
         wrong(self.path, Place::Line(self.number), what)
     }
@@ -150,13 +150,13 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// None, at the end of a line.
+    /// The missing field at the end of a line.
     pub(super) fn missing(line: Line<'a>) -> Self {
         let (start, text) = (line.text.len(), &[][..]);
         Self { line, start, text }
     }
 
-    /// That this is wrong.
+    /// The error that the field is wrong.
     pub(super) fn error(&self, what: impl Into<String>) -> Error {
         let before = self.line.text.get(..self.start).unwrap_or_default();
         let column = String::from_utf8_lossy(before).chars().count() as u64 + 1;
@@ -201,9 +201,9 @@ impl<'a> Field<'a> {
 /// A unit of time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Unit {
-    /// What to write after a number of them, so that it is in seconds.
+    /// The exponent to append to a number of them, so that it is in seconds.
     exponent: &'static str,
-    /// How many of them are a second.
+    /// The number of them in a second.
     of_a_second: f64,
 }
 
@@ -234,7 +234,7 @@ pub(super) fn shown(piece: &[u8]) -> String {
     escape_controls(&line)
 }
 
-/// That something is wrong at a place of a text.
+/// The error that something is wrong at a place of a text.
 pub(super) fn wrong(path: &Path, place: Place, what: impl Into<String>) -> Error {
     let (path, what) = (path.to_owned(), what.into());
     Error::Parse { path, place, what }
