@@ -9,7 +9,7 @@ const TENS: [f64; 23] = [
 /// Integers up to here are float64.
 const LARGEST_WHOLE: u64 = 1 << 53;
 
-/// More digits may not fit.
+/// The most digits that surely fit.
 const MOST_DIGITS: usize = 18;
 
 /// The number at the start of `text`, and the rest of the text, if float64 holds both its digits and its power of ten

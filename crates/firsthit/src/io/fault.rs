@@ -1,4 +1,4 @@
-//! Why a file cannot be read.
+//! The reason why a file cannot be read.
 
 use std::path::Path;
 
@@ -7,12 +7,12 @@ use crate::error::{Error, Place};
 /// The result of a step of a loader, before the path is known.
 pub(crate) type Checked<T> = Result<T, Fault>;
 
-/// Why a file cannot be read.
+/// The reason why a file cannot be read.
 #[derive(Debug)]
 pub(crate) enum Fault {
-    /// Its content is wrong.
+    /// The content is wrong.
     Content { place: Place, what: String },
-    /// It needs more memory than is allowed.
+    /// The content needs more memory than is allowed.
     TooLarge { place: Place, what: String },
     /// Any other error.
     Other(Error),

@@ -18,7 +18,7 @@ use crate::world::World;
 /// A kind of file.
 pub(crate) struct Format {
     pub(crate) name: &'static str,
-    /// In lower case, without the dot.
+    /// The extensions in lower case, without the dot.
     pub(crate) extensions: &'static [&'static str],
     pub(crate) up: DVec3,
     /// Whether `up` is a rule of the format, not a convention.
@@ -26,7 +26,7 @@ pub(crate) struct Format {
     pub(crate) read: fn(&[u8], &mut Report) -> Checked<World>,
 }
 
-/// While a file is read, it takes this many times its content, unless it is an attack.
+/// The memory for reading a file, in multiples of its content, unless it is an attack.
 const TIMES_CONTENT: usize = 3;
 
 impl Format {
@@ -54,7 +54,7 @@ impl Format {
         self.loaded(world, report)
     }
 
-    /// What was read of a file, with all that the format says beside it.
+    /// The loaded file, with all that the format says beside the world.
     pub(crate) fn loaded(&self, world: World, report: &mut Report) -> Result<Loaded> {
         if let Some(error) = report.strict_error() {
             return Err(error);
@@ -76,7 +76,7 @@ impl Format {
     }
 }
 
-/// The one of `formats` that the extension of `path` names.
+/// The format, of `formats`, that the extension of `path` names.
 ///
 /// # Errors
 ///

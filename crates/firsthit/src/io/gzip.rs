@@ -12,7 +12,7 @@ use crate::error::Place;
 
 const MAGIC: &[u8] = &[0x1f, 0x8b];
 
-/// How many bytes are unpacked at a time.
+/// The number of bytes that are unpacked at a time.
 const PIECE: u64 = 1 << 20;
 
 /// The content itself; of a packed file, the unpacked content.

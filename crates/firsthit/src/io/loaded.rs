@@ -22,7 +22,8 @@ pub struct Loaded {
     /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
     /// formats `None`: the objects' buffers tell.
     pub vertices: Option<u64>,
-    /// What the file holds built, as `.fhs` files do, and scene files that name one: the scene of the world's objects, or of some.
+    /// The built scene of the file, as `.fhs` files have one, and scene files that name one: the
+    /// scene of the world's objects, or of some.
     pub scene: Option<Scene>,
 }
 

@@ -12,14 +12,16 @@ use crate::error::Place;
 use crate::memory;
 use crate::scene::Object;
 
-/// What a file describes may take this many times the file's size: the best compressed meshes take half of that.
+/// The memory for what a file describes, in multiples of the file's size: the best compressed
+/// meshes take half of that.
 const TIMES_SIZE: u64 = 256;
 
-/// What a file describes may take this share of the allowed memory on top, 32 MiB by default: small files may repeat
-/// themselves.
+/// The share of the allowed memory for what a file describes on top, 32 MiB by default: small files
+/// may repeat themselves.
 const FREE_SHARE: u64 = 256;
 
-/// This share of a texture counts as described: a picture of one colour is a file of a thousandth of its texels.
+/// The inverse of the share of a texture that counts as described: a picture of one colour is a
+/// file of a thousandth of its texels.
 const TEXTURE_SHARE: u64 = 16;
 
 /// The memory that an object takes without its mesh and its name: itself and its part of the tree.
@@ -119,7 +121,8 @@ impl MemoryBudget {
         self.charge_content(bytes as u64, "its content")
     }
 
-    /// Makes room for what a file of so many bytes describes, without memory for them: once, however often the file is read.
+    /// Makes room for what a file of `bytes` bytes describes, without memory for them: once,
+    /// however often the file is read.
     pub(crate) fn make_room(&mut self, path: &Path, bytes: usize) {
         let bytes = bytes as u64;
         if self.sized.insert(path.to_owned()) {

@@ -122,7 +122,7 @@ mod tests {
         assert!(decoded(&bytes, None, LoadSettings::default()).is_err());
     }
 
-    /// As decoded, and as the texture: four bytes a texel each.
+    /// The memory is for the decoded picture and for the texture: four bytes a texel each.
     #[test]
     fn a_texture_takes_twice_its_texels_of_the_memory_allowed() {
         let bytes = png(256, 128);

@@ -91,7 +91,7 @@ pub(crate) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
     Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
 }
 
-/// The same where a file that cannot be read is no more than a warning.
+/// The content of a sibling; a file that cannot be read is no more than a warning.
 ///
 /// # Errors
 ///
@@ -216,7 +216,7 @@ pub(crate) fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<Pat
     Ok(path)
 }
 
-/// Why a name is refused.
+/// The reason why a name is refused.
 #[derive(Debug, Clone, Copy)]
 struct Refused {
     why: &'static str,

@@ -41,7 +41,7 @@ const WAYS: &[(&[&str], &str)] = &[
     ),
 ];
 
-/// How files begin, and by which extension that kind goes.
+/// The beginnings of files, and the extension of each kind.
 const BEGINNINGS: &[(&[u8], &str)] = &[
     (b"glTF", "glb"),
     (b"ply\n", "ply"),

@@ -1,4 +1,5 @@
-//! What a loader gets beside the bytes: settings, the source, the memory budget and a place for warnings.
+//! The context of a loader beside the bytes: settings, the source, the memory budget and a place
+//! for warnings.
 
 use std::path::{Path, PathBuf};
 

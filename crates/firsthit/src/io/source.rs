@@ -1,4 +1,4 @@
-//! Which file is read, and which files were read for it.
+//! The file that is read, and the files that were read for it.
 
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ impl Source {
         }
     }
 
-    /// Its path, as messages call it.
+    /// The path, as messages call it.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
@@ -58,7 +58,7 @@ impl Source {
         }
     }
 
-    /// Its name without extensions: the name of an object without one.
+    /// The file's name without extensions: the name of an object without one.
     pub(crate) fn stem(&self) -> String {
         let path = without_gz(&self.path);
         escaped(Path::new(path.file_stem().unwrap_or_default()))

@@ -159,7 +159,7 @@ fn read_binary(facets: &[u8]) -> Vec<[f32; 3]> {
     points
 }
 
-/// Where in a text STL the reader is.
+/// The state of the reader of a text STL.
 #[derive(Default)]
 struct TextReader {
     points: Vec<[f64; 3]>,

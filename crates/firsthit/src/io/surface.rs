@@ -1,4 +1,4 @@
-//! From a file's faces to a mesh.
+//! Makes a mesh of a file's faces.
 
 use std::sync::Arc;
 
@@ -51,7 +51,7 @@ pub(super) struct Surface {
     /// The face of each triangle; `None` while it is the triangle's own index.
     faces: Option<Vec<u32>>,
     face_count: u32,
-    /// Where a fan may have to be replaced, once the vertices are known.
+    /// The polygons whose fan may have to be replaced, once the vertices are known.
     polygons: Vec<Polygon>,
     /// The triangles' indices into other values: empty, or as long as `triangles`.
     pub(super) corners: [Vec<[u32; 3]>; 2],
@@ -80,7 +80,7 @@ impl Surface {
         Ok(())
     }
 
-    /// What it takes in memory.
+    /// The size in bytes.
     pub(super) fn bytes(&self) -> usize {
         let [a, b] = &self.corners;
         let faces = self.faces.as_deref().map_or(0, size_of_val);
@@ -94,7 +94,7 @@ impl Surface {
         self.triangles.is_empty()
     }
 
-    /// How many faces have come, those of less than three corners too.
+    /// The number of faces so far, those of less than three corners too.
     pub(super) fn face_count(&self) -> u32 {
         self.face_count
     }

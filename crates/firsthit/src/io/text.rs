@@ -52,7 +52,7 @@ impl<'a> Lines<'a> {
         self.rest = rest;
     }
 
-    /// What follows the line that came last.
+    /// The text after the latest line.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -83,7 +83,7 @@ pub(super) fn unended_line(text: &[u8]) -> Option<&[u8]> {
     text.get(start..).filter(|line| !line.is_empty())
 }
 
-/// What to say of a last line without a line break that makes no sense as the last.
+/// The message about a last line without a line break that makes no sense as the last.
 pub(super) fn unended(line: &[u8], why: &str) -> String {
     let line = shown(line);
     format!("its last line has no line break, and {why}: '{line}'")

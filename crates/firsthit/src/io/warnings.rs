@@ -11,7 +11,7 @@ pub(crate) struct Warnings {
     kinds: Vec<Kind>,
     dropped: u64,
     first_dropped: String,
-    /// Where and why a file seems to end too early.
+    /// The place and reason where a file seems to end too early.
     cut: Option<Error>,
     /// Warnings of files that this one names, worded.
     absorbed: Vec<String>,

@@ -77,7 +77,7 @@ fn header(source: &mut Source<'_>, report: &mut Report) -> Checked<()> {
     }
 }
 
-/// In which order texels come.
+/// The order of the texels.
 struct Order {
     lines: usize,
     length: usize,
@@ -90,7 +90,7 @@ struct Order {
 }
 
 impl Order {
-    /// That of the line with the size.
+    /// Reads the order from the line with the size.
     fn of(source: &mut Source<'_>) -> Checked<Self> {
         let start = source.at;
         let line = source.line()?;
@@ -144,7 +144,7 @@ impl Order {
         }
     }
 
-    /// Where a texel of a line is in the picture, row by row from the top left.
+    /// The index in the picture, row by row from the top left, of a texel of a line.
     fn place(&self, line: usize, index: usize) -> usize {
         let (row, column) = if self.of_rows {
             (line, index)

@@ -21,7 +21,8 @@ struct Picture {
     texels: Vec<[f32; 3]>,
 }
 
-/// What infinity is read as: the largest half float, beyond which cameras and programs that write those overflow.
+/// The value that infinity is read as: the largest half float, beyond which cameras and programs
+/// that write those overflow.
 const BRIGHTEST: f32 = 65_504.0;
 
 /// The map in the file of `report`.

@@ -42,7 +42,7 @@ impl Component {
         }
     }
 
-    /// What stands for one in a normalised number of this type.
+    /// The number that stands for one in a normalised number of this type.
     pub(super) fn largest(self) -> f64 {
         match self {
             Self::Int8 => f64::from(i8::MAX),
@@ -59,10 +59,10 @@ impl Component {
     }
 }
 
-/// What elements are read as.
+/// The type that elements are read as.
 pub(super) trait Number: Copy + Default {
     fn from_single(value: f32) -> Self;
-    /// From a whole number, or its share of `largest` where it is normalised.
+    /// The value of a whole number, or its share of `largest` where it is normalised.
     fn from_whole(value: i64, largest: Option<f64>) -> Self;
 }
 
@@ -87,7 +87,7 @@ impl Number for f32 {
     }
 }
 
-/// Only for unsigned components that are not normalised.
+/// Indices are read from unsigned components that are not normalised.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -121,7 +121,7 @@ struct Packed<'a> {
     stride: usize,
 }
 
-/// How an accessor's elements must be: how many components they have, and how that is called.
+/// The shape of an accessor's elements: the number of components, and its name.
 pub(super) struct Shape {
     pub(super) components: usize,
     pub(super) name: &'static str,

@@ -30,7 +30,7 @@ impl<'a> Buffers<'a> {
         }
     }
 
-    /// What a buffer view shows.
+    /// The bytes of a buffer view.
     pub(super) fn view(&mut self, Index(index): Index, report: &mut Report) -> Checked<Bytes<'a>> {
         let entry = Entry::new("bufferViews", index);
         let view = self.document.buffer_views.get(index);

@@ -89,7 +89,7 @@ fn describe(view: View) -> Description {
     }
 }
 
-/// What a camera sees from the origin along -z.
+/// The view of a camera at the origin along -z.
 fn lens(camera: &CameraEntry<'_>, entry: Entry) -> Checked<View> {
     let view = View::default();
     let from_eye = Viewplane {

@@ -15,7 +15,7 @@ use super::material_entry::{ImageEntry, MaterialEntry, SamplerEntry, TextureEntr
 use super::place::pointer_of;
 use crate::error::{Place, escape_controls};
 
-/// What a primitive or an instancing extension names: semantics and their accessors.
+/// The attributes of a primitive or an instancing extension: semantics and their accessors.
 pub(super) type Attributes<'a> = BTreeMap<Cow<'a, str>, Index>;
 
 #[derive(Debug, Deserialize)]

@@ -17,7 +17,7 @@ pub(super) struct Unpacked {
     mesh: Mesh,
 }
 
-/// What unpacking a face may take at its peak, the tables of its corners included.
+/// The peak memory of unpacking a face, the tables of its corners included.
 const FACE_BYTES: u64 = 96;
 
 impl Unpacked {

@@ -22,7 +22,7 @@ pub(super) struct Look {
     pub(super) materials: Arc<[Material]>,
     /// The sets of texture coordinates that its maps take; `None` for those that it does not need.
     pub(super) sets: [Option<usize>; 2],
-    /// Which of them its normal maps take, if it has any.
+    /// The set of texture coordinates of the normal maps, if there are any.
     pub(super) normal_set: Option<UvSet>,
     /// Whether alpha means anything.
     pub(super) has_alpha: bool,

@@ -87,7 +87,8 @@ pub(super) struct Transmission {
     pub(super) transmission_texture: Option<TextureInfo>,
 }
 
-/// Its texture of thicknesses is for those who do not follow rays.
+/// The volume extension. Its texture of thicknesses is left out: it is for renderers that do not
+/// follow rays.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Volume {
@@ -128,16 +129,16 @@ pub(super) struct Diffuse {
     pub(super) specular_glossiness_texture: Option<TextureInfo>,
 }
 
-/// How a material names a texture.
+/// The reference of a material to a texture.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
     pub(super) index: Index,
     #[serde(default)]
     pub(super) tex_coord: Index,
-    /// Of normal maps.
+    /// The scale of normal maps.
     pub(super) scale: Option<f64>,
-    /// Of occlusion maps.
+    /// The strength of occlusion maps.
     pub(super) strength: Option<f64>,
     #[serde(default)]
     pub(super) extensions: TextureInfoExtensions,
@@ -295,7 +296,7 @@ impl MaterialEntry<'_> {
 }
 
 impl TextureInfo {
-    /// Which set of texture coordinates it takes.
+    /// The set of texture coordinates that the texture takes.
     pub(super) fn set(&self) -> usize {
         let transform = self.extensions.transform.as_ref();
         transform

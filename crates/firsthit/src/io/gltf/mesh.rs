@@ -1,4 +1,4 @@
-//! From a primitive to a mesh.
+//! Makes a mesh of a primitive.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -20,7 +20,7 @@ use crate::shape::{Attribute, Mesh, Positions};
 /// The deformation of a primitive's vertices: morph targets and joints.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Deformation<'a> {
-    /// How much of each morph target is added.
+    /// The weight of each morph target.
     pub(super) weights: &'a [f64],
     pub(super) palette: Option<&'a Palette>,
     /// The map of the mesh's node, at which vertices stay that no joint moves.
@@ -67,7 +67,7 @@ pub(super) fn build(
     named::with_properties(mesh, values, count).map(Some)
 }
 
-/// How indices make triangles.
+/// The topology: how indices make triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {
     Triangles,
@@ -385,7 +385,7 @@ fn with_tangents(
     Ok(mesh.with_tangents(tangents)?)
 }
 
-/// What making tangents takes for a triangle: of each corner a key, a sum and a value, and its number.
+/// The memory for a triangle's tangents: of each corner a key, a sum and a value, and its number.
 const TANGENT_BYTES: u64 = 3 * (72 + 32 + 16 + 4);
 
 fn with_colors(

@@ -1,4 +1,4 @@
-//! What a material is made of: glTF's metallic-roughness with its extensions.
+//! The scattering model of a material: glTF's metallic-roughness with its extensions.
 
 use super::super::report::Report;
 use super::material_entry::{Diffuse, MaterialEntry};
@@ -12,7 +12,7 @@ pub(super) struct Numbers<'a> {
     pub(super) report: &'a mut Report,
 }
 
-/// More than any light, and less than what sums of it can bear.
+/// The brightest light: more than any real one, and less than its sums can bear.
 const BRIGHTEST: f64 = 1e30;
 
 impl Numbers<'_> {
@@ -64,17 +64,17 @@ impl Numbers<'_> {
         (strength * factor).min(Color::splat(BRIGHTEST))
     }
 
-    /// How steep a normal map is: any number, but for those that are beyond all use.
+    /// The scale of a normal map: any number, but for those that are beyond all use.
     pub(super) fn scale(&mut self, scale: Option<f64>) -> f64 {
         self.within((-100.0, 100.0), scale.unwrap_or(1.0), "normalTexture/scale")
     }
 
-    /// How much the occlusion map counts.
+    /// The weight of the occlusion map.
     pub(super) fn strength(&mut self, strength: Option<f64>) -> f64 {
         self.share(strength, 1.0, "occlusionTexture/strength")
     }
 
-    /// What a material is made of.
+    /// The scattering model of a material.
     pub(super) fn model(&mut self, material: &MaterialEntry<'_>) -> Model {
         let extensions = &material.extensions;
         if extensions.unlit.is_some() {

@@ -8,7 +8,7 @@ use crate::error::escape_controls;
 use crate::memory::Storage;
 use crate::shape::{Between, Mesh, Property, PropertyOf, PropertyValues};
 
-/// The mesh with those of a primitive of so many `vertices`.
+/// The mesh with the properties of a primitive of `vertices` vertices.
 pub(super) fn with_properties(
     mesh: Mesh,
     values: &mut Values<'_, '_>,

@@ -1,4 +1,4 @@
-//! From placed nodes to objects.
+//! Makes objects of placed nodes.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -31,7 +31,7 @@ pub(super) struct Objects<'a, 'b> {
     shared: Shared,
     meshes: HashMap<(usize, usize), Option<Arc<Mesh>>>,
     palettes: HashMap<Index, Rc<Palette>>,
-    /// Where the nodes are, once a skin asked for it.
+    /// The transforms of all nodes, once a skin asked for them.
     worlds: Option<Vec<Option<DAffine3>>>,
     /// The primitives of a mesh that have triangles, once a node showed it: a mesh of many others is then
     /// no work for any further node.
@@ -261,7 +261,8 @@ impl<'a, 'b> Objects<'a, 'b> {
         Ok(palette)
     }
 
-    /// Where the instances of a node's mesh are, relative to the node (`EXT_mesh_gpu_instancing`).
+    /// The transforms of the instances of a node's mesh, relative to the node
+    /// (`EXT_mesh_gpu_instancing`).
     fn instances(
         &mut self,
         instancing: &Instancing<'a>,

@@ -1,4 +1,4 @@
-//! Where in a document something stands, as JSON pointers (RFC 6901).
+//! Places in a document, as JSON pointers (RFC 6901).
 
 use std::fmt::Display;
 
@@ -31,7 +31,7 @@ impl Entry {
         Place::Pointer(format!("/{list}/{index}"))
     }
 
-    /// What is wrong with one of its values.
+    /// The fault of one of the entry's values.
     pub(super) fn fault(self, value: impl Display, what: impl Into<String>) -> Fault {
         Fault::at(self.at(value), what)
     }

@@ -1,10 +1,10 @@
-//! Why bytes cannot be read.
+//! The reason why bytes cannot be read.
 
 use super::super::fault::Fault;
 use super::super::report::Report;
 use crate::error::Place;
 
-/// Why bytes cannot be read, before their place in the document is known.
+/// The reason why bytes cannot be read, before their place in the document is known.
 #[derive(Debug)]
 pub(super) enum Problem {
     Words(String),
@@ -19,7 +19,7 @@ impl Problem {
         }
     }
 
-    /// In words, for a warning.
+    /// The reason in words, for a warning.
     pub(super) fn into_words(self, report: &Report) -> String {
         match self {
             Self::Words(what) => what,

@@ -59,7 +59,7 @@ fn entries<'a, T>(list: &'static str, all: &'a [T]) -> impl Iterator<Item = (Ent
     all.map(move |(k, one)| (Entry::new(list, k), one))
 }
 
-/// How many there are of a kind.
+/// The number of entries of a kind.
 struct Count {
     kind: &'static str,
     count: usize,

@@ -15,7 +15,7 @@ use super::super::report::Report;
 use super::problem::Problem;
 use crate::error::{Error, escape_controls};
 
-/// Some bytes, cheap to clone.
+/// A range of bytes, cheap to clone.
 #[derive(Debug, Clone)]
 pub(super) struct Bytes<'a> {
     whole: Arc<Cow<'a, [u8]>>,
@@ -46,7 +46,7 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// What a URI names: its own data, or a file under the document's folder.
+/// The content of a URI: its own data, or a file under the document's folder.
 pub(super) fn resource<'a>(uri: &str, report: &mut Report) -> Result<Bytes<'a>, Problem> {
     let is_data = uri
         .get(..5)

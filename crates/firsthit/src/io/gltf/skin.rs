@@ -11,10 +11,10 @@ use super::place::Entry;
 use super::values::Values;
 use crate::geometry::DAffine3;
 
-/// For each joint the map from the mesh as it was bound to the world.
+/// The maps of the joints, each from the mesh as it was bound to the world.
 pub(super) type Palette = Vec<DAffine3>;
 
-/// Where each node is, by its index; `None` for those that are not part of the scene.
+/// The transform of each node, by its index; `None` for those that are not part of the scene.
 pub(super) fn worlds(document: &Document<'_>, placed: &[Placed<'_>]) -> Vec<Option<DAffine3>> {
     let mut worlds = vec![None; document.nodes.len()];
     for place in placed {
@@ -68,7 +68,7 @@ fn affine(&[a, b, c, _, d, e, f, _, g, h, i, _, x, y, z, _]: &[f64; 16]) -> DAff
     DAffine3::from_cols_array(&[a, b, c, d, e, f, g, h, i, x, y, z])
 }
 
-/// For each vertex of a primitive the map from where it was bound to the world.
+/// The map of each vertex of a primitive, from where it was bound to the world.
 pub(super) fn maps(
     values: &mut Values<'_, '_>,
     palette: &Palette,
@@ -140,8 +140,8 @@ fn put_back(
     }
 }
 
-/// Divides by the shares' sum where it is not one, as it must be; by more than rounding, lest vertices that
-/// are right move.
+/// Divides by the shares' sum where it is not one, as it must be; only where it is off by more than
+/// rounding, so that vertices that are right do not move.
 fn even_out(values: &mut Values<'_, '_>, maps: &mut [DAffine3], sums: &[f64]) {
     let is_off = |sum: f64| sum > 0.0 && (sum - 1.0).abs() > 0.01;
     let mut wrong = sums.iter().filter(|&&sum| is_off(sum));

@@ -15,7 +15,7 @@ use crate::error::Place;
 pub(super) struct Values<'a, 'b> {
     pub(super) document: &'a Document<'a>,
     pub(super) primitive: &'a Primitive<'a>,
-    /// Of its mesh.
+    /// The entry of the mesh.
     entry: Entry,
     number: usize,
     unpacked: Option<Unpacked>,

@@ -19,14 +19,14 @@ use statement::{Map, Stated, cut, state};
 /// The materials of all libraries that a file names.
 #[derive(Debug, Default)]
 pub(super) struct Library {
-    /// Of two with one name the first counts.
+    /// The materials by name; of two with one name the first counts.
     materials: HashMap<Vec<u8>, Stated>,
     /// The statements and files that were read: each is read once, however often it is named.
     asked: HashSet<Vec<u8>>,
     read: HashSet<PathBuf>,
     /// The pictures that were asked for, by library and name; `None` for those that cannot be read.
     pictures: HashMap<(PathBuf, String), Option<Arc<Texture>>>,
-    /// The same pictures as masks: opaque where the surface is.
+    /// The pictures as masks: opaque where the surface is.
     masks: HashMap<(PathBuf, String), Option<Arc<Texture>>>,
 }
 
@@ -45,7 +45,7 @@ impl Stated {
     }
 }
 
-/// No library has a material of that name.
+/// The error that no library has a material of that name.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct UnknownMaterial;
 

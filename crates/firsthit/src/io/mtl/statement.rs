@@ -44,7 +44,8 @@ impl Map {
     }
 }
 
-/// Why the library seems to be truncated, if it does: its last line has no line break and makes no sense as the last.
+/// The sign that the library is truncated, if there is one: its last line has no line break and
+/// makes no sense as the last.
 pub(super) fn cut(text: &[u8]) -> Option<String> {
     let line = unended_line(text)?;
     let mut words = Words::new(line);

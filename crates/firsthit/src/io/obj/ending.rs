@@ -4,7 +4,7 @@ use super::index::Indices;
 use super::statement::{is_continued, is_known};
 use crate::io::text::{Words, unended, unended_line};
 
-/// Why the text seems to be truncated, if it does.
+/// The sign that the text is truncated, if there is one.
 ///
 /// Many whole files have no line break at their end, and a number cut short is still a number. So a text is truncated
 /// only if its last line has no line break and makes no sense as the last: an incomplete statement, or one that only
@@ -49,7 +49,7 @@ fn last_statement(text: &[u8]) -> Vec<u8> {
     pieces.join(&b' ')
 }
 
-/// What an incomplete face lacks.
+/// The part that an incomplete face lacks.
 fn incomplete<'a>(corners: impl Iterator<Item = &'a [u8]>) -> Option<&'static str> {
     let pieces = |corner: &[u8]| corner.split(|&byte| byte == b'/').count();
     let (mut count, mut form, mut last) = (0, None, &b""[..]);

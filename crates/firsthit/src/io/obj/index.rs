@@ -1,4 +1,4 @@
-//! The one place where a word of an OBJ file becomes an index.
+//! Makes indices of the words of an OBJ file, here alone.
 
 use crate::io::fault::{Checked, Fault};
 use crate::io::text::shown;
@@ -6,7 +6,7 @@ use crate::io::text::shown;
 /// An index that a corner does not have.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// How many values of a kind there are so far, and how high the indices into them reach.
+/// The number of values of a kind so far, and the largest index into them.
 #[derive(Debug)]
 pub(super) struct Indices {
     kind: &'static str,

@@ -59,7 +59,7 @@ struct Reader<'a> {
     report: &'a mut Report,
     positions: Vec<[f64; 3]>,
     values: Values,
-    /// Of vertices, texture coordinates and normals.
+    /// The indices of vertices, texture coordinates and normals.
     indices: [Indices; 3],
     objects: Vec<Object>,
     object_of_name: HashMap<String, usize>,
@@ -96,7 +96,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Refuses to go on when what came so far takes too much memory.
+    /// Fails when all that was read so far takes too much memory.
     fn check_memory(&mut self) -> Checked<()> {
         let positions = size_of_val(self.positions.as_slice());
         let objects: usize = self.objects.iter().map(Object::bytes).sum();

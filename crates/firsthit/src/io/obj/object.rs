@@ -32,7 +32,7 @@ pub(super) struct Object {
     surface: Surface,
     /// Whether all faces so far have texture coordinates and normals.
     has: [bool; 2],
-    /// From which face on which material holds.
+    /// The first face of each material's run, and the material.
     materials: Vec<(u32, Option<u32>)>,
 }
 
@@ -46,7 +46,7 @@ impl Object {
         }
     }
 
-    /// What it takes in memory so far.
+    /// The object's size in bytes so far.
     pub(super) fn bytes(&self) -> usize {
         self.surface.bytes() + size_of::<Self>()
     }
@@ -143,10 +143,12 @@ fn dress(
     Ok((mesh.with_slots(slots)?, looks))
 }
 
-/// Takes from a file's values those that an object uses, lest each of many objects hold them all.
+/// Takes from a file's values those that an object uses, so that each of many objects does not hold
+/// them all.
 #[derive(Debug, Default)]
 pub(super) struct Gather {
-    /// For each value of the file its place among those taken, or [`NONE`]; all of them between calls.
+    /// The place of each value of the file among those taken, or [`NONE`]; all of them between
+    /// calls.
     places: Vec<u32>,
 }
 

@@ -61,7 +61,7 @@ fn index(text: &[u8]) -> Option<(i64, &[u8])> {
     decimal::integer(text).filter(|&(index, _)| index != 0)
 }
 
-/// At least one blank.
+/// The text after at least one blank.
 #[inline]
 fn after_blanks(text: &[u8]) -> Option<&[u8]> {
     let [b' ' | b'\t', rest @ ..] = text else {

@@ -71,7 +71,7 @@ pub(super) fn name_of(line: &[u8]) -> &[u8] {
     }
 }
 
-/// As many numbers as asked for.
+/// Reads `N` numbers.
 pub(super) fn numbers<const N: usize>(words: &mut Words, line: u64) -> Checked<[f64; N]> {
     let mut numbers = [0.0; N];
     for number in &mut numbers {

@@ -1,4 +1,4 @@
-//! What corners and faces name: texture coordinates, normals, colours and materials.
+//! The values that corners and faces refer to: texture coordinates, normals, colours and materials.
 
 use std::collections::HashMap;
 
@@ -39,7 +39,7 @@ impl Values {
         }
     }
 
-    /// Their bytes in memory.
+    /// The size in bytes.
     pub(super) fn bytes(&self) -> usize {
         let corners = size_of_val(self.uvs.as_slice()) + size_of_val(self.normals.as_slice());
         let colors = size_of_val(self.colors.as_slice()) + size_of_val(self.sevenths.as_slice());

@@ -37,8 +37,8 @@ pub(super) fn next_line<'a>(lines: &mut Lines<'a>) -> Option<&'a [u8]> {
     lines.map(statement).find(|line| !line.is_empty())
 }
 
-/// What stands before the word `OFF`: any of `ST`, `C`, `N`, `4` and `n`; and what follows it, which some programs write without a
-/// blank between. `None` for a word that is no keyword.
+/// The prefix of the word `OFF`: any of `ST`, `C`, `N`, `4` and `n`; and the text after it, which
+/// some programs write without a blank between. `None` for a word that is no keyword.
 fn keyword(word: &[u8]) -> Option<(Kind, &[u8])> {
     let mut kind = Kind::default();
     let mut rest = word;

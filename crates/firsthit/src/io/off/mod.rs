@@ -47,7 +47,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
 /// Colours as they come.
 #[derive(Debug, Default)]
 struct Colors {
-    /// None, or one for each of what has them so far.
+    /// The colours: none, or one for each element so far.
     values: Vec<[f32; 3]>,
     /// Whether a level was written with a point or an exponent: then levels run to 1, else to 255.
     has_fractions: bool,
@@ -84,7 +84,7 @@ struct Model {
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     surface: Surface,
-    /// Of vertices and of faces.
+    /// The colours of vertices and of faces.
     colors: [Colors; 2],
     ring: Vec<u32>,
 }

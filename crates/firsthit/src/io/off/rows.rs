@@ -96,7 +96,7 @@ impl<'a> Rows<'a> {
         Ok(numbers)
     }
 
-    /// How many corners a face has: at most as many as words can follow.
+    /// Reads the number of corners of a face: at most as many as words can follow.
     pub(super) fn count(&mut self) -> Checked<u64> {
         let word = self.word()?;
         let count = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
@@ -121,7 +121,7 @@ impl<'a> Rows<'a> {
         Ok(count)
     }
 
-    /// The one place where a word becomes the index of a vertex.
+    /// Reads the index of a vertex from a word, here alone.
     pub(super) fn vertex(&mut self, count: u64) -> Checked<u32> {
         let word = self.word()?;
         let index = str::from_utf8(word)

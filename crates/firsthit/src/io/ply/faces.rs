@@ -24,7 +24,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// No faces yet, of `vertex_count` vertices, which need not have been read.
+    /// An empty list of faces, of `vertex_count` vertices, which need not have been read.
     pub(super) fn new(vertex_count: u64) -> Self {
         Self {
             surface: Surface::default(),
@@ -71,7 +71,7 @@ impl Faces {
         Ok(())
     }
 
-    /// What all of it takes in memory.
+    /// The size in bytes.
     fn bytes(&self) -> usize {
         let faces = self.surface.face_count() as usize;
         let named = faces.saturating_mul(self.named.row_bytes());
@@ -132,7 +132,7 @@ impl Faces {
         Ok(())
     }
 
-    /// The one place where a number becomes the index of a vertex.
+    /// Makes the index of a vertex from a number, here alone.
     #[inline]
     fn vertex<R: Rows>(&self, index: f64, rows: &R) -> Checked<u32> {
         #[expect(
@@ -197,9 +197,9 @@ impl Faces {
     }
 }
 
-/// Where the colours of faces are.
+/// The columns of the colours of faces.
 struct ColorColumns {
-    /// Of red, green and blue; `None` unless all three are there.
+    /// The columns of red, green and blue; `None` unless all three are there.
     columns: Option<[usize; 3]>,
     levels: Levels,
 }

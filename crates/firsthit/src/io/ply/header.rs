@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::io::fault::{Checked, Fault};
 use crate::io::text::{Lines, Words, shown};
 
-/// What the header says.
+/// The content of the header.
 #[derive(Debug)]
 pub(super) struct Header<'a> {
     pub(super) format: Format,
@@ -13,11 +13,11 @@ pub(super) struct Header<'a> {
     pub(super) textures: Vec<Texture>,
     /// The first line, with its number, that says nothing a header may say.
     pub(super) stray: Option<(u64, String)>,
-    /// What follows the header.
+    /// The bytes after the header.
     pub(super) body: &'a [u8],
     /// The first line that declares a property its element has already, with the property's name.
     pub(super) repeated: Option<(u64, String)>,
-    /// How many lines the header has.
+    /// The number of the header's lines.
     pub(super) lines: u64,
 }
 
@@ -34,7 +34,8 @@ pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
     pub(super) properties: Vec<Property>,
-    /// The names of its properties: looked up, lest a header of a million lines takes a day.
+    /// The names of its properties: looked up, so that a header of a million lines does not take a
+    /// day.
     names: HashSet<String>,
     pub(super) line: u64,
 }

@@ -3,7 +3,8 @@
 use super::header::Type;
 use crate::io::mend::linear;
 
-/// How a property of some type spells the levels of a colour: as sRGB, up to the type's largest number.
+/// The encoding of a colour's levels in a property of some type: as sRGB, up to the type's largest
+/// number.
 pub(super) struct Levels {
     largest: f64,
     /// The linear values of the levels 0 to 255, where those are all.

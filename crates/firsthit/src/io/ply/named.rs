@@ -9,7 +9,7 @@ use crate::shape::{Between, Property, PropertyOf, PropertyValues};
 /// The named numbers of an element's rows.
 #[derive(Debug, Default)]
 pub(super) struct NamedRows {
-    /// For each property of the element its place among `named`, if it has one.
+    /// The place among `named` of each property of the element, if it has one.
     places: Vec<Option<usize>>,
     named: Vec<Property>,
 }
@@ -55,7 +55,7 @@ impl NamedRows {
         }
     }
 
-    /// What a row takes in memory.
+    /// The size of a row in bytes.
     pub(super) fn row_bytes(&self) -> usize {
         let sizes = self.named.iter().map(|property| match property.values {
             PropertyValues::Single(_) => size_of::<f32>(),

@@ -27,12 +27,12 @@ const NAMES: [&[&str]; 11] = [
 
 /// The vertices that were read.
 pub(super) struct VertexRows {
-    /// For each property of the element which of [`NAMES`] it is.
+    /// The index into [`NAMES`] of each property of the element.
     slots: Vec<Option<usize>>,
     /// All other numbers.
     pub(super) named: NamedRows,
     levels: Levels,
-    /// In float64, if they are to be, not yet compact.
+    /// The positions in float64, if they are to be, not yet compact.
     pub(super) points: Positions,
     pub(super) normals: Option<Vec<[f32; 3]>>,
     pub(super) uvs: Option<Vec<[f32; 2]>>,
@@ -107,7 +107,7 @@ impl VertexRows {
         Ok(())
     }
 
-    /// What a vertex takes in memory.
+    /// The size of a vertex in bytes.
     fn row_bytes(&self) -> usize {
         let position = match self.points {
             Positions::Single(_) => size_of::<[f32; 3]>(),

@@ -8,8 +8,8 @@ use super::columns::{Columns, Point};
 
 const NONE: u32 = u32::MAX;
 
-/// How many points may be looked at for each corner before a polygon counts as hopeless: it must cross
-/// itself in every way to need as many.
+/// The most points that are looked at for each corner before a polygon counts as hopeless: it must
+/// cross itself in every way to need as many.
 const PATIENCE: u64 = 1 << 13;
 
 /// A polygon whose ears are being cut off.
@@ -29,10 +29,10 @@ pub(super) struct Clipper<'a> {
     is_queued: Vec<bool>,
     /// Corners on a straight line: cut when there is no ear.
     straight: Vec<u32>,
-    /// For each corner a linked list of those that it keeps from being ears.
+    /// A linked list for each corner of those that it keeps from being ears.
     first_waiting: Vec<u32>,
     waiting: Vec<Waiting>,
-    /// Where the search for any corner at all stands.
+    /// The place that the search for any corner at all has reached.
     walk: u32,
     patience: u64,
     triangles: Vec<[u32; 3]>,

@@ -42,7 +42,7 @@ impl Columns {
         self.len
     }
 
-    /// Those in the box from `low` to `high`, and a few more.
+    /// The points in the box from `low` to `high`, and a few more.
     pub(super) fn within(
         &self,
         points: &[Point],

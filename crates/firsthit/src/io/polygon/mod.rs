@@ -58,8 +58,8 @@ pub(super) fn is_plainly_convex([a, b, c, d]: [DVec3; 4]) -> bool {
     (first > clear && second > clear) || (first < -clear && second < -clear)
 }
 
-/// How far corners may lie apart along the normal, as a share of the polygon's size, before seeing it
-/// along the normal says nothing about it.
+/// The largest distance of corners along the normal, as a share of the polygon's size, at which
+/// seeing it along the normal says something about it.
 const BENT: f64 = 0.1;
 
 fn is_bent(corners: &[DVec3], normal: DVec3) -> bool {

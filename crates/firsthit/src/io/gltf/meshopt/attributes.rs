@@ -4,12 +4,12 @@ use super::stream::{Decoded, Stream, TRUNCATED, unzigzag};
 
 const GROUP: usize = 16;
 
-/// How the differences of four bytes are formed (version 1 of the stream).
+/// The form of the differences of four bytes (version 1 of the stream).
 #[derive(Clone, Copy)]
 enum Channel {
     Bytes,
     Pairs,
-    /// By exclusive or, rotated by this many bits.
+    /// Differences by exclusive or, rotated by this many bits.
     Words(u32),
 }
 

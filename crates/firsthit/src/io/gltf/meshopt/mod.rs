@@ -14,7 +14,7 @@ use super::problem::Problem;
 use crate::error::escape_controls;
 use stream::{Decoded, TRUNCATED};
 
-/// Unpacks so many elements of a size.
+/// Unpacks a number of elements of a size.
 type Decode = fn(&[u8], usize, usize, &mut Vec<u8>) -> Decoded<()>;
 
 /// The bytes that a packed view stands for.

@@ -1,4 +1,4 @@
-//! What the decoders of packed bytes share.
+//! Shared parts of the decoders of packed bytes.
 
 /// The result of a step of a decoder.
 pub(super) type Decoded<T> = Result<T, &'static str>;

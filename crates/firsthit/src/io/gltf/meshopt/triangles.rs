@@ -21,7 +21,7 @@ impl<T: Copy + Default> Latest<T> {
         self.next = (self.next + 1) % 16;
     }
 
-    /// The one `age` before the latest.
+    /// The element `age` before the latest.
     fn get(&self, age: u8) -> T {
         let place = (self.next + 31 - usize::from(age & 15)) % 16;
         self.ring.get(place).copied().unwrap_or_default()
