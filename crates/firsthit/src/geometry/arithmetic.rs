@@ -15,7 +15,7 @@ use super::fused::mul_add;
 pub(crate) trait Arithmetic: Copy {
     /// One float64, or lanes of them.
     type Number: Copy;
-    /// Where something is so.
+    /// The lanes in which a condition holds.
     type Mask: Copy
         + BitAnd<Output = Self::Mask>
         + BitOr<Output = Self::Mask>
@@ -41,9 +41,9 @@ pub(crate) trait Arithmetic: Copy {
     fn fused_mul_sub(self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
     /// `c - a * b`, rounded once.
     fn fused_neg_mul_add(self, a: Self::Number, b: Self::Number, c: Self::Number) -> Self::Number;
-    /// Where `a < b`; not where either is NaN.
+    /// The lanes with `a < b`; not those where either is NaN.
     fn lt(self, a: Self::Number, b: Self::Number) -> Self::Mask;
-    /// Where `a <= b`; not where either is NaN.
+    /// The lanes with `a <= b`; not those where either is NaN.
     fn le(self, a: Self::Number, b: Self::Number) -> Self::Mask;
     /// `a` in the mask, elsewhere `b`.
     fn select(self, mask: Self::Mask, a: Self::Number, b: Self::Number) -> Self::Number;
@@ -70,11 +70,11 @@ pub(crate) fn quotient_by_inverse<A: Arithmetic>(
     of.fused_neg_mul_add(beyond, inverse, first)
 }
 
-/// Two of a kind at a time: while one waits for a result, the other goes on.
+/// Pairs of numbers: while one waits for a result, the other is computed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pairs<A>(pub(crate) A);
 
-/// Where something is so in each of the two.
+/// The lanes in which a condition holds, of each of the two.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PairOfMasks<M>(pub(crate) [M; 2]);
 

@@ -1,6 +1,6 @@
 use super::{Bounds, DVec3, Ray};
 
-/// Some rays together: a box around their origins, one around their directions, and their parameters.
+/// A box around the origins of some rays, one around their directions, and their parameters.
 ///
 /// The points at a parameter `t` of at least 0 are in the box from `origins.low + t * directions.low` to
 /// `origins.high + t * directions.high`. So where that box and another have nothing in common at any `t`, no ray meets the other.
@@ -13,7 +13,7 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    /// Without any ray.
+    /// The beam without any ray.
     pub(crate) const EMPTY: Self = Self {
         origins: Bounds::EMPTY,
         directions: Bounds::EMPTY,
@@ -77,7 +77,7 @@ fn clip(range: &mut [f64; 2], slope: f64, most: f64) {
 mod tests {
     use super::*;
 
-    /// Whatever the ray by itself may meet, the beam may; and beams do miss.
+    /// The beam may meet whatever one of its rays may meet; and beams do miss.
     #[test]
     fn a_beam_may_meet_what_any_of_its_rays_may() {
         let step = |k: u32, axis: usize| {

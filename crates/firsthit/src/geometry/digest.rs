@@ -9,7 +9,8 @@ use super::DVec3;
 pub struct Digest(blake3::Hasher);
 
 impl Digest {
-    /// How many bytes of BLAKE3's 32 a [name](Self::name) shows: no two scenes will share them by chance.
+    /// The number of BLAKE3's 32 bytes that a [name](Self::name) shows: no two scenes will share
+    /// them by chance.
     const SHOWN: usize = 16;
 
     /// Adds a word, such as the name of a kind.
@@ -53,12 +54,12 @@ impl Digest {
         self.0.update(bytes);
     }
 
-    /// What all that was added comes to.
+    /// The digest of all that was added.
     pub fn finish(&self) -> [u8; 32] {
         *self.0.finalize().as_bytes()
     }
 
-    /// What all that was added comes to, as text: `blake3:` and the first half of the digest.
+    /// The digest of all that was added, as text: `blake3:` and its first half.
     pub fn name(&self) -> String {
         let mut name = String::from("blake3:");
         for byte in &self.finish()[..Self::SHOWN] {

@@ -3,7 +3,8 @@ use super::require;
 use super::tone_map::ToneMap;
 use crate::error::Result;
 
-/// How pictures to look at show linear colours: first brighter or darker, then tone-mapped. The default changes nothing.
+/// The mapping from linear colours to those of pictures to look at: first brighter or darker, then
+/// tone-mapped. The default changes nothing.
 ///
 /// ```
 /// use firsthit::{Color, DisplayTransform, ToneMap};
@@ -13,7 +14,7 @@ use crate::error::Result;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DisplayTransform {
-    /// In stops, finite: colours are multiplied by 2 to its power.
+    /// The exposure in stops, finite: colours are multiplied by 2 to its power.
     pub exposure: f64,
     /// Applied after the exposure.
     pub tone_map: ToneMap,

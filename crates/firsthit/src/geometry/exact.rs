@@ -15,7 +15,7 @@ use super::double::{Double, DoubleVector, product, sum};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scaled {
     pub(crate) vector: DoubleVector<f64>,
-    /// What it was divided by, a power of two.
+    /// The divisor, a power of two.
     pub(crate) unit: f64,
 }
 
@@ -39,7 +39,8 @@ pub(crate) const fn power(exponent: i32) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
-/// How many terms a determinant has: six products of three numbers in two parts, each product in four.
+/// The number of a determinant's terms: six products of three numbers in two parts, each product in
+/// four.
 const TERMS: usize = 6 * 8 * 4;
 
 /// The determinant of three vectors times 2^900, in twice the digits. Its sign is exact, and it is zero only where it is zero.
@@ -163,7 +164,7 @@ impl Expansion {
         Self::of(terms[..count].to_vec())
     }
 
-    /// The same, times a power of two.
+    /// The expansion times a power of two.
     pub(crate) fn times(mut self, power: f64) -> Self {
         for term in &mut self.0 {
             *term *= power;

@@ -34,7 +34,7 @@ pub(crate) fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     emulated(Scalar, a, b, c).unwrap_or_else(|| a.mul_add(b, c))
 }
 
-/// What the emulation needs besides arithmetic.
+/// The operations that the emulation needs besides arithmetic.
 #[cfg(any(test, target_arch = "wasm32"))]
 pub(crate) trait RoundToOdd: Arithmetic {
     /// `x` without its sign.

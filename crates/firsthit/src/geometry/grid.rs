@@ -17,13 +17,13 @@ pub struct PixelGrid {
     pub first: [usize; 2],
     /// Pixels down and across the whole viewplane.
     pub whole: [usize; 2],
-    /// Where the camera is.
+    /// The camera's position.
     pub position: DVec3,
-    /// From there to the viewplane's middle.
+    /// The vector from there to the viewplane's middle.
     pub toward: DVec3,
-    /// Of length one, along a row.
+    /// The direction along a row, of length one.
     pub right: DVec3,
-    /// Of length one, up a column.
+    /// The direction up a column, of length one.
     pub upwards: DVec3,
     /// The viewplane's size.
     pub width: f64,
@@ -50,7 +50,7 @@ impl PixelGrid {
         ]
     }
 
-    /// The part from a pixel on, of so many rows and columns.
+    /// The part of the grid from a pixel on, with these numbers of rows and columns.
     pub fn part(&self, [row, column]: [usize; 2], [rows, columns]: [usize; 2]) -> Self {
         Self {
             rows,
@@ -60,13 +60,13 @@ impl PixelGrid {
         }
     }
 
-    /// How far to the right of the middle the ray of a column is.
+    /// The distance of a column's rays to the right of the middle.
     #[inline]
     pub fn x(&self, column: usize) -> f64 {
         -self.width / 2.0 + self.size()[0] * ((self.first[1] + column) as f64 + self.offset.x)
     }
 
-    /// How far above the middle the ray of a row is; row 0 is the top.
+    /// The distance of a row's rays above the middle; row 0 is the top.
     #[inline]
     pub fn y(&self, row: usize) -> f64 {
         // The one place where rows are flipped: the formula counts them from the bottom.

@@ -1,6 +1,6 @@
 use super::DVec2;
 
-/// What a ray meets first: how far away, which object, and where on it.
+/// The first hit of a ray: how far away, which object, and where on it.
 ///
 /// ```
 /// use firsthit::{DVec3, Hit, Object, Scene, Sphere, shoot};
@@ -18,9 +18,9 @@ pub struct Hit {
     pub t: f64,
     /// The object's index in the scene; -1 for a miss.
     pub object: i32,
-    /// Which part of the object: a mesh's triangle, a box's face, ...; -1 for a miss.
+    /// The part of the object: a mesh's triangle, a box's face, ...; -1 for a miss.
     pub primitive: i32,
-    /// In a triangle the weights of its corners 1 and 2 (corner 0 has the rest); NaN elsewhere.
+    /// The weights of a triangle's corners 1 and 2 (corner 0 has the rest); NaN elsewhere.
     pub barycentric: DVec2,
 }
 

@@ -67,8 +67,8 @@ pub fn unit(v: DVec3) -> DVec3 {
     v / v.length()
 }
 
-/// What brings `v` to a length whose square is in the range of float64: a power of two, which scales
-/// without rounding, and 1 for all but extreme lengths.
+/// The factor that brings `v` to a length whose square is in the range of float64: a power of two,
+/// which scales without rounding, and 1 for all but extreme lengths.
 #[inline(always)]
 pub(crate) fn moderation(v: DVec3) -> f64 {
     const TWO_TO_600: f64 = f64::from_bits((1023 + 600) << 52);
@@ -82,9 +82,11 @@ pub(crate) fn moderation(v: DVec3) -> f64 {
     }
 }
 
-/// How far a point of a surface may be off it, as a share of the largest coordinate: 2^-40, some hundred times what transforms and
-/// positions round. A surface that touches the one that is left may seem to be ahead of it or behind: from an object of another
-/// transform, only what is farther away is met. What is nearer to an end of a line of sight is at that end.
+/// The largest distance of a surface's point from it by rounding, as a share of the largest
+/// coordinate: 2^-40, some hundred times what transforms and positions round. A surface that
+/// touches the one that is left may seem to be ahead of it or behind: from an object of another
+/// transform, only surfaces farther away are met. A surface nearer to an end of a line of sight is
+/// at that end.
 pub(crate) const ROUNDED: f64 = 4096.0 * f64::EPSILON;
 
 /// The share of a line of sight that counts as its end, by [`ROUNDED`].

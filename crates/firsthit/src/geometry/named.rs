@@ -14,10 +14,10 @@ macro_rules! named {
             /// Every name.
             pub const NAMES: &[&'static str] = &[$($name),*];
 
-            /// All of them.
+            /// All variants.
             pub const ALL: &[Self] = &[$(Self::$variant),*];
 
-            /// Its name, as in files and on the command line.
+            /// The name, as in files and on the command line.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name,)* }
             }

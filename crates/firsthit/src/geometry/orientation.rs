@@ -1,4 +1,4 @@
-//! On which side of a line or a plane is a point? Exact, whatever the magnitudes.
+//! The side of a line or a plane on which a point is: exact, whatever the magnitudes.
 //!
 //! Float64 decides where an error bound allows it, after Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
 //! Geometric Predicates", Discrete & Computational Geometry 18(3), 1997; else a sum without rounding ([`ExactSum`]).
@@ -11,17 +11,19 @@ use super::double::{Double, between, difference};
 use super::exact::{Scaled, determinant};
 use super::exact_sum::ExactSum;
 
-/// More than 7 + 56 units of 2^-53 each: Shewchuk's bound for a determinant of differences, as a share of its permanent.
+/// The error bound in space, as a share of the permanent: more than Shewchuk's 7 + 56 units of
+/// 2^-53 for a determinant of differences.
 const SHARE_3D: f64 = 4.0 * f64::EPSILON;
-/// More than 3 + 16 of them.
+/// The error bound in a plane: more than 3 + 16 of those units.
 const SHARE_2D: f64 = 2.0 * f64::EPSILON;
 
-/// Within these, what products lose that are too small for float64 is far less than a share of the permanent.
+/// The least magnitude: from here to [`MOST`], the loss of products that are too small for float64
+/// is far less than a share of the permanent.
 const LEAST: f64 = 1e-200;
 const MOST: f64 = 1e90;
 
-/// On which side of the plane through `a`, `b` and `c` the point `d` is: greater where the triangle is seen counter-clockwise. Equal
-/// if all four are in one plane. All must be finite.
+/// The side of the plane through `a`, `b` and `c` on which the point `d` is: greater where the
+/// triangle is seen counter-clockwise. Equal if all four are in one plane. All must be finite.
 pub(crate) fn orient_3d([a, b, c, d]: [DVec3; 4]) -> Ordering {
     let (u, v, w) = (b - a, c - a, d - a);
     // Differences that are zero are exact.
@@ -89,8 +91,9 @@ pub(crate) fn along_normal([a, b, c]: [DVec3; 3], direction: DVec3) -> Ordering 
     exactly.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
-/// On which side of the line from `a` to `b` the point `c` is, seen along an axis: greater where the three go counter-clockwise, seen
-/// from the axis's positive side. Equal if they are on a line. All must be finite.
+/// The side of the line from `a` to `b` on which the point `c` is, seen along an axis: greater
+/// where the three go counter-clockwise, seen from the axis's positive side. Equal if they are on a
+/// line. All must be finite.
 pub(crate) fn orient_2d([a, b, c]: [DVec3; 3], axis: usize) -> Ordering {
     let (k, l) = ((axis + 1) % 3, (axis + 2) % 3);
     let (u, v) = (b - a, c - a);

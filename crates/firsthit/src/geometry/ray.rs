@@ -13,12 +13,13 @@ use super::{DVec3, PixelGrid, RayFilter};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where `t` is zero; not itself part of the ray.
+    /// The point where `t` is zero; not itself part of the ray.
     pub origin: DVec3,
-    /// Where it goes; anything but zero.
+    /// The direction; any vector but zero.
     pub direction: DVec3,
-    /// Where the ray begins: the largest `t` that does not yet count. Zero leaves out a surface that the ray starts on; any
-    /// negative number lets it be met, and what is behind the origin down to there.
+    /// The parameter after which the ray begins: the largest `t` that does not yet count. Zero
+    /// leaves out a surface that the ray starts on; any negative number lets it be met, and what is
+    /// behind the origin down to there.
     pub t_min: f64,
     /// The largest `t` that counts.
     pub t_max: f64,
@@ -39,15 +40,16 @@ impl Ray {
         }
     }
 
-    /// The same ray, beginning at `t_min` (which does not yet count). A ray that begins at the `t` of a hit on an edge may meet the
-    /// neighbouring triangle a last digit later. A negative `t_min` begins behind the origin, which takes longer: rays go one by one, and
-    /// each triangle that they may meet is tested in float64.
+    /// The ray, beginning at `t_min` (which does not yet count). A ray that begins at the `t` of a
+    /// hit on an edge may meet the neighbouring triangle a last digit later. A negative `t_min`
+    /// begins behind the origin, which takes longer: rays go one by one, and each triangle that
+    /// they may meet is tested in float64.
     #[inline]
     pub fn beyond(self, t_min: f64) -> Self {
         Self { t_min, ..self }
     }
 
-    /// The same ray, ending at `t_max` (which still counts).
+    /// The ray, ending at `t_max` (which still counts).
     #[inline(always)]
     pub fn up_to(self, t_max: f64) -> Self {
         Self { t_max, ..self }
@@ -100,7 +102,7 @@ impl Ray {
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 pub trait Rays: Sync {
-    /// How many there are.
+    /// The number of rays.
     fn len(&self) -> usize;
 
     /// The ray `index`, below [`Rays::len`].
@@ -128,9 +130,9 @@ pub trait Rays: Sync {
         self.len() == 0
     }
 
-    /// What the rays have in common, if they are those of a grid of pixels, row by row from the top: then they
-    /// are shot in tiles, which is many times faster. Then [`Rays::ray`] gives just the grid's rays, with neither `t_min` nor
-    /// `t_max`.
+    /// The grid of pixels, if the rays are those of one, row by row from the top: then they are
+    /// shot in tiles, which is many times faster. Then [`Rays::ray`] gives just the grid's rays,
+    /// with neither `t_min` nor `t_max`.
     fn grid(&self) -> Option<PixelGrid> {
         None
     }
@@ -158,7 +160,7 @@ pub trait Rays: Sync {
         false
     }
 
-    /// What the ray `index` does not meet; asked for where [`Rays::is_filtered`].
+    /// The filter of the ray `index`; asked for where [`Rays::is_filtered`].
     fn filter(&self, _index: usize) -> RayFilter {
         RayFilter::NONE
     }

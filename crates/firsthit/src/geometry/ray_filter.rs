@@ -82,15 +82,16 @@ impl Side {
 pub struct Departure {
     /// The surface.
     pub surface: SurfaceId,
-    /// In a triangle the weights of the corners 1 and 2, as in a [`Hit`](super::Hit). One that is not finite counts as 0, and so does
-    /// one that moves the point by less than it is rounded, so that what is next to an edge or a vertex is there.
+    /// The weights of a triangle's corners 1 and 2, as in a [`Hit`](super::Hit). One that is not
+    /// finite counts as 0, and so does one that moves the point by less than it is rounded, so that
+    /// a point next to an edge or a vertex is on it.
     pub barycentric: DVec2,
     /// The side of the surface that the ray starts on, if it starts on one. At an edge or a vertex of an open mesh a ray that goes from
     /// this side into one of the triangles around it is stopped there. `None`: it goes through.
     pub side: Option<Side>,
 }
 
-/// What a ray does not meet.
+/// The filter of a ray: surfaces that it does not meet.
 ///
 /// ```
 /// use firsthit::shoot::{First, trace};

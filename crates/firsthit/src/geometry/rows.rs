@@ -3,14 +3,14 @@
 
 use super::{DVec2, DVec3};
 
-/// How many points go together: few enough that all their numbers stay in the nearest cache.
+/// The number of points in a row: few enough that all their numbers stay in the nearest cache.
 pub(crate) const ROW: usize = 64;
 
 /// A float64 for each of up to [`ROW`] points.
 pub(crate) struct Numbers([f64; ROW]);
 
 impl Numbers {
-    /// The same for all.
+    /// The row with one number for all points.
     pub(crate) const fn all(x: f64) -> Self {
         Self([x; ROW])
     }

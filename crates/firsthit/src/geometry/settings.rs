@@ -14,7 +14,7 @@ pub enum Value {
     Vector(DVec3),
 }
 
-/// Which values a setting may have.
+/// The values that a setting may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Domain {
     /// Yes or no.
@@ -42,11 +42,11 @@ pub enum Domain {
 /// A setting: its name, its meaning, and which values it may have.
 #[derive(Debug, Clone, Copy)]
 pub struct Setting {
-    /// Its name in Rust, in Python, in files and in metadata.
+    /// The name in Rust, in Python, in files and in metadata.
     pub name: &'static str,
-    /// What it means, in a sentence or two.
+    /// The meaning, in a sentence or two.
     pub about: &'static str,
-    /// Which values it may have.
+    /// The values that it may have.
     pub domain: Domain,
     /// Whether it has to be given: there is no default value.
     pub is_required: bool,
@@ -55,15 +55,15 @@ pub struct Setting {
 /// A kind of light, shader or material.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
-    /// Its name in Python, in files and in metadata.
+    /// The name in Python, in files and in metadata.
     pub name: &'static str,
-    /// What it means, in a sentence or two.
+    /// The meaning, in a sentence or two.
     pub about: &'static str,
-    /// Its settings.
+    /// The settings of the kind.
     pub settings: &'static [Setting],
 }
 
-/// What has settings.
+/// A type with settings.
 pub trait Settings: Clone {
     /// Every setting, in the order in which they are listed.
     const LIST: &'static [Setting];
@@ -110,7 +110,7 @@ pub trait Settings: Clone {
 }
 
 impl Domain {
-    /// What its values are, for messages.
+    /// The expected values, for messages.
     pub fn expected(self) -> &'static str {
         match self {
             Self::Flag => "true or false",
@@ -216,9 +216,9 @@ impl Value {
 
 /// A type that a setting's field has.
 pub trait Field: Copy {
-    /// As a value.
+    /// The number as a value.
     fn value(self) -> Value;
-    /// From a value of this form; `None` for another.
+    /// The number of a value of this form; `None` for another.
     fn from_value(value: Value) -> Option<Self>;
 }
 
@@ -365,7 +365,7 @@ macro_rules! kinds {
                 made.check().map(|()| made)
             }
 
-            /// What there is to be set.
+            /// The list of settings.
             pub fn list(&self) -> &'static [$crate::geometry::Setting] {
                 match self { $(Self::$kind(_) => <$settings as $crate::geometry::Settings>::LIST,)* }
             }
@@ -375,7 +375,7 @@ macro_rules! kinds {
                 match self { $(Self::$kind(_) => $name,)* }
             }
 
-            /// Its settings, by their names.
+            /// The settings, by their names.
             pub fn settings(&self) -> Vec<(&'static str, $crate::geometry::Value)> {
                 match self { $(Self::$kind(one) => $crate::geometry::Settings::named_values(one),)* }
             }

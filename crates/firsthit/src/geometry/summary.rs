@@ -1,4 +1,4 @@
-//! How large things are shown to those who debug: in a few words, never in megabytes.
+//! Short debug texts of large things: in a few words, never in megabytes.
 
 use std::fmt::{self, Debug, Formatter};
 
@@ -33,7 +33,7 @@ impl<T: Debug> Debug for Few<'_, T> {
     }
 }
 
-/// How many there are of what.
+/// A number of things, and their name.
 pub(crate) struct Count<'a>(pub(crate) usize, pub(crate) &'a str);
 
 impl Debug for Count<'_> {

@@ -8,7 +8,8 @@ use super::color::Color;
 use super::{DMat3, named};
 
 named! {
-    /// How linear colours of any brightness become those that a screen shows, from 0 to 1.
+    /// The operator that maps linear colours of any brightness to those that a screen shows, from 0
+    /// to 1.
     ///
     /// ```
     /// use firsthit::{Color, ToneMap};
@@ -19,7 +20,7 @@ named! {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub enum ToneMap, "tone_map":
-    /// What is above 1 becomes 1, and all else stays: white stays white.
+    /// Clips values above 1 to 1, and keeps all others: white stays white.
     #[default]
     "none" => None;
     /// Khronos PBR Neutral: keeps the colours of materials, and compresses highlights alone.
@@ -30,7 +31,7 @@ named! {
     "aces" => Aces;
 }
 
-/// So bright that every operator shows it as it shows infinity, and so dark that no square of it overflows.
+/// A brightness that every operator shows as it shows infinity, and whose square does not overflow.
 const BRIGHTEST: f64 = 1e100;
 
 impl ToneMap {

@@ -1,7 +1,7 @@
 use super::{DAffine3, DMat3, DVec3, Ray, unit};
 use crate::error::{Error, Result};
 
-/// Where an object stands in the world: any affine map that can be undone, mirrored ones included.
+/// The place of an object in the world: any affine map that can be undone, mirrored ones included.
 ///
 /// ```
 /// use firsthit::{DAffine3, DQuat, DVec3, Object, Scene, Sphere, Transform};
@@ -81,7 +81,7 @@ impl Transform {
         &self.object_from_world
     }
 
-    /// How much a point is off that goes to the object and back, as a share of its coordinates.
+    /// The error of a point that goes to the object and back, as a share of its coordinates.
     pub(crate) fn rounding(&self) -> f64 {
         self.rounding
     }
@@ -144,7 +144,7 @@ impl Transform {
     }
 }
 
-/// How much the map can make the largest coordinate grow.
+/// The largest growth of the largest coordinate by the map.
 fn norm(m: DMat3) -> f64 {
     (m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs()).max_element()
 }

@@ -35,7 +35,7 @@ named! {
     "grey" => Grey;
 }
 
-/// How many steps a map has.
+/// The number of steps of a map.
 const STEPS: usize = 256;
 
 type Table = Box<[Color; STEPS]>;
@@ -87,7 +87,7 @@ impl ColorMap {
     }
 }
 
-/// Where a number lies: 0 at the low end, 1 at the high end; 0 if both are the same.
+/// The place of a number in a range: 0 at the low end, 1 at the high end; 0 if both are equal.
 pub(crate) fn fraction(number: f64, [low, high]: [f64; 2]) -> f64 {
     if low == high {
         return 0.0;

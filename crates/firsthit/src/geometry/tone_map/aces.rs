@@ -21,7 +21,7 @@ pub(super) fn aces(color: Color) -> Color {
     TO_REC_709 * (FROM_REC_709 * color).map(fit)
 }
 
-/// Both transforms' curves.
+/// The curve that fits both transforms.
 fn fit(x: f64) -> f64 {
     (x * (x + 0.024_578_6) - 0.000_090_537) / (x * (0.983_729 * x + 0.432_951) + 0.238_081)
 }

@@ -38,10 +38,10 @@ const OUTSET: DMat3 = rows([
 /// The logarithms to base 2 of what becomes 0 and 1: ten stops below a middle grey of 0.18, and six and a half above it.
 const EV: [f64; 2] = [-12.473_93, 4.026_069];
 
-/// Where middle grey comes to lie among the stops.
+/// The place of middle grey among the stops.
 const MIDDLE: f64 = 10.0 / 16.5;
 
-/// What middle grey becomes.
+/// The shown value of middle grey.
 const SHOWN_MIDDLE: f64 = 0.5;
 
 /// The contrast at middle grey.
@@ -57,7 +57,7 @@ const TOE: Bend = Bend {
     scale: 0.512_277_382_293_071,
 };
 
-/// What display-encoded values are the powers of.
+/// The exponent of display-encoded values.
 const DISPLAY_GAMMA: f64 = 2.2;
 
 /// AgX with its default contrast: Troy Sobotka, "AgX" (the OpenColorIO configuration, 2022), in the compact form of Benjamin
@@ -76,9 +76,9 @@ fn stops(linear: f64) -> f64 {
 
 /// One side of the sigmoid: a line that bends towards an end.
 struct Bend {
-    /// How abruptly it bends.
+    /// The sharpness of the bend.
     power: f64,
-    /// Such that it ends where it should, see the test.
+    /// The scale with which the line ends where it should, see the test.
     scale: f64,
 }
 

@@ -1,12 +1,13 @@
 use crate::geometry::Color;
 
-/// Where the compression of highlights starts: 0.8, less what is taken off for the reflection of light from dielectrics.
+/// The value where the compression of highlights starts: 0.8, less what is taken off for the
+/// reflection of light from dielectrics.
 const START: f64 = 0.8 - OFFSET;
 
 /// The reflectance of dielectrics at normal incidence.
 const OFFSET: f64 = 0.04;
 
-/// How fast compressed highlights lose their colour.
+/// The rate at which compressed highlights lose their colour.
 const DESATURATION: f64 = 0.15;
 
 /// Khronos PBR Neutral: "Khronos PBR Neutral Tone Mapper", specification, Khronos Group (2024).
