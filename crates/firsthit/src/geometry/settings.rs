@@ -411,11 +411,11 @@ mod tests {
     settings! {
         /// A test.
         pub struct Lamp {
-            /// Where it is.
+            /// The position.
             position: DVec3, Domain::Position, required DVec3::ZERO;
-            /// How bright.
+            /// The brightness.
             color: Color, Domain::Color, default Color::ONE;
-            /// How often.
+            /// The number of flashes.
             count: u32, Domain::Whole(1, 9), default 2;
             /// Whether.
             is_on: bool, Domain::Flag, default true;
@@ -448,7 +448,7 @@ mod tests {
         }
         assert_eq!(lamp, expected);
         assert!(Lamp::LIST[0].is_required && !Lamp::LIST[1].is_required);
-        assert_eq!(Lamp::LIST[1].about, "How bright.");
+        assert_eq!(Lamp::LIST[1].about, "The brightness.");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::scene::SurfaceInteraction;
 /// The most translucent surfaces that a ray goes through.
 const MOST: u32 = 256;
 
-/// Less than this share of light is as none: a tenth of what a picture of 16 bits shows.
+/// The least share of light that counts: a tenth of what a picture of 16 bits shows.
 const LEAST: f64 = 1e-6;
 
 /// The ray from a surface on in its own direction.
@@ -25,11 +25,11 @@ pub(super) fn onwards(surface: &SurfaceInteraction<'_>) -> (Ray, RayFilter) {
 
 /// A ray on its way through translucent surfaces.
 struct Seen {
-    /// Which of the samples it is of.
+    /// The index of the sample.
     sample: usize,
     ray: Ray,
     hit: Hit,
-    /// How much of what comes next is seen.
+    /// The share of the light from farther on that is seen.
     left: f64,
 }
 
@@ -100,7 +100,7 @@ fn go_on(shading: &Shading<'_>, cull: Option<Side>, seen: &mut [Seen]) {
     }
 }
 
-/// How much light comes through from the end of each ray to its start.
+/// The share of light that comes through from the end of each ray to its start.
 pub(super) fn transmitted(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFilter]) -> Vec<f64> {
     let mut shares = vec![1.0; rays.len()];
     let mut going: Vec<usize> = (0..rays.len()).collect();
@@ -141,24 +141,25 @@ fn rescaled(ray: Ray, rest: f64) -> Ray {
     }
 }
 
-/// What a ray finds behind the translucent surfaces that it goes through by chance.
+/// The first hit of a ray behind the translucent surfaces that it goes through by chance.
 pub(super) struct Found {
     /// The last part of it.
     pub(super) ray: Ray,
-    /// What that met.
+    /// The hit of that part.
     pub(super) hit: Hit,
-    /// How long the ray was before.
+    /// The length of the ray before that part.
     pub(super) before: f64,
 }
 
 impl Found {
-    /// How long the whole ray is, up to what it met; infinite for a miss.
+    /// The length of the whole ray, up to the hit; infinite for a miss.
     pub(super) fn length(&self) -> f64 {
         self.before + self.hit.t
     }
 }
 
-/// For each ray, with a direction of length one, the first hit on a surface that it does not pass through by chance.
+/// The first hit of each ray, with a direction of length one, on a surface that it does not pass
+/// through by chance.
 pub(super) fn found(
     shading: &Shading<'_>,
     rays: &[Ray],

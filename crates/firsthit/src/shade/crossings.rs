@@ -12,12 +12,12 @@ pub(super) struct Crossings {
     /// A ray for each hit.
     rays: Vec<Ray>,
     hits: Vec<Hit>,
-    /// Where the hits of each ray begin, and where the last end.
+    /// The start of each ray's hits, and the end of the last ones.
     offsets: Vec<usize>,
 }
 
 impl Crossings {
-    /// What the rays to all points meet. They are shot together.
+    /// Finds all hits of the rays to all points. They are shot together.
     pub(super) fn new(shading: &Shading<'_>, points: &Points<'_>) -> Self {
         let shot: Vec<Ray> = points.surfaces.iter().map(|hit| *hit.ray()).collect();
         let mut all = AllHits::default();
@@ -36,14 +36,14 @@ impl Crossings {
         }
     }
 
-    /// What is known of each hit.
+    /// The surface interaction of each hit.
     pub(super) fn surfaces<'a>(&'a self, scene: &'a Scene) -> Vec<SurfaceInteraction<'a>> {
         let pairs = self.rays.iter().zip(&self.hits);
         let surface = |(ray, hit)| scene.interaction(ray, hit).expect("it was met");
         pairs.map(surface).collect()
     }
 
-    /// Which of the hits are those of each ray.
+    /// The range of each ray's hits.
     pub(super) fn of_rays(&self) -> impl Iterator<Item = Range<usize>> {
         self.offsets.windows(2).map(|ends| ends[0]..ends[1])
     }

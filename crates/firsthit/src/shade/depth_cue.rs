@@ -5,7 +5,7 @@ use super::Points;
 use crate::geometry::Color;
 use crate::scene::Background;
 
-/// What colours fade to by default: the default background.
+/// The default colour that surfaces fade to: the default background.
 pub(super) const COLOR: Color = match Background::NEUTRAL {
     Background::Uniform(color) => color,
     _ => Color::ZERO,
@@ -14,9 +14,10 @@ pub(super) const COLOR: Color = match Background::NEUTRAL {
 /// Colours fade to another one, in proportion to how far a hit is between two distances from the start of its ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DepthCue {
-    /// Up to here colours are as they are.
+    /// The distance up to which colours are as they are.
     pub(super) near: f64,
-    /// From here on all is of one colour, also where that is nearer than `near`. None fade where it is infinite.
+    /// The distance from which on all is of one colour, also where that is nearer than `near`. No
+    /// colour fades where it is infinite.
     pub(super) far: f64,
     pub(super) color: Color,
 }

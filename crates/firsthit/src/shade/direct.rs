@@ -24,7 +24,7 @@ settings! {
     pub struct Direct {
         /// Whether things cast shadows. The light of the environment they always hide.
         shadows: bool, Domain::Flag, default true;
-        /// How far away things hide the environment, in scene units.
+        /// The distance up to which things hide the environment, in scene units.
         reach: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
     }
 }

@@ -24,7 +24,8 @@ pub(super) struct BsdfRay<'a> {
     /// The ray; its direction has length one.
     pub(super) ray: &'a Ray,
     pub(super) sample: &'a BsdfSample,
-    /// It goes on from the camera by mirrors and clear matter alone, so it sees what the camera would.
+    /// Whether the ray comes from the camera by mirrors and clear matter alone, so that it sees the
+    /// camera's background.
     pub(super) is_specular_path: bool,
     /// Whether sampled lights count too. With a ray of a single direction, as in a mirror, they always do.
     pub(super) finds_lights: bool,
@@ -50,7 +51,7 @@ pub(super) fn light_found(shading: &Shading<'_>, bsdf_ray: &BsdfRay<'_>, found: 
 }
 
 impl BsdfRay<'_> {
-    /// Of lights that are met before a length.
+    /// The light of the lights that are met before a length.
     pub(super) fn lights(&self, shading: &Shading<'_>, length: f64) -> Color {
         let mut sum = Color::ZERO;
         for light in shading.scene.lights() {
@@ -66,7 +67,7 @@ impl BsdfRay<'_> {
         sum
     }
 
-    /// Of the emission of a surface that the ray meets after a length.
+    /// The emission of a surface that the ray meets after a length.
     pub(super) fn emission(
         &self,
         shading: &Shading<'_>,
@@ -84,7 +85,7 @@ impl BsdfRay<'_> {
         self.share_of_light(pdf) * left * emitted
     }
 
-    /// Of the environment, or of the background where the camera would see that.
+    /// The light of the environment, or of the background where the camera would see that.
     pub(super) fn environment(&self, shading: &Shading<'_>) -> Color {
         let direction = self.ray.direction;
         match shading.scene.environment() {
@@ -103,7 +104,7 @@ impl BsdfRay<'_> {
         own.map_or(1.0, |own| power_heuristic(own, other))
     }
 
-    /// The same for lights.
+    /// The weight beside a light's sampling; 0 where the ray leaves lights out.
     fn share_of_light(&self, other: f64) -> f64 {
         let is_left_out = !self.finds_lights && self.sample.pdf.is_some() && other > 0.0;
         if is_left_out { 0.0 } else { self.share(other) }

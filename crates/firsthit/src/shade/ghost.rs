@@ -11,7 +11,7 @@ use crate::scene::compute_geometry;
 settings! {
     /// The settings of the ghost shader.
     pub struct Ghost {
-        /// How much of what is behind each surface it hides, from 0 to 1.
+        /// The opacity of each surface, from 0 to 1.
         opacity: f64, Domain::From(0.0, 1.0), default 0.3;
         /// Light from everywhere, which nothing blocks.
         ambient: Color, Domain::Color, default Color::splat(0.25);
@@ -19,17 +19,18 @@ settings! {
         shadows: bool, Domain::Flag, default false;
         /// Whether faces have their own normals, in place of smooth ones.
         flat: bool, Domain::Flag, default false;
-        /// How far away colours begin to fade, in scene units.
+        /// The distance at which colours begin to fade, in scene units.
         depth_near: f64, Domain::NonNegative, default 0.0;
-        /// How far away they are all `depth_color`; by default nowhere.
+        /// The distance at which they are all `depth_color`; by default nowhere.
         depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
         /// The colour that distant surfaces fade to; by default the default background.
         depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 
-/// Of surfaces with the colours `c_1`, `c_2`, ..., `c_n` of the Lambert shader, from the front to the back, and an opacity a:
-/// `a c_1 + (1 - a) (a c_2 + (1 - a) (... a c_n + (1 - a) background))`.
+/// Composes surfaces with the colours `c_1`, `c_2`, ..., `c_n` of the Lambert shader, from the
+/// front to the back, and an opacity a: `a c_1 + (1 - a) (a c_2 + (1 - a) (... a c_n + (1 - a)
+/// background))`.
 pub(super) fn shade(
     settings: &Ghost,
     shading: &Shading<'_>,
@@ -58,7 +59,7 @@ pub(super) fn shade(
 }
 
 impl Ghost {
-    /// How each surface gets its colour.
+    /// The shader of the layers.
     fn of_layers(&self) -> Lambert {
         Lambert {
             ambient: self.ambient,

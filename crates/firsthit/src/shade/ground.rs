@@ -30,12 +30,13 @@ use crate::scene::{Environment, EnvironmentKind, Light, LightSample, Scene};
 pub struct Ground {
     /// A point of it.
     pub point: DVec3,
-    /// Its normal: the side that is seen and lit; any length but zero.
+    /// The normal: the side that is seen and lit; any length but zero.
     pub up: DVec3,
 }
 
 impl Ground {
-    /// Under everything that a scene has, `up` being any length but zero. `None` for a scene without an end in that direction.
+    /// The ground under everything that a scene has, `up` being any length but zero. `None` for a
+    /// scene without an end in that direction.
     pub fn under(scene: &Scene, up: DVec3) -> Option<Self> {
         let up = unit(up);
         let depth = scene.support(-up);
@@ -80,7 +81,7 @@ impl Ground {
         }
     }
 
-    /// Where a ray goes through the plane from above.
+    /// The point where a ray goes through the plane from above.
     fn crossed(&self, up: DVec3, ray: &Ray) -> Option<DVec3> {
         let descent = -ray.direction.dot(up);
         let t = (ray.origin - self.point).dot(up) / descent;
@@ -231,7 +232,7 @@ impl Shadows {
         rays.add_to(&mut self.missing, shading);
     }
 
-    /// How much of the light is missing at each point.
+    /// The share of the light that is missing at each point.
     fn shares(&self) -> impl Iterator<Item = f64> {
         self.missing.iter().zip(&self.full).map(|(missing, full)| {
             let share = missing.element_sum() / full.element_sum();
@@ -311,7 +312,7 @@ impl Cone {
     }
 }
 
-/// What the ground takes of light from one direction.
+/// The irradiance over pi of the ground by light from one direction.
 fn taken_of(arriving: &LightSample, up: DVec3) -> Color {
     cosine(arriving.towards, up) * arriving.light
 }
@@ -328,7 +329,8 @@ fn side(light: &Light, point: &Point) -> u32 {
     }
 }
 
-/// How many points of emissive surfaces say what the ground takes of them where nothing is in the way.
+/// The number of points of emissive surfaces that estimate the ground's light from them without
+/// occlusion.
 const DRAWS_OF_EMITTERS: u32 = 32;
 
 /// Rays towards light, and what is missing where something blocks them: what they would bring is taken from the sum, and what arrives is
@@ -362,7 +364,7 @@ impl BlockedRays {
         self.push_ray(ray, Some(end), index, || taken_of(arriving, up));
     }
 
-    /// Those of a row of points, whose numbers are given.
+    /// Adds the rays of a row of points, whose numbers are given.
     fn push_row(&mut self, row: &ShadingPoints, indices: &[usize], arriving: &Arriving) {
         for (k, &index) in indices.iter().enumerate() {
             let light = arriving.light.get(k);

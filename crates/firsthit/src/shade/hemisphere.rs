@@ -13,17 +13,17 @@ settings! {
         below: Color, Domain::Color, default Color::new(0.3, 0.26, 0.22);
         /// Whether faces have their own normals, in place of smooth ones.
         flat: bool, Domain::Flag, default false;
-        /// How far away colours begin to fade, in scene units.
+        /// The distance at which colours begin to fade, in scene units.
         depth_near: f64, Domain::NonNegative, default 0.0;
-        /// How far away they are all `depth_color`; by default nowhere.
+        /// The distance at which they are all `depth_color`; by default nowhere.
         depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
         /// The colour that distant surfaces fade to; by default the default background.
         depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 
-/// What a matte surface takes of two even hemispheres of light: by cosines, the upper one's share is (1 + cos) / 2, where the cosine is
-/// that of the normal and the scene's up.
+/// Shades matte surfaces in two even hemispheres of light: the upper one's share is (1 + c) / 2,
+/// where c is the cosine of the normal and the scene's up.
 pub(super) fn shade(
     settings: &Hemisphere,
     shading: &Shading<'_>,

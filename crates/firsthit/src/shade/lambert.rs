@@ -14,9 +14,9 @@ settings! {
         shadows: bool, Domain::Flag, default true;
         /// Whether faces have their own normals, in place of smooth ones.
         flat: bool, Domain::Flag, default false;
-        /// How far away colours begin to fade, in scene units.
+        /// The distance at which colours begin to fade, in scene units.
         depth_near: f64, Domain::NonNegative, default 0.0;
-        /// How far away they are all `depth_color`; by default nowhere.
+        /// The distance at which they are all `depth_color`; by default nowhere.
         depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
         /// The colour that distant surfaces fade to; by default the default background.
         depth_color: Color, Domain::Color, default depth_cue::COLOR;

@@ -29,9 +29,9 @@ named! {
 /// The lights of a [`LightRig`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
-    /// Those with a direction.
+    /// The lights with a direction.
     pub lights: Vec<Light>,
-    /// That from all around.
+    /// The light from all directions.
     pub environment: Option<Arc<Environment>>,
 }
 
@@ -49,10 +49,10 @@ struct Sky {
 }
 
 impl LightRig {
-    /// What a white matte surface takes that faces the first light.
+    /// The radiance of a white matte surface that faces the first light.
     pub const WHITE: Color = Color::splat(0.8);
 
-    /// Its lights for a camera, in a world with that direction upwards.
+    /// The lights of the rig for a camera, in a world with that direction upwards.
     pub fn lighting(self, camera: &Camera, up: DVec3) -> Lighting {
         let lamp = |from, share, angle_degrees| Lamp {
             from,
@@ -140,8 +140,9 @@ fn lit(camera: &Camera, up: DVec3, lamps: &[Lamp], sky: Option<&Sky>) -> Lightin
     }
 }
 
-/// What a white surface takes of a light at a point, facing along a normal. A sun has a closed form. For other lights with a size it is the
-/// mean over an even grid of their points, `side` by `side`, since some may be behind the surface.
+/// The radiance of a white matte surface by a light at a point, facing along a normal. A sun has a
+/// closed form. For other lights with a size it is the mean over an even grid of their points,
+/// `side` by `side`, since some may be behind the surface.
 pub(super) fn taken_by_white(light: &Light, (at, normal): (DVec3, DVec3), side: u32) -> Color {
     if let Light::Directional(sun) = light {
         let cosine = -unit(sun.direction).dot(normal);

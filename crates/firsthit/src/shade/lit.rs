@@ -9,21 +9,21 @@ use crate::geometry::{Color, DVec2, DVec3, unit};
 use crate::scene::{LightSample, PreparedLight, SurfaceInteraction, softened};
 use crate::simd::{self, Kernel, Lanes};
 
-/// How a surface reflects light. What is not inlined is not done in lanes.
+/// The reflection model of a surface. Functions that are not inlined are not compiled to lanes.
 pub(super) trait Reflection {
-    /// What the surface shows without any of the lights.
+    /// The colour of the surface without any of the lights.
     fn ambient(&self, point: &Lit) -> Color;
 
-    /// What it shows of light from one direction.
+    /// The reflected light from one direction.
     fn reflected(&self, point: &Lit, light: &Incoming) -> Color;
 
-    /// What is seen, where these have that sum.
+    /// The colour that is seen, given the sum of the others.
     fn seen(&self, _point: &Lit, sum: Color) -> Color {
         sum
     }
 }
 
-/// How shaders with hard shadows use lights.
+/// The use of lights by shaders with hard shadows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HardLighting {
     /// Whether faces have their own normals, in place of smooth ones.
@@ -79,9 +79,9 @@ impl HardLighting {
     }
 }
 
-/// Where light comes from: a light, which counts as its middle where it has a size.
+/// A source of light, which counts as its middle where it has a size.
 trait Source {
-    /// Its light at a point, and the direction towards it.
+    /// The source's light at a point, and the direction towards it.
     fn at(&self, point: DVec3) -> Option<(LightSample, DVec3)>;
 }
 
@@ -120,7 +120,7 @@ pub(super) struct Lit {
     pub(super) normal: DVec3,
     position: DVec3,
     geometric: DVec3,
-    /// That of the ray that sees it.
+    /// The direction of the ray that sees the point.
     direction: DVec3,
 }
 
@@ -130,9 +130,9 @@ pub(super) struct Incoming {
     pub(super) towards: DVec3,
     /// The cosine to the normal.
     pub(super) cosine: f64,
-    /// What is left of it near the shadow terminator, from 0 to 1; see [`softened`].
+    /// The factor on light near the shadow terminator, from 0 to 1; see [`softened`].
     pub(super) share: f64,
-    /// What a white, matte surface takes that faces it.
+    /// The irradiance over pi of a surface that faces the light.
     pub(super) light: Color,
 }
 
@@ -179,7 +179,7 @@ impl Lit {
 /// Points side by side.
 struct LitRow {
     count: usize,
-    /// Which of all points each is.
+    /// The number of each point among all.
     numbers: [usize; ROW],
     color: Vectors,
     normal: Vectors,
@@ -238,7 +238,7 @@ impl LitRow {
     }
 }
 
-/// What the surfaces at some points reflect of a light.
+/// Computes the light that the surfaces at some points reflect.
 struct Reflect<'a, S, R>(&'a LitRow, &'a S, &'a R);
 
 impl<S: Source, R: Reflection> Kernel for Reflect<'_, S, R> {

@@ -13,15 +13,15 @@ settings! {
         bright: Color, Domain::Color, default Color::new(1.55, 1.22, 0.98);
         /// The other side.
         dark: Color, Domain::Color, default Color::new(0.1, 0.07, 0.08);
-        /// How strong the highlight is.
+        /// The strength of the highlight.
         gloss: f64, Domain::From(0.0, 1.0), default 0.1;
-        /// How much darker edges are, from 0, not at all, to 1, black.
+        /// The darkening of edges, from 0, none, to 1, black.
         rim: f64, Domain::From(0.0, 1.0), default 0.5;
         /// Whether faces have their own normals, in place of smooth ones.
         flat: bool, Domain::Flag, default false;
-        /// How far away colours begin to fade, in scene units.
+        /// The distance at which colours begin to fade, in scene units.
         depth_near: f64, Domain::NonNegative, default 0.0;
-        /// How far away they are all `depth_color`; by default nowhere.
+        /// The distance at which they are all `depth_color`; by default nowhere.
         depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
         /// The colour that distant surfaces fade to; by default the default background.
         depth_color: Color, Domain::Color, default depth_cue::COLOR;

@@ -39,7 +39,7 @@ pub(super) struct MatteVertex {
 }
 
 impl MatteVertex {
-    /// That of a surface that the camera sees.
+    /// The vertex of a surface that the camera sees.
     #[inline]
     pub(super) fn first(
         surface: &SurfaceInteraction<'_>,
@@ -80,7 +80,7 @@ impl<'a> SortedVertices<'a> {
         sorted
     }
 
-    /// How many there are.
+    /// The number of vertices.
     pub(super) fn count(&self) -> usize {
         let in_rows: usize = self.rows.iter().map(|row| row.points.len()).sum();
         in_rows + self.others.len()
@@ -223,7 +223,8 @@ impl MatteRow {
         rays.push((ray, filter), self.sums[k], arriving.light.get(k));
     }
 
-    /// What the surfaces reflect of light that was drawn. It is weighted where BSDF-sampled rays count it too.
+    /// Computes the reflected light of samples of lights. They are weighted where BSDF-sampled rays
+    /// count them too.
     #[inline(always)]
     fn reflect(&self, samples: LightSamples) -> Arriving {
         let LightSamples {
@@ -267,7 +268,7 @@ impl<S: DrawnLight> Kernel for DrawLight<'_, S> {
     }
 }
 
-/// What the surfaces reflect of light that was drawn.
+/// Computes the reflected light of samples of lights.
 struct Reflect<'a>(&'a MatteRow, LightSamples);
 
 impl Kernel for Reflect<'_> {
@@ -312,7 +313,7 @@ impl<S: Sky> Kernel for Scatter<'_, S> {
     }
 }
 
-/// In place of a direction where none is drawn: it brings no light.
+/// The stand-in for a direction where none is drawn: it brings no light.
 const NO_DIRECTION: BsdfSample = BsdfSample {
     towards: DVec3::Z,
     weight: Color::ZERO,
@@ -363,7 +364,7 @@ mod tests {
         Bsdf::matte(normal, albedo).over(geometric)
     }
 
-    /// What a row gives, for each vertex its direction and its light, or what a single vertex does.
+    /// Compares a row's direction and light for each vertex with a single vertex's.
     fn compare(
         mut of_row: impl FnMut(&MatteRow) -> Arriving,
         single: impl Fn(&MatteVertex) -> Option<(DVec3, Color)>,

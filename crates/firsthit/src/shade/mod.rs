@@ -61,9 +61,10 @@ pub trait Shade: Sync {
     /// infinity, `o.object` is -1, and the shader itself returns the background.
     fn shade(&self, t: f64, p: DVec3, u_r: DVec3, o: &Hit) -> Color;
 
-    /// [`shade`](Self::shade) for many samples: a colour for each. A shader that shoots rays of its own is faster when it
-    /// shoots them together; whoever makes pictures asks for a few hundred at a time. There are as many colours as samples, and as many
-    /// numbers of coverage, which are 1 for hits and 0 for misses and may be changed. Colours are premultiplied by the coverage
+    /// Shades many samples as [`shade`](Self::shade) does: a colour for each. A shader that shoots
+    /// rays of its own is faster when it shoots them together; renderers ask for a few hundred at a
+    /// time. There are as many colours as samples, and as many numbers of coverage, which are 1 for
+    /// hits and 0 for misses and may be changed. Colours are premultiplied by the coverage
     /// (associated alpha).
     fn shade_all(&self, samples: &Samples<'_>, colors: &mut [Color], _coverage: &mut [f64]) {
         for (k, (ray, color)) in samples.rays.iter().zip(colors).enumerate() {
@@ -89,20 +90,20 @@ pub trait Shade: Sync {
         false
     }
 
-    /// What outputs say of how colours were made; `None` for a shader of one's own.
+    /// The record of the shading for outputs; `None` for a shader of one's own.
     #[cfg(feature = "frame")]
     fn recipe(&self) -> Option<Recipe> {
         None
     }
 }
 
-/// How colours are made.
+/// The record of a shading: the shader with its settings.
 #[cfg(feature = "frame")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
     /// The shader's name.
     pub shader: &'static str,
-    /// Its settings.
+    /// The shader's settings.
     pub settings: Vec<(&'static str, Value)>,
     /// A digest of this and of the lights, the environment, the background and the ground.
     pub digest: String,
@@ -119,14 +120,15 @@ impl<F: Fn(f64, DVec3, DVec3, &Hit) -> Color + Sync> Shade for F {
 pub struct Samples<'a> {
     /// The rays.
     pub rays: &'a [Ray],
-    /// What they met, as many.
+    /// The hits, one for each ray.
     pub hits: &'a [Hit],
     /// The pixels that they are of, counted row by row from the top of the whole picture, as many. With the sample's number they are
     /// a seed for random numbers that depends on nothing else.
     pub pixels: &'a [u64],
-    /// Which sample of its pixel each ray is, from 0 on.
+    /// The number of the rays' sample in their pixels, from 0 on.
     pub sample: u32,
-    /// The side of surfaces that the rays pass through. Rays that go on behind translucent surfaces pass through it too.
+    /// The side of surfaces that the rays pass through. Their continuations behind translucent
+    /// surfaces pass through it too.
     pub cull: Option<Side>,
 }
 
@@ -141,11 +143,11 @@ impl Samples<'_> {
 mod stream {
     pub(super) const EMITTERS: u64 = 1;
     pub(super) const ENVIRONMENT: u64 = 2;
-    /// And the numbers after it, for each translucent surface on the way of a ray.
+    /// The first number of the streams for translucent surfaces on the way of a ray.
     pub(super) const LAYERS: u64 = 3;
 }
 
-/// What a shader colours: surfaces that were hit, and the numbers to draw for each.
+/// The surfaces that a shader colours, and the random numbers for each.
 struct Points<'a> {
     surfaces: Vec<SurfaceInteraction<'a>>,
     draws: Vec<Draws>,
@@ -240,7 +242,8 @@ impl Shader {
         !matches!(self, Self::Unlit(()) | Self::Xray(_) | Self::Ghost(_))
     }
 
-    /// How many rays it sends from a hit, in a scene with so many lights; `None` where that depends on what they meet.
+    /// The number of rays that a hit takes, in a scene with `lights` lights; `None` where that
+    /// depends on what they meet.
     pub fn rays_per_hit(&self, lights: usize) -> Option<usize> {
         match self {
             Self::Hemisphere(_) | Self::Matcap(_) | Self::Unlit(()) | Self::Normal(()) => Some(0),

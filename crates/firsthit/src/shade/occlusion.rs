@@ -12,7 +12,7 @@ use crate::simd::{self, Kernel, Lanes};
 settings! {
     /// The settings of ambient occlusion.
     pub struct AmbientOcclusion {
-        /// How far away things hide the sky, in scene units.
+        /// The distance up to which things hide the sky, in scene units.
         reach: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
     }
 }

@@ -21,9 +21,10 @@ use crate::scene::BsdfSample;
 settings! {
     /// The settings of the path tracer.
     pub struct Path {
-        /// How many times light is scattered at most on its way to the camera: with 1 it arrives straight from lights.
+        /// The most scatterings of light on its way to the camera: with 1 it arrives straight from
+        /// lights.
         depth: u32, Domain::Whole(1, 1024), default 8;
-        /// After so many scatterings, paths that bring little end by chance.
+        /// The number of scatterings after which paths that bring little end by chance.
         roulette: u32, Domain::Whole(1, 1024), default 3;
     }
 }

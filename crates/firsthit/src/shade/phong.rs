@@ -10,7 +10,7 @@ settings! {
     pub struct Phong {
         /// Light from everywhere, which nothing blocks.
         ambient: Color, Domain::Color, default Color::splat(0.25);
-        /// How much of the light the matte part takes.
+        /// The share of the light that the matte part takes.
         diffuse: f64, Domain::From(0.0, 1.0), default 1.0;
         /// The colour of highlights, which is that of the light, times this.
         specular: Color, Domain::Color, default Color::splat(0.3);
@@ -20,16 +20,17 @@ settings! {
         shadows: bool, Domain::Flag, default true;
         /// Whether faces have their own normals, in place of smooth ones.
         flat: bool, Domain::Flag, default false;
-        /// How far away colours begin to fade, in scene units.
+        /// The distance at which colours begin to fade, in scene units.
         depth_near: f64, Domain::NonNegative, default 0.0;
-        /// How far away they are all `depth_color`; by default nowhere.
+        /// The distance at which they are all `depth_color`; by default nowhere.
         depth_far: f64, Domain::PositiveOrInfinite, default f64::INFINITY;
         /// The colour that distant surfaces fade to; by default the default background.
         depth_color: Color, Domain::Color, default depth_cue::COLOR;
     }
 }
 
-/// After Phong, "Illumination for Computer Generated Pictures", Communications of the ACM 18(6), 1975.
+/// Shades after Phong, "Illumination for Computer Generated Pictures", Communications of the ACM
+/// 18(6), 1975.
 pub(super) fn shade(
     settings: &Phong,
     shading: &Shading<'_>,
@@ -39,7 +40,8 @@ pub(super) fn shade(
     shade_by(mirrored, settings, shading, points, colors);
 }
 
-/// After Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH 1977.
+/// Shades after Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH
+/// 1977.
 pub(super) fn shade_blinn(
     settings: &Phong,
     shading: &Shading<'_>,

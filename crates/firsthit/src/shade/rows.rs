@@ -33,7 +33,7 @@ impl ShadingPoints {
         self.count == ROW
     }
 
-    /// How many there are. The minimum tells the compiler that they are at most [`ROW`].
+    /// The number of points. The minimum tells the compiler that they are at most [`ROW`].
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
         self.count.min(ROW)
@@ -73,10 +73,10 @@ impl ShadingPoints {
     }
 }
 
-/// For each point a [`LightSample`].
+/// A row of [`LightSample`], one for each point.
 pub(super) struct LightSamples {
     pub(super) towards: Vectors,
-    /// Where a ray to the light ends.
+    /// The `t_max` of a ray to the light.
     pub(super) end: Numbers,
     /// Black for no sample.
     pub(super) light: Vectors,
@@ -102,7 +102,8 @@ impl LightSamples {
     }
 }
 
-/// For each point a direction, where a ray that way ends, and the light that it brings if nothing blocks it; black for no ray.
+/// A row of directions, one for each point, with the `t_max` of a ray that way, and the light that
+/// it brings if nothing blocks it; black for no ray.
 pub(super) struct Arriving {
     pub(super) towards: Vectors,
     pub(super) end: Numbers,

@@ -24,22 +24,22 @@ use crate::shoot::Engine;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Shading<'a> {
-    /// Where to look up what was hit.
+    /// The scene that was hit.
     pub scene: &'a Scene,
-    /// How hits get their colour.
+    /// The shader that colours hits.
     pub shader: Shader,
-    /// Which way is up for who looks, of any length but zero: the camera's, or the scene's.
+    /// The direction upwards for the viewer, of any length but zero: the camera's, or the scene's.
     pub upwards: DVec3,
-    /// What misses see, unless that is the scene's environment.
+    /// The background of misses, unless that is the scene's environment.
     pub background: Background,
     /// The ground that shadows fall on.
     pub ground: Option<Ground>,
-    /// What finds the hits of its own rays, such as those towards lights.
+    /// The engine for the shader's own rays, such as those towards lights.
     pub engine: &'a dyn Engine,
 }
 
 impl Shading<'_> {
-    /// What a miss sees.
+    /// The colour of a miss.
     pub(super) fn seen_behind(&self, direction: DVec3) -> Color {
         match self
             .scene

@@ -57,7 +57,7 @@ impl ShadowRays {
         self.brought.clear();
     }
 
-    /// Which of the rays meet something.
+    /// Finds the rays that meet something.
     fn blocked(&self, shading: &Shading<'_>) -> Vec<bool> {
         let mut blocked = vec![false; self.rays.len()];
         let rays = Filtered::each(&self.rays, &self.filters);

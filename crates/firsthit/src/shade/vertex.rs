@@ -11,7 +11,7 @@ use crate::scene::{Bsdf, LightSample, SurfaceInteraction};
 pub(super) struct Vertex {
     pub(super) position: DVec3,
     pub(super) bsdf: Bsdf,
-    /// Its rays do not meet the surface they leave.
+    /// The filter of the rays that leave the vertex: they do not meet its surface.
     pub(super) filter: RayFilter,
     /// The factor on light from here on its way to the camera.
     pub(super) throughput: Color,
@@ -65,7 +65,7 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// That of a ray from the camera.
+    /// The way of a ray from the camera.
     pub(super) fn of_camera(surface: &SurfaceInteraction<'_>) -> Self {
         Self {
             throughput: Color::ONE,
@@ -76,7 +76,7 @@ impl Way {
 }
 
 impl Vertex {
-    /// The one that a ray meets; `None` where the surface has no normal.
+    /// The vertex that a ray meets; `None` where the surface has no normal.
     pub(super) fn new(
         surface: &SurfaceInteraction<'_>,
         sum: usize,
@@ -102,7 +102,7 @@ impl Vertex {
         })
     }
 
-    /// The same as one of a row, if it can be.
+    /// The vertex as one of a row, if it can be.
     pub(super) fn matte(&self) -> Option<MatteVertex> {
         let surface = self.bsdf.lambertian();
         let surface = surface.filter(|_| self.absorption == Color::ZERO)?;
@@ -141,7 +141,8 @@ impl Vertex {
         self.weighted(arriving, self.finds_lights)
     }
 
-    /// The same of a sampled direction of the environment, which BSDF-sampled rays always count.
+    /// The seen light of a sampled direction of the environment, which BSDF-sampled rays always
+    /// count.
     fn seen_environment(&self, arriving: &LightSample) -> Option<Color> {
         let light = self.weighted(arriving, true)?;
         let light = self.occlusion * light;

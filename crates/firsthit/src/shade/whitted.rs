@@ -1,5 +1,6 @@
-//! Mirrors and clear matter without noise: each ray that meets them goes on as a reflected and a refracted one (Whitted, "An Improved
-//! Illumination Model for Shaded Display", Communications of the ACM 23(6), 1980), with exact Fresnel weights.
+//! Mirrors and clear matter without noise: each ray that meets them is continued by a reflected and
+//! a refracted one (Whitted, "An Improved Illumination Model for Shaded Display", Communications of
+//! the ACM 23(6), 1980), with exact Fresnel weights.
 
 use super::blend::onwards;
 use super::found::{BsdfRay, first_hits};
@@ -17,14 +18,14 @@ settings! {
         ambient: Color, Domain::Color, default Color::splat(0.25);
         /// Whether things cast shadows. They are hard, and clear things cast them too.
         shadows: bool, Domain::Flag, default true;
-        /// How many times a ray is reflected at most. To pass through clear surfaces does not count.
+        /// The most reflections of a ray. Passing through clear surfaces does not count.
         depth: u32, Domain::Whole(0, 64), default 16;
         /// Rays that bring less than this share of their light end.
         least: f64, Domain::From(0.0, 1.0), default 1e-4;
     }
 }
 
-/// How many mirrors and clear surfaces a ray goes by at most.
+/// The most mirrors and clear surfaces on the way of a ray.
 const MOST: u32 = 128;
 
 /// Into how many a ray is split at most: of more, those that bring the least end.
@@ -36,7 +37,7 @@ struct Seen {
     reflections: u32,
 }
 
-/// A ray that goes on from a mirror, or through clear matter or a translucent surface.
+/// A ray that continues from a mirror, or through clear matter or a translucent surface.
 struct Branch {
     ray: Ray,
     filter: RayFilter,
@@ -92,7 +93,7 @@ pub(super) fn shade(
     add_light(settings, shading, &seen, colors);
 }
 
-/// As many branches of each sum as may go on: those that bring most.
+/// The strongest branches of each sum, as many as may continue.
 fn strongest(mut branches: Vec<Branch>) -> Vec<Branch> {
     let strength = |branch: &Branch| branch.throughput.max_element();
     // Stable, so that the order of equals does not depend on who else is in the batch.
@@ -148,7 +149,7 @@ fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &
     }
 }
 
-/// The rays that go on from a vertex.
+/// The rays that continue from a vertex.
 fn branches_of(settings: &Whitted, seen: &Seen) -> Vec<Branch> {
     let Whitted { least, depth, .. } = *settings;
     let Seen {
@@ -173,7 +174,8 @@ fn branches_of(settings: &Whitted, seen: &Seen) -> Vec<Branch> {
     vertex.bsdf.branches().filter_map(branch).collect()
 }
 
-/// Adds what a ray finds; returns the vertex where it meets a surface, and the ray that goes on through a translucent one.
+/// Adds the light that a ray finds; returns the vertex where it meets a surface, and the ray that
+/// continues through a translucent one.
 fn follow(
     settings: &Whitted,
     shading: &Shading<'_>,

@@ -8,17 +8,18 @@ use crate::scene::SurfaceInteraction;
 settings! {
     /// The settings of the X-ray shader.
     pub struct Xray {
-        /// How much each scene unit inside of closed objects absorbs: of 1 there, exp(-1) is left.
+        /// The absorption of each scene unit inside of closed objects: of 1 there, exp(-1) is left.
         density: f64, Domain::NonNegative, default 0.0;
-        /// How much each surface absorbs, as a skin does: more where the ray meets it aslant.
+        /// The absorption of each surface, as of a skin: more where the ray meets it aslant.
         skin: f64, Domain::NonNegative, default 0.15;
-        /// What is seen where everything is absorbed.
+        /// The colour where everything is absorbed.
         color: Color, Domain::Color, default Color::new(0.8, 0.93, 1.0);
     }
 }
 
-/// With the length inside of closed objects and the angles between the ray and the normals, `exp(-density * length - skin * sum of
-/// 1 / cos)` of what is behind is seen, and the rest is `color`.
+/// Shades so that, with the length inside of closed objects and the angles between the ray and the
+/// normals, `exp(-density * length - skin * sum of 1 / cos)` of what is behind is seen, and the
+/// rest is `color`.
 pub(super) fn shade(
     settings: &Xray,
     shading: &Shading<'_>,
@@ -52,7 +53,8 @@ impl Xray {
     }
 }
 
-/// How much of a ray is inside of closed objects, in scene units; where several overlap, each counts.
+/// The length of a ray inside of closed objects, in scene units; where several overlap, each
+/// counts.
 fn length_inside(met: &[SurfaceInteraction<'_>]) -> f64 {
     let is_solid = |surface: &&SurfaceInteraction<'_>| {
         let object = surface.object();

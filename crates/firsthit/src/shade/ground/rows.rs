@@ -17,7 +17,7 @@ pub(super) fn cosine(towards: DVec3, up: DVec3) -> f64 {
     unit(towards).dot(up).max(0.0)
 }
 
-/// Those points that are wanted, in rows, and their numbers.
+/// Gathers the wanted points in rows, with their numbers.
 pub(super) fn rows(
     points: &[Point],
     is_wanted: impl Fn(&Point) -> bool,
