@@ -54,15 +54,15 @@ use slab::Slab;
 /// ```
 #[derive(Clone)]
 pub struct Picture<'a> {
-    /// What is seen.
+    /// The scene that is seen.
     pub scene: &'a Scene,
-    /// What makes the rays.
+    /// The sensor that makes the rays.
     pub sensor: &'a dyn Sensor,
-    /// What gives rays their colours.
+    /// The shader that gives rays their colours.
     pub shade: &'a dyn Shade,
-    /// What comes out.
+    /// The channels of the frame.
     pub channels: &'a [&'a Kind],
-    /// Of how many points of a pixel its colour is the mean; 1 is the pixel's centre.
+    /// The number of samples of a pixel; 1 is the pixel's centre.
     pub samples: u32,
     /// A threshold: where the standard error of a pixel's brightness is below this, no more samples are taken. It is checked after 32, 64,
     /// 128, ... samples, for tiles of 16 x 16 pixels with their neighbours. Brightness is as sRGB shows it, 1 being white, and over white
@@ -72,7 +72,7 @@ pub struct Picture<'a> {
     pub cull: Option<Side>,
     /// The part to make; the bytes are those of that part of the whole picture.
     pub region: Option<Region>,
-    /// What finds the hits.
+    /// The engine that finds the hits.
     pub engine: &'a dyn Engine,
     /// Lines along edges, over the colours. The channel `edge` has them as they are said here, or else those of
     /// [`Edges::default`].
@@ -121,7 +121,8 @@ pub fn render(
     picture.render(watch)
 }
 
-/// How many pixels are rendered at once at most, about: the hits and sums of each take 64 bytes, and so stay near the cores.
+/// The approximate largest number of pixels that are rendered at once: the hits and sums of each
+/// take 64 bytes, and so stay near the cores.
 const SLAB: usize = 1 << 18;
 
 /// Rows of a slab come in multiples of this, that of the squares of tiles.
@@ -250,8 +251,9 @@ impl<'a> Picture<'a> {
         Ok(Progressive { slab })
     }
 
-    /// Resumes a saved progressive render, from what [`Progressive::state`] gave. All must be as it was. Channels other than those of
-    /// all samples are made with the first sample, so a picture that is gone on with has none of them.
+    /// Resumes a saved progressive render, from what [`Progressive::state`] gave. All must be as it
+    /// was. Channels other than those of all samples are made with the first sample, so a resumed
+    /// picture has none of them.
     ///
     /// # Errors
     ///
@@ -395,7 +397,7 @@ impl Progressive<'_> {
         self.slab.add_sample(watch)
     }
 
-    /// How many samples there are.
+    /// The number of samples.
     pub fn samples(&self) -> u32 {
         self.slab.samples()
     }
@@ -404,8 +406,8 @@ impl Progressive<'_> {
         self.slab.pixels()
     }
 
-    /// What is known of the pixels, for [`Picture::resume`]: sums of colours and of squares of luminance in float64, and the number of
-    /// samples. `.npz` holds it.
+    /// The state of the pixels, for [`Picture::resume`]: sums of colours and of squares of
+    /// luminance in float64, and the number of samples. `.npz` holds it.
     ///
     /// # Errors
     ///
@@ -426,7 +428,7 @@ impl Progressive<'_> {
     }
 }
 
-/// How many rays a picture of so many pixels reports to its watch in all.
+/// The number of rays that a picture of `pixels` pixels reports to its watch in all.
 pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
     let has_color = channels.iter().any(|kind| kind.needs_shade());
     let has_samples = channels.iter().any(|kind| kind.needs_samples());
@@ -439,9 +441,9 @@ pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
     (pixels as u64).saturating_mul(traced + shaded + u64::from(has_others))
 }
 
-/// What outputs say about where they come from: the scene's fingerprint, the camera, if one made the rays, and what the
-/// identifiers of the `channels` stand for. `samples` are the points of a pixel that its colour is the mean of, if there are colours
-/// or mattes.
+/// The origin of outputs: the scene's fingerprint, the camera, if one made the rays, and the names
+/// behind the identifiers of the `channels`. `samples` are the points of a pixel that its colour is
+/// the mean of, if there are colours or mattes.
 pub fn origin(
     scene: &Scene,
     sensor: Option<&dyn Sensor>,
@@ -510,7 +512,7 @@ pub fn names(scene: &Scene) -> Names {
 /// The default number of samples per pixel, of shaders that draw no numbers.
 pub const SAMPLES: u32 = 4;
 
-/// That of shaders that draw numbers.
+/// The default number of samples per pixel, of shaders that draw numbers.
 pub const RANDOM_SAMPLES: u32 = 16;
 
 /// The default number of samples per pixel, of shaders that draw numbers or do not.

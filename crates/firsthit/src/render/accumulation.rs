@@ -9,14 +9,14 @@ use crate::memory::{self, zeroed};
 use crate::parallel;
 use crate::shade::Shade;
 
-/// What is known of each pixel of a part of a picture. Sums are in the order of the samples, so it does not matter how many are
-/// added at a time.
+/// The sums over the samples of each pixel of a part of a picture. Sums are in the order of the
+/// samples, so it does not matter how many are added at a time.
 pub(super) struct Accumulation {
     /// Red, green, blue and coverage.
     pub(super) sums: Vec<[f64; 4]>,
-    /// Of the squares of [`brightness`].
+    /// The sums of the squares of [`brightness`].
     pub(super) squares: Vec<f64>,
-    /// How many samples there were.
+    /// The numbers of samples.
     pub(super) counts: Vec<u32>,
     /// Whether what is behind shows through, as alpha says.
     is_transparent: bool,
@@ -31,7 +31,7 @@ pub(super) const ALPHA: usize = 3;
 const NAMES: [&str; 3] = ["sums", "squares", "samples"];
 
 impl Accumulation {
-    /// Of no pixel.
+    /// The accumulation of no pixel.
     pub(super) fn empty(shade: &dyn Shade) -> Self {
         Self {
             sums: Vec::new(),
@@ -42,7 +42,7 @@ impl Accumulation {
         }
     }
 
-    /// Begins anew, with so many pixels.
+    /// Begins anew, with `pixels` pixels.
     pub(super) fn reset(&mut self, pixels: usize) -> Result<()> {
         reset(&mut self.sums, pixels)?;
         reset(&mut self.squares, pixels)?;
@@ -88,7 +88,7 @@ impl Accumulation {
         Ok(Data::Float32(means))
     }
 
-    /// How many samples each pixel has.
+    /// The number of samples of each pixel.
     pub(super) fn counts(&self) -> Result<Data> {
         let mut counts = zeroed::<i32>(self.counts.len())?;
         for (out, &count) in counts.iter_mut().zip(&self.counts) {
@@ -109,7 +109,8 @@ impl Accumulation {
         (above - here).max(here - below)
     }
 
-    /// Adds what is known to the state of a picture, to be gone on with.
+    /// Adds the accumulated sums to a state from which [`Picture::resume`](super::Picture::resume)
+    /// continues.
     pub(super) fn put_into(&self, state: &mut Frame) -> Result<()> {
         let data = [
             Data::Float64(self.sums.as_flattened().to_vec()),
@@ -179,7 +180,8 @@ fn reset<T: Zeroable + Clone>(values: &mut Vec<T>, count: usize) -> Result<()> {
     memory::fit(values, count)
 }
 
-/// How bright a colour is: where what is behind shows through, over white, so that shadows count that alpha alone has.
+/// The brightness of a colour: where what is behind shows through, over white, so that shadows
+/// count that alpha alone has.
 fn brightness(color: Color, alpha: f64, is_transparent: bool) -> f64 {
     let behind = if is_transparent { 1.0 - alpha } else { 0.0 };
     luminance(color) + behind
@@ -191,17 +193,18 @@ const TILE: usize = 16;
 /// The least samples that a standard error is asked for.
 const LEAST: u32 = 32;
 
-/// Which tiles of a picture go on: those that are not quiet, and their eight neighbours. It is asked after 32, 64, 128, ... samples, so
-/// that it depends on nothing but the samples.
+/// The active tiles of a picture: those that are not quiet, and their eight neighbours. They are
+/// found after 32, 64, 128, ... samples, so that they depend on nothing but the samples.
 pub(super) struct Activity {
     columns: usize,
-    /// For each tile, whether it goes on.
+    /// Whether each tile is active.
     tiles: Vec<bool>,
     across: usize,
 }
 
 impl Activity {
-    /// Where a picture of that shape has another sample to come, its number being `sample`; all tiles go on that have as many.
+    /// The activity before another sample, whose number is `sample`, in a picture of that shape: only
+    /// tiles with as many samples can be active.
     pub(super) fn at(
         accumulation: &Accumulation,
         [rows, columns]: [usize; 2],
@@ -237,19 +240,19 @@ impl Activity {
         }
     }
 
-    /// Whether any tile goes on.
+    /// Whether any tile is active.
     pub(super) fn is_any(&self) -> bool {
         self.tiles.iter().any(|&goes_on| goes_on)
     }
 
-    /// Whether a pixel goes on.
+    /// Whether a pixel's tile is active.
     pub(super) fn has(&self, pixel: usize) -> bool {
         let (row, column) = (pixel / self.columns, pixel % self.columns);
         self.tiles[row / TILE * self.across + column / TILE]
     }
 }
 
-/// The loud tiles and their neighbours, of those that may go on.
+/// The loud tiles and their neighbours, of those that may be active.
 fn spread(
     loud: &[bool],
     [down, across]: [usize; 2],

@@ -1,4 +1,4 @@
-//! What a picture looks like where nobody says: light, shader, ground and samples.
+//! The default appearance of a picture: light, shader, ground and samples.
 
 use std::sync::Arc;
 
@@ -10,22 +10,24 @@ use crate::scene::{Background, Coloring, Environment, EnvironmentKind, Light, Sc
 use crate::shade::{Direct, Ground, Lambert, LightRig, Lighting, Shader, Shading};
 use crate::shoot::Engine;
 
-/// How a picture is to look. What is `None` is decided by the scene and the camera.
+/// The appearance of a picture. What is `None` is decided by the scene and the camera.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Appearance {
-    /// How hits get their colour. By default [`Direct`]; with the light [`LightRig::Shoulder`], [`Lambert`].
+    /// The shader of hits. By default [`Direct`]; with the light [`LightRig::Shoulder`],
+    /// [`Lambert`].
     pub shader: Option<Shader>,
     /// Lights that go with the camera, in place of the scene's. By default there are some where nothing shines:
     /// [`Shader::default_rig`].
     pub rig: Option<LightRig>,
-    /// What misses see, unless that is the scene's environment.
+    /// The background of misses, unless that is the scene's environment.
     pub background: Option<Background>,
-    /// Whether there is a ground that shadows fall on, under everything. By default there is one with lights that nobody chose, if
-    /// the camera is above it and outside of the scene.
+    /// Whether there is a ground that shadows fall on, under everything. By default there is one
+    /// with lights that were chosen automatically, if the camera is above it and outside of the
+    /// scene.
     pub ground: Option<bool>,
     /// Colours by numbers, in place of the surfaces' own. By default those of the scene, if it has any.
     pub coloring: Option<Coloring>,
-    /// Of how many points of a pixel its colour is the mean. By default [`default_samples`].
+    /// The number of samples of a pixel. By default [`default_samples`].
     pub samples: Option<u32>,
 }
 
@@ -34,24 +36,26 @@ pub struct Appearance {
 pub struct Resolved {
     /// The scene with its light.
     pub scene: Scene,
-    /// How hits get their colour.
+    /// The shader of hits.
     pub shader: Shader,
-    /// Which way is up for who looks.
+    /// The direction upwards for the viewer.
     pub upwards: DVec3,
-    /// What misses see.
+    /// The background of misses.
     pub background: Background,
     /// The ground.
     pub ground: Option<Ground>,
-    /// Of how many points of a pixel its colour is the mean.
+    /// The number of samples of a pixel.
     pub samples: u32,
-    /// What light was chosen that nobody asked for, in words.
+    /// The light that was chosen automatically, in words.
     pub guessed: Vec<&'static str>,
 }
 
-/// What fills the shadows of a scene whose lights are its own, where nobody names a shader: as much as Lambert's ambient light.
+/// The default fill light in the shadows of a scene whose lights are its own: as much as Lambert's
+/// ambient light.
 const FILL: Color = Color::splat(0.25);
 
-/// How far away things darken each other in a room, as a share of its diagonal: further, all of a closed room would be dark.
+/// The distance up to which things darken each other in a room, as a share of its diagonal:
+/// farther, all of a closed room would be dark.
 const SHARE_OF_ROOM: f64 = 0.25;
 
 /// Said where lights that go with the camera would have walls between them and what it sees.
@@ -176,7 +180,7 @@ impl Resolved {
     }
 }
 
-/// The shader where nobody chooses one, in lights that go with the camera if there are any.
+/// The default shader, in lights that go with the camera if there are any.
 pub fn default_shader(rig: Option<LightRig>) -> Shader {
     match rig {
         Some(LightRig::Shoulder) => Shader::Lambert(Lambert::default()),
@@ -184,7 +188,8 @@ pub fn default_shader(rig: Option<LightRig>) -> Shader {
     }
 }
 
-/// Which way is up in the world that a camera looks at: its own up, or the scene's where it looks straight up or down.
+/// The direction upwards in the world that a camera looks at: its own up, or the scene's where it
+/// looks straight up or down.
 ///
 /// So a picture from a camera that is kept has the light and the ground that it had.
 pub fn world_up(scene: &Scene, camera: Option<&Camera>) -> DVec3 {

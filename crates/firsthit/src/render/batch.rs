@@ -6,7 +6,8 @@ use crate::scene::Scene;
 use crate::shade::{Samples, Shade};
 use crate::shoot::{Hits, Prefetcher};
 
-/// How many pixels are shaded at a time: enough that their shadow rays go together, few enough for slow shaders.
+/// The number of pixels that are shaded at a time: enough that their shadow rays go together, few
+/// enough for slow shaders.
 const SHADED: usize = 256;
 
 /// Pixels are shaded in squares of this side: rays from sixteen neighbours on all sides go together better than from a row.
@@ -22,13 +23,13 @@ pub(super) struct Block {
     columns: usize,
 }
 
-/// How many columns a block of so many rows has at most.
+/// The most columns of a block with `rows` rows.
 fn most_columns(rows: usize) -> usize {
     SHADED / rows / SQUARE * SQUARE
 }
 
 impl Block {
-    /// All blocks of a picture of so many pixels, which has that width.
+    /// All blocks of a picture of `pixels` pixels, which has that width.
     pub(super) fn all(pixels: usize, width: usize) -> Vec<Self> {
         let mut blocks = Vec::with_capacity(2 * pixels / SHADED + 1);
         for band in (0..pixels).step_by(SQUARE * width) {
@@ -82,7 +83,8 @@ pub(super) fn split<T>(values: &mut [T], width: usize) -> Vec<[&mut [T]; SQUARE]
     blocks
 }
 
-/// Some hundred hits that are shaded at a time, and their colours. It is used again and again.
+/// A batch of some hundred hits that are shaded at a time, and their colours. It is used again and
+/// again.
 pub(super) struct Batch {
     rays: Box<[Ray; SHADED]>,
     hits: Box<[Hit; SHADED]>,
@@ -112,8 +114,8 @@ impl Batch {
         }
     }
 
-    /// Takes those of a block's pixels that go on, by their numbers in the part. Their triangles are on their way to the caches afterwards.
-    /// Returns whether there are any.
+    /// Takes the active pixels of a block, by their numbers in the part. Their triangles are on
+    /// their way to the caches afterwards. Returns whether there are any.
     pub(super) fn read(
         &mut self,
         (scene, part): (&Scene, &Part<'_>),

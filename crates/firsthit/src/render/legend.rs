@@ -1,4 +1,4 @@
-//! What a picture says of colours by numbers.
+//! The legend of a picture's colours by numbers.
 
 use crate::image::ColorsRecord;
 use crate::scene::{Colored, Coloring};

@@ -9,18 +9,19 @@ use crate::parallel;
 use crate::scene::{Object, Scene};
 use crate::shoot::Hits;
 
-/// How many pixels a thread takes at a time.
+/// The number of pixels that a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
 /// The counts of one channel.
 pub(super) struct Mattes {
     of: Matte,
-    /// By the number of an object or a material.
+    /// The matte identifiers, by the number of an object or a material.
     ids: Vec<u32>,
     pixels: Vec<Seen>,
 }
 
-/// What the samples of a pixel met so far. Most pixels meet one thing, and need no more memory.
+/// The shares of objects or materials in the samples of a pixel so far. Most pixels meet one thing,
+/// and need no more memory.
 #[derive(Clone, Default)]
 struct Seen {
     first: Share,
@@ -75,7 +76,7 @@ fn portion(count: u32, samples: u32) -> f32 {
 }
 
 impl Mattes {
-    /// Those of a channel, if it is one of mattes, of so many pixels.
+    /// The mattes of a channel, if it is one of mattes, for `pixels` pixels.
     pub(super) fn new(kind: &Kind, scene: &Scene, pixels: usize) -> Result<Option<Self>> {
         let Some(of) = kind.matte() else {
             return Ok(None);
@@ -102,7 +103,7 @@ impl Mattes {
         });
     }
 
-    /// The numbers of the channel, so many for each pixel.
+    /// The values of the channel, `components` for each pixel.
     pub(super) fn data(&self, components: usize, samples: u32) -> Result<Data> {
         let mut data = zeroed::<f32>(self.pixels.len().saturating_mul(components))?;
         let pixels = self.pixels.chunks(CHUNK);
@@ -152,7 +153,7 @@ fn names(scene: &Scene, of: Matte) -> Box<dyn Iterator<Item = String> + '_> {
     }
 }
 
-/// What files say of a channel, by its name, if it is one of mattes.
+/// The metadata of a channel, with its name, if it is one of mattes.
 pub(super) fn record(scene: &Scene, kind: &Kind) -> Option<(String, Cryptomatte)> {
     let said = Cryptomatte::new(&kind.name, names(scene, kind.matte()?));
     Some((kind.name.to_string(), said))

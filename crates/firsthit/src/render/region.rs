@@ -11,9 +11,9 @@ use super::sample::Sample;
 /// A rectangle of pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Region {
-    /// Its rows, counted from the top.
+    /// The rows, counted from the top.
     pub rows: Range<usize>,
-    /// Its columns, counted from the left.
+    /// The columns, counted from the left.
     pub columns: Range<usize>,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// Those of the first sample, which are through the pixels' centres.
+    /// The rays of the first sample, which go through the pixels' centres.
     pub(super) fn new(sensor: &'a dyn Sensor, region: Region) -> Self {
         Self {
             region,

@@ -51,7 +51,7 @@ pub struct Render<'a> {
     watch: Follower<'a>,
 }
 
-/// What gives rays their colours.
+/// The source of the rays' colours.
 #[derive(Clone)]
 pub enum Look<'a> {
     /// A shader of the library, with the scene and the background of the picture.
@@ -123,24 +123,24 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// In a standard view; [`StandardView::Iso`] by default.
+    /// Sets the standard view; [`StandardView::Iso`] by default.
     pub fn view(self, view: StandardView) -> Self {
         Self { view, ..self }
     }
 
-    /// With `up` upwards; [`Scene::up`] by default.
+    /// Sets the direction upwards; [`Scene::up`] by default.
     pub fn up(mut self, up: DVec3) -> Self {
         self.up = Some(up);
         self
     }
 
-    /// With `rows` and `columns` of pixels.
+    /// Sets the numbers of rows and columns of pixels.
     pub fn size(mut self, rows: usize, columns: usize) -> Self {
         self.size = [rows, columns];
         self
     }
 
-    /// With the colours of a [`Shader`], or of a reference to any other [`Shade`], such as a closure.
+    /// Sets the colours: a [`Shader`], or a reference to any other [`Shade`], such as a closure.
     ///
     /// ```
     /// use firsthit::{Color, DVec3, Hit, Object, Render, Scene, Shader, Sphere};
@@ -156,7 +156,8 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Before a background, which is the colour of misses for the library's shaders; [`BACKGROUND`](super::BACKGROUND) by default.
+    /// Sets the background, which is the colour of misses for the library's shaders;
+    /// [`BACKGROUND`](super::BACKGROUND) by default.
     pub fn background(mut self, background: Background) -> Self {
         self.appearance.background = Some(background);
         self
@@ -180,19 +181,19 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// In lights that go with the camera, in place of the scene's.
+    /// Replaces the scene's lights by some that go with the camera.
     pub fn light(mut self, rig: LightRig) -> Self {
         self.appearance.rig = Some(rig);
         self
     }
 
-    /// With a ground that shadows fall on, under everything, or without; see [`Appearance`].
+    /// Adds or leaves out a ground that shadows fall on, under everything; see [`Appearance`].
     pub fn ground(mut self, ground: bool) -> Self {
         self.appearance.ground = Some(ground);
         self
     }
 
-    /// With the mean of so many samples as a pixel's colour; see [`Appearance`].
+    /// Sets the number of samples whose mean is a pixel's colour; see [`Appearance`].
     pub fn samples(mut self, samples: u32) -> Self {
         self.appearance.samples = Some(samples);
         self
@@ -204,24 +205,24 @@ impl<'a> Render<'a> {
         self
     }
 
-    /// Only a part of the picture, with the bytes that it has in the whole.
+    /// Renders only a part of the picture, with the bytes that it has in the whole.
     pub fn region(mut self, region: Region) -> Self {
         self.region = Some(region);
         self
     }
 
-    /// With another engine than [`Cpu`], for the camera's rays and for the shader's own.
+    /// Sets another engine than [`Cpu`], for the camera's rays and for the shader's own.
     pub fn engine(self, engine: &'a dyn Engine) -> Self {
         Self { engine, ..self }
     }
 
-    /// With these channels, by their names in [`channel::KINDS`], or `attribute:` and the name of an attribute of the meshes; `color`
-    /// alone by default.
+    /// Sets the channels, by their names in [`channel::KINDS`], or `attribute:` and the name of an
+    /// attribute of the meshes; `color` alone by default.
     pub fn channels(self, channels: &'a [&'a str]) -> Self {
         Self { channels, ..self }
     }
 
-    /// With lines along edges over the colours, and as the channel `edge`.
+    /// Draws lines along edges over the colours, and as the channel `edge`.
     pub fn edges(mut self, edges: Edges) -> Self {
         self.edges = Some(edges);
         self

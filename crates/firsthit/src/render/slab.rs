@@ -31,16 +31,16 @@ pub(super) struct Slab<'a> {
     part: Part<'a>,
     hits: Hits,
     known: Accumulation,
-    /// What is made of ambient occlusion, if anything: its shader, and the sum over the samples.
+    /// The ambient occlusion, if it is asked for: its shader, and the sum over the samples.
     occlusion: Option<(Shading<'a>, Vec<f64>)>,
     samples: u32,
     /// All channels that are made from the first sample, in their order.
     channels: Vec<Channel>,
     /// The counts of the channels of mattes, in their order.
     mattes: Vec<Mattes>,
-    /// What is drawn over the colours.
+    /// The bar that is drawn over the colours.
     bar: Option<ColorBar>,
-    /// How much of each pixel lines of edges cover; nothing where there are none.
+    /// The share of each pixel that lines of edges cover; empty where there are none.
     covered: Vec<f32>,
 }
 
@@ -121,14 +121,14 @@ impl<'a> Slab<'a> {
         Ok(())
     }
 
-    /// What [`resume`](Self::resume) takes.
+    /// The state for [`resume`](Self::resume).
     pub(super) fn state(&self) -> Result<Frame> {
         let mut state = self.picture.frame(&self.part.region, self.samples);
         self.known.put_into(&mut state)?;
         Ok(state)
     }
 
-    /// How many samples there are.
+    /// The number of samples.
     pub(super) fn samples(&self) -> u32 {
         self.samples
     }
@@ -176,7 +176,7 @@ impl<'a> Slab<'a> {
         Ok(true)
     }
 
-    /// Adds the colours of the current hits to the sums, of the pixels that go on.
+    /// Adds the colours of the current hits to the sums, of the active pixels.
     fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
         let width = part.region.columns.len();
@@ -242,7 +242,7 @@ impl<'a> Slab<'a> {
         self.frame_with(self.channels.clone())
     }
 
-    /// The same, without a copy: it can be taken once.
+    /// The frame without a copy: it can be taken once.
     pub(super) fn take_frame(&mut self) -> Result<Frame> {
         let plain = std::mem::take(&mut self.channels);
         self.frame_with(plain)

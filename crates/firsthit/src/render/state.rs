@@ -12,7 +12,7 @@ use crate::image::{
 };
 use crate::watch::{OnlyCounts, OnlyStops, Watch};
 
-/// How often the state of a picture is saved.
+/// The time between saves of a picture's state.
 const SAVE_INTERVAL: Duration = Duration::from_secs(20);
 
 impl<'a> Picture<'a> {
@@ -87,7 +87,7 @@ impl<'a> Picture<'a> {
 }
 
 impl Progressive<'_> {
-    /// Adds samples up to so many, or until it is quiet, and saves the state.
+    /// Adds samples up to `samples` in all, or until the picture is quiet, and saves the state.
     fn render_saved(&mut self, samples: u32, path: &Path, watch: &dyn Watch) -> Result<()> {
         let known = self.samples();
         let mut saved = Instant::now();
@@ -169,7 +169,7 @@ fn put_together(channels: &[&Kind], colors: Frame, others: Frame) -> Result<Fram
     Ok(whole)
 }
 
-/// What of another picture's metadata differs, in words.
+/// The difference of another picture's metadata, in words.
 fn difference(own: &Metadata, other: Option<&Metadata>) -> Option<&'static str> {
     let Some(other) = other else {
         return Some("no metadata");
