@@ -30,7 +30,7 @@ pub(super) static SKY: Record = Record {
             horizon: required(Form::Color),
             /// The colour straight up.
             zenith: required(Form::Color),
-            /// Where the zenith is. Default: the scene's up.
+            /// The direction of the zenith. Default: the scene's up.
             up: optional(Form::Direction),
         }],
         rules: &[],

@@ -17,32 +17,36 @@ use crate::world::{NamedCamera, World};
 const PROJECTION: &str = "projection";
 
 const VIEW: &[Key] = keys! {
-    /// Where the camera is. Default: where everything is seen and fills the picture.
+    /// The camera's position. Default: where everything is seen and fills the picture.
     position: optional(Form::Vector),
     /// The direction it looks in, of any length.
     aim: optional(Form::Direction),
     /// The point it looks at, instead of aim. Default: the middle of the scene.
     look_at: optional(Form::Vector),
-    /// Which way is up in the picture, of any length; need not be perpendicular to aim. Default: the scene's up.
+    /// The direction upwards in the picture, of any length; need not be perpendicular to aim.
+    /// Default: the scene's up.
     up: optional(Form::Direction),
 };
 
 const POSE: &[Key] = keys! {
-    /// Instead of position, aim, look_at and up: the rows of the matrix by which the convention says where the camera is.
+    /// The camera's pose, instead of position, aim, look_at and up: the rows of the matrix by which
+    /// the convention says where the camera is.
     pose: optional(Form::Matrix),
 };
 
 const CONVENTION: &[Key] = keys! {
-    /// Whose words pose, cx and cy are in: which way the camera's axes point, which way the pose goes, where the first pixel is.
+    /// The convention of pose, cx and cy: which way the camera's axes point, which way the pose
+    /// goes, where the first pixel is.
     convention: optional(Form::OneOf(|| Convention::NAMES.to_vec())),
 };
 
 const NEEDED_CONVENTION: &[Key] = keys! {
-    /// Whose words pose, cx and cy are in: which way the camera's axes point, which way the pose goes, where the first pixel is.
+    /// The convention of pose, cx and cy: which way the camera's axes point, which way the pose
+    /// goes, where the first pixel is.
     convention: required(Form::OneOf(|| Convention::NAMES.to_vec())),
 };
 
-/// How a pose and what it replaces go together.
+/// The rules for a pose and the keys that it replaces.
 macro_rules! view_rules {
     ($($rule:expr),* $(,)?) => {
         &[
@@ -65,11 +69,11 @@ const PIXELS: &[Key] = keys! {
 };
 
 const RAY_START: &[Key] = keys! {
-    /// Where rays start, and t counts from: at the position or on the viewplane. Default: eye.
+    /// The start of rays, and of t: at the position or on the viewplane. Default: eye.
     ray_start: optional(Form::OneOf(|| vec!["eye", "viewplane"])),
 };
 
-/// Neither side of a picture is longer.
+/// The longest side of a picture, in pixels.
 const MOST_PIXELS: i64 = 1 << 28;
 
 const BOTH_PIXELS: &[Key] = keys! {
@@ -106,9 +110,9 @@ const MATRIX: &[Key] = keys! {
 };
 
 const SHIFT: &[Key] = keys! {
-    /// From where the aim meets the viewplane to its middle, to the right. Default: 0.
+    /// The distance from where the aim meets the viewplane to its middle, to the right. Default: 0.
     shift_x: optional(Form::Number),
-    /// The same, upwards. Default: 0.
+    /// The distance from there to the middle upwards. Default: 0.
     shift_y: optional(Form::Number),
 };
 
@@ -205,7 +209,7 @@ const KANNALA_BRANDT: &[Key] = keys! {
 };
 
 const ALPHA: &[Key] = keys! {
-    /// From 0, a pinhole, to 1.
+    /// The weight from 0, a pinhole, to 1.
     alpha: optional(Form::From(0.0, 1.0)),
 };
 
@@ -332,7 +336,7 @@ const VIEWPLANE: &[Key] = keys! {
 const THIN_LENS: &[Key] = keys! {
     /// The diameter of the lens: colours of several samples are sharp at focus, and blurred nearer and farther. Default: 0, a pinhole.
     aperture: optional(Form::NonNegative),
-    /// Where the picture is sharp: the distance along the aim, or a point at that distance.
+    /// The plane in focus: the distance along the aim, or a point at that distance.
     focus: optional(Form::Focus),
 };
 
@@ -486,7 +490,7 @@ fn description(section: &Section<'_, '_>, report: &mut Report) -> Checked<Descri
     })
 }
 
-/// How much a camera sees.
+/// The field of view of a camera.
 #[expect(clippy::too_many_lines, reason = "a step for each way to say it")]
 fn opening(
     section: &Section<'_, '_>,

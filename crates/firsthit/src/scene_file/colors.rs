@@ -12,8 +12,8 @@ pub(super) static COLORS: Record = Record {
     variants: &[Variant {
         pick: Pick::Always,
         keys: &[keys! {
-            /// What gives the numbers: attribute:NAME for an attribute of the meshes, object, face, height, or incidence (the angle
-            /// between the ray and the normal, in radians).
+            /// The source of the numbers: attribute:NAME for an attribute of the meshes, object,
+            /// face, height, or incidence (the angle between the ray and the normal, in radians).
             by: required(Form::OneOfOr(|| ColorBy::NAMES.to_vec(), ColorBy::ATTRIBUTE)),
             /// The colour map. Default: viridis.
             map: optional(Form::OneOf(|| ColorMap::NAMES.to_vec())),

@@ -1,4 +1,4 @@
-//! How pictures of a scene file show its colours.
+//! The display of a scene file's colours in pictures.
 
 use super::section::Section;
 use super::table::{Form, Pick, Record, Variant, keys, optional};
@@ -11,9 +11,9 @@ pub(super) static DISPLAY: Record = Record {
     variants: &[Variant {
         pick: Pick::Always,
         keys: &[keys! {
-            /// In stops: PNGs show colours times 2 to this power. Default: 0.
+            /// The exposure in stops: PNGs show colours times 2 to this power. Default: 0.
             exposure: optional(Form::Number),
-            /// How PNGs show colours of any brightness. Default: none, which shows what is above 1 as 1.
+            /// The tone map of colours in PNGs. Default: none, which shows what is above 1 as 1.
             tone_map: optional(Form::OneOf(|| ToneMap::NAMES.to_vec())),
         }],
         rules: &[],

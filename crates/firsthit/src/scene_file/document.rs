@@ -10,8 +10,9 @@ use crate::io::memory_budget::check_free;
 
 pub(super) type Value<'t> = Spanned<DeValue<'t>>;
 
-/// What parsing takes for each byte of the text, at most: a token, an event and a value for every
-/// two bytes of `1,1,1,`. Measured: 86 resident, and vectors that grow want more for a moment.
+/// The most memory that parsing takes for each byte of the text: a token, an event and a value for
+/// every two bytes of `1,1,1,`. Measured: 86 resident, and vectors that grow want more for a
+/// moment.
 const BYTES_PER_BYTE: usize = 160;
 
 /// A text that places are counted in.

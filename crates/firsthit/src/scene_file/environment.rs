@@ -10,14 +10,14 @@ use crate::io::{Report, load_environment_part};
 use crate::scene::{Daylight, Environment, EnvironmentKind, EnvironmentMap, Light};
 
 const COMMON: &[Key] = keys! {
-    /// What its radiance is multiplied by. Default: 1.
+    /// The factor on the radiance. Default: 1.
     strength: optional(Form::NonNegative),
     /// Whether the camera sees it, in place of the background. Default: true.
     seen: optional(Form::Boolean),
 };
 
 const UP: &[Key] = keys! {
-    /// Which way is up. Default: the scene's up.
+    /// The direction upwards. Default: the scene's up.
     up: optional(Form::Direction),
 };
 
@@ -29,7 +29,7 @@ const FILE: &[Key] = keys! {
 };
 
 const COLOR: &[Key] = keys! {
-    /// The same light from everywhere.
+    /// The radiance, equal from all directions.
     color: required(Form::Color),
 };
 
@@ -78,11 +78,12 @@ pub(super) static DAYLIGHT: Record = Record {
     variants: &[Variant {
         pick: Pick::Always,
         keys: &[keys! {
-            /// How high the sun stands, in degrees.
+            /// The sun's elevation above the horizon, in degrees.
             elevation: required(Form::From(Daylight::ELEVATIONS.0, Daylight::ELEVATIONS.1)),
-            /// How far around the sun stands, in degrees, counter-clockwise seen from above; with +z or +y up from +x. Default: 0.
+            /// The sun's azimuth in degrees, counter-clockwise seen from above; with +z or +y up
+            /// from +x. Default: 0.
             azimuth: optional(Form::Number),
-            /// How hazy the air is: 2 very clear, 3 clear, 6 hazy. Default: 3.
+            /// The haze of the air: 2 very clear, 3 clear, 6 hazy. Default: 3.
             turbidity: optional(Form::From(Daylight::TURBIDITIES.0, Daylight::TURBIDITIES.1)),
             /// The share of light that the ground sends back. Default: [0.2, 0.2, 0.2].
             ground: optional(Form::Color),

@@ -252,7 +252,7 @@ fn is_one_of(value: &Raw<'_>, words: fn() -> Vec<&'static str>) -> bool {
     value.as_str().is_some_and(|text| words().contains(&text))
 }
 
-/// Whether it is one of some words, or begins so and goes on.
+/// Whether a value is one of some words, or has the beginning and something after it.
 fn is_one_of_or(
     value: &Raw<'_>,
     words: fn() -> Vec<&'static str>,

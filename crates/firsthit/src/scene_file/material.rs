@@ -1,4 +1,4 @@
-//! What objects of a scene file are made of.
+//! The materials of objects of a scene file.
 
 #![allow(
     clippy::indexing_slicing,

@@ -44,12 +44,12 @@ const FILE: &[Key] = keys! {
 };
 
 const CENTER: &[Key] = keys! {
-    /// Its centre.
+    /// The centre.
     center: required(Form::Vector),
 };
 
 const RADIUS: &[Key] = keys! {
-    /// Its radius.
+    /// The radius.
     radius: required(Form::Positive),
 };
 
@@ -59,7 +59,7 @@ const POINT: &[Key] = keys! {
 };
 
 const NORMAL: &[Key] = keys! {
-    /// Its normal, of any length.
+    /// The normal, of any length.
     normal: required(Form::Direction),
 };
 
@@ -78,16 +78,16 @@ const BAR: &[Key] = keys! {
 };
 
 const RADII: &[Key] = keys! {
-    /// Its radius at the bottom.
+    /// The radius at the bottom.
     bottom_radius: required(Form::NonNegative),
-    /// Its radius at the top. Default: 0, a tip.
+    /// The radius at the top. Default: 0, a tip.
     top_radius: optional(Form::NonNegative),
 };
 
 const TRIANGLES: &[Key] = keys! {
     /// The corners of its triangles. Large meshes belong into files.
     vertices: required(Form::Points),
-    /// For each triangle the indices of its corners, from 0 on, counter-clockwise seen from the front.
+    /// The indices of each triangle's corners, from 0 on, counter-clockwise seen from the front.
     triangles: required(Form::Triples),
 };
 
@@ -147,7 +147,7 @@ fn mesh(section: &Section<'_, '_>) -> Checked<Result<Mesh>> {
     Ok(Mesh::new(Positions::compact(points), triangles))
 }
 
-/// No more than these can be made of a small text and a file that it names many times.
+/// The most objects: a small text may name a file many times.
 const MOST_OBJECTS: usize = 1 << 20;
 
 /// The objects in the order of the text.
@@ -263,7 +263,7 @@ fn part_in(
 /// The files that were read: each once, however often it is named.
 #[derive(Debug, Default)]
 struct Files {
-    /// By their paths and the variants that the scene file names.
+    /// The objects of files, by their paths and the variants that the scene file names.
     known: HashMap<(PathBuf, Option<String>), Arc<[Object]>>,
     meshes: Renumber,
 }

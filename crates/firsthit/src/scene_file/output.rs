@@ -17,11 +17,12 @@ pub(super) static OUTPUT: Record = Record {
     variants: &[Variant {
         pick: Pick::Always,
         keys: &[keys! {
-            /// Its name, relative to the scene file and in its folder or below; the extension tells the format. {channel} in
-            /// it makes a file of each channel.
+            /// The file's name, relative to the scene file and in its folder or below; the
+            /// extension tells the format. {channel} in it makes a file of each channel.
             file: required(Form::Path),
-            /// What to write: channels by name, or "attribute:NAME" for an attribute of the meshes. Default: ["color"]; for a
-            /// point cloud (.ply, .pcd) ["position", "normal", "color", "object"].
+            /// The channels to write, by name, or "attribute:NAME" for an attribute of the meshes.
+            /// Default: ["color"]; for a point cloud (.ply, .pcd) ["position", "normal", "color",
+            /// "object"].
             channels: optional(Form::SomeOf(|| KINDS.iter().map(|kind| &*kind.name).collect(), Some(ATTRIBUTE))),
         }],
         rules: &[],
@@ -60,7 +61,8 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
 }
 
 impl Output {
-    /// The same of other channels, for an output of the file `scene`. Each channel may be a file of its own.
+    /// The output with other channels, for an output of the file `scene`. Each channel may be a
+    /// file of its own.
     ///
     /// # Errors
     ///

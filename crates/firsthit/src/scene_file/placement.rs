@@ -1,4 +1,4 @@
-//! Where an object stands: scale, then rotate, then translate; or a matrix.
+//! The placement of an object: scale, then rotate, then translate; or a matrix.
 
 use super::document::{named, numbers};
 use super::form::{matrix, scale};
@@ -10,21 +10,21 @@ use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, Transform, rotation};
 use crate::io::fault::Checked;
 
 pub(super) const PLACED: &[Key] = keys! {
-    /// What it is called. Default: the shape's or the file's name; of a file with several objects their own names follow a
-    /// slash.
+    /// The object's name. Default: the shape's or the file's name; of a file with several objects
+    /// their own names follow a slash.
     name: optional(Form::Text),
-    /// Its colour: linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; of a file, instead of its materials.
-    /// Colours of vertices are multiplied by it.
+    /// The colour: linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; of a file,
+    /// instead of its materials. Colours of vertices are multiplied by it.
     color: optional(Form::Color),
-    /// What it is made of; of a file, instead of its materials. Its colour stands beside it.
+    /// The material; of a file, instead of its materials. Its colour stands beside it.
     material: optional(Form::Table(&MATERIAL)),
     /// A factor, or one for each axis; applied first, negative ones mirror.
     scale: optional(Form::Scale),
     /// A rotation, or several in their order; applied after scale.
     rotate: optional(Form::TableOrList(&ROTATION)),
-    /// Where its origin goes; applied last.
+    /// The place of the object's origin; applied last.
     translate: optional(Form::Vector),
-    /// Instead of the three: the rows of a matrix that takes columns [x, y, z, 1] to the world.
+    /// The rows of a matrix that takes columns [x, y, z, 1] to the world, instead of the three.
     matrix: optional(Form::Matrix),
 };
 
@@ -42,7 +42,7 @@ pub(super) static ROTATION: Record = Record {
         keys: &[keys! {
             /// The axis, of any length; seen against it, the rotation is counter-clockwise.
             axis: optional(Form::Direction),
-            /// How far to turn. Quarter turns are exact.
+            /// The angle. Quarter turns are exact.
             degrees: optional(Form::Number),
             /// [x, y, z, w], of any length.
             quaternion: optional(Form::Quaternion),

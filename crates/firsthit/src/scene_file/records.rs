@@ -42,25 +42,26 @@ pub(super) static SCENE: Record = Record {
         keys: &[keys! {
             /// The version of this form of scene file. There is one, 1, which is the default.
             version: optional(Form::Whole(1, 1)),
-            /// Which way is up, for cameras and the sky where they do not say. Default: [0, 0, 1].
+            /// The direction upwards, for cameras and the sky where they do not say. Default: [0,
+            /// 0, 1].
             up: optional(Form::Direction),
             /// The camera that a picture is taken with, unless another is asked for.
             camera: optional(Form::Table(&CAMERA)),
             /// Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes the picture.
             cameras: optional(Form::Named(&CAMERA)),
-            /// What there is to see, in the order of the identifiers.
+            /// The objects, in the order of the identifiers.
             objects: optional(Form::List(&OBJECT)),
-            /// What shines. Where nothing in the scene does, automatic lights do.
+            /// The lights. Where nothing in the scene shines, automatic lights do.
             lights: optional(Form::List(&LIGHT)),
             /// Light from all around, which is seen where nothing is hit, too.
             environment: optional(Form::Table(&ENVIRONMENT)),
-            /// What is seen where nothing is hit: one colour.
+            /// The colour of misses.
             background: optional(Form::Table(&BACKGROUND)),
-            /// What is seen where nothing is hit: a sky.
+            /// The sky that misses see.
             sky: optional(Form::Table(&SKY)),
-            /// How hits get their colour.
+            /// The shading of hits.
             shading: optional(Form::Table(&SHADING)),
-            /// How PNGs show colours: exposure and tone map.
+            /// The display of colours in PNGs: exposure and tone map.
             display: optional(Form::Table(&DISPLAY)),
             /// Colours by numbers, in place of those that surfaces have.
             colors: optional(Form::Table(&COLORS)),

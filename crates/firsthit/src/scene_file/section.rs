@@ -17,7 +17,7 @@ use crate::io::fault::{Checked, Fault};
 pub(super) struct Section<'v, 't> {
     text: Text<'t>,
     table: &'v DeTable<'t>,
-    /// Where it begins in the text.
+    /// The byte of the text at which the table begins.
     at: usize,
     variant: &'static Variant,
 }
@@ -96,7 +96,7 @@ impl<'v, 't> Section<'v, 't> {
         format!("unknown key `{shown}`; {title} takes {known}")
     }
 
-    /// What the table is, in a sentence.
+    /// A name of the table for messages.
     fn title(&self) -> String {
         match self.variant.pick {
             Pick::Always | Pick::Has(_) => "this table".to_owned(),
@@ -217,7 +217,7 @@ impl<'v, 't> Section<'v, 't> {
         Some(Self::new(self.text, table, value.span().start, record))
     }
 
-    /// Where a key stands; the table itself where it is not there.
+    /// The byte at which a key stands; the table's where it is not there.
     fn key_at(&self, name: &str) -> usize {
         self.table
             .get_key_value(name)
@@ -243,7 +243,8 @@ impl<'v, 't> Section<'v, 't> {
         }
     }
 
-    /// What a constructor of the library says, at the place of the value that it names.
+    /// The result of a constructor of the library, its error at the place of the value that it
+    /// names.
     pub(super) fn checked<T>(&self, made: Result<T>) -> Checked<T> {
         made.map_err(|error| match &error {
             Error::Argument { name, .. } => self.fault_at(name, error.to_string()),

@@ -49,7 +49,7 @@ macro_rules! variants {
 }
 pub(super) use variants;
 
-/// As many settings as a kind has at most.
+/// The most settings of a kind.
 pub(super) const MOST: usize = 16;
 
 /// The keys of a kind's settings, and more that are not used.

@@ -1,4 +1,4 @@
-//! How hits get their colour.
+//! The shading of hits in a scene file.
 
 #![allow(
     clippy::indexing_slicing,
@@ -24,7 +24,7 @@ const COMMON: &[Key] = keys! {
 
 const SHADER: &str = "shader";
 
-/// The one whose settings may be given without its name.
+/// The shader whose settings may be given without its name.
 const UNNAMED: &str = "lambert";
 
 settings::variants!(Shader::KINDS, |name| pick(name), COMMON);
@@ -52,7 +52,7 @@ pub(super) static SHADING: Record = Record {
     variants: &VARIANTS,
 };
 
-/// How a scene file wants its hits coloured; `None` where it does not say.
+/// The shading that a scene file asks for; `None` where it does not say.
 #[derive(Debug, Default)]
 pub(super) struct Settings {
     pub(super) shader: Option<Shader>,

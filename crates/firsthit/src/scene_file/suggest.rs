@@ -5,8 +5,8 @@ use strsim::damerau_levenshtein;
 /// Longer words are no slip of the finger, and comparing them would take long.
 const LONGEST: usize = 40;
 
-/// The one of the `known` words that `word` is a misspelling of, in any case: by the distance of Damerau and
-/// Levenshtein, one slip in every third letter at most.
+/// The word among `known` that `word` is a misspelling of, in any case: by the distance of Damerau
+/// and Levenshtein, one slip in every third letter at most.
 ///
 /// ```
 /// use firsthit::scene_file::nearest_word;
@@ -25,7 +25,7 @@ pub fn nearest_word<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) ->
     near.min_by_key(|other| distance(other))
 }
 
-/// The one of the `known` words that `word` is a misspelling of, or another word for.
+/// The word among `known` that `word` is a misspelling of, or another word for.
 pub(super) fn suggestion(word: &str, known: &[&'static str]) -> Option<&'static str> {
     let plain = word.to_ascii_lowercase().replace('-', "_");
     let synonym = || {

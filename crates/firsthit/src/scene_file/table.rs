@@ -6,7 +6,7 @@ pub(super) struct Key {
     pub(super) name: &'static str,
     pub(super) form: Form,
     pub(super) is_required: bool,
-    /// Its meaning, which editors show.
+    /// The meaning, which editors show.
     pub(super) about: &'static str,
 }
 
@@ -63,16 +63,16 @@ impl Variant {
     }
 }
 
-/// How a table's variants are told apart.
+/// The sign that tells a table's variant.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pick {
-    /// Nothing: there is one.
+    /// There is one variant.
     Always,
-    /// That the key is there.
+    /// The key is there.
     Has(&'static str),
-    /// That the key has the value.
+    /// The key has the value.
     Tag(&'static str, &'static str),
-    /// The same, or that it is not there.
+    /// The key has the value, or is not there.
     Default(&'static str, &'static str),
 }
 
@@ -86,7 +86,7 @@ impl Pick {
     }
 }
 
-/// How keys go together.
+/// A rule on keys together.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Rule {
     NotBoth(&'static str, &'static str),
@@ -122,9 +122,9 @@ pub(super) enum Form {
     Path,
     /// One of some words.
     OneOf(fn() -> Vec<&'static str>),
-    /// One of some words, or one that begins so and goes on.
+    /// One of some words, or a word with the beginning and something after it.
     OneOfOr(fn() -> Vec<&'static str>, &'static str),
-    /// One or more of some words, or of those that begin so and go on, if there are such.
+    /// One or more of some words, or of words with the beginning, if there is one.
     SomeOf(fn() -> Vec<&'static str>, Option<&'static str>),
     /// Two numbers of which the second is larger.
     Range,
@@ -134,7 +134,7 @@ pub(super) enum Form {
     Direction,
     /// Linear red, green and blue, or sRGB as `"#rrggbb"` or by a name of CSS.
     Color,
-    /// The same, or `"transparent"`.
+    /// A colour, or `"transparent"`.
     ColorOrTransparent,
     /// A factor, or one for each axis.
     Scale,

@@ -1,4 +1,4 @@
-//! Which form a table has, told by its tag: `shape = "sphere"`.
+//! The variant of a table, told by its tag: `shape = "sphere"`.
 
 use toml::de::DeTable;
 
@@ -47,7 +47,7 @@ pub(super) fn pick(
     Err(text.fault(value.span().start, what + &hint))
 }
 
-/// What to say where the key that tells the variants apart is missing; it may be only misspelt.
+/// The message where the key that tells the variants apart is missing; it may be only misspelt.
 fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &[&str]) -> String {
     let mut known = Vec::from_iter((!words.is_empty()).then_some(key));
     for variant in record.variants {
