@@ -17,7 +17,7 @@ use crate::watch::Watch;
 /// An edge of one face, of an object.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BoundaryEdge {
-    /// Its ends in world space, the lower one first.
+    /// The ends in world space, the lower one first.
     ends: [DVec3; 2],
     /// The face's other corner.
     opposite: DVec3,
@@ -106,7 +106,8 @@ pub(super) fn check(
     Ok(())
 }
 
-/// How many connected components boundary edges have. A hole is one; two that have a vertex in common are one together.
+/// The number of connected components of boundary edges. A hole is one; two that have a vertex in
+/// common are one together.
 fn components(open: &[BoundaryEdge]) -> usize {
     let ends = open
         .iter()

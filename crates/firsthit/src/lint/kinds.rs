@@ -13,11 +13,11 @@ use crate::watch::Watch;
 /// Something that can be wrong with a mesh or a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
-    /// Its name.
+    /// The name.
     pub name: &'static str,
-    /// What is counted, for one.
+    /// The counted thing, in the singular.
     pub counted: &'static str,
-    /// What it is, in a sentence.
+    /// The meaning, in a sentence.
     pub about: &'static str,
     /// The colour of its faces where they are marked, sRGB.
     pub color: [u8; 3],
@@ -34,14 +34,14 @@ type OfMesh = fn(&Subject<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
 type OfBoundaryEdges = fn(&mut [BoundaryEdge], &mut Found<'_>, &dyn Watch) -> Result<()>;
 type OfScene = fn(&Facts<'_>, &mut Found<'_>, &dyn Watch) -> Result<()>;
 
-/// How it is looked for.
+/// The check that looks for a kind.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Check {
-    /// In each mesh alone.
+    /// A check of each mesh alone.
     Mesh(OfMesh),
     /// Among the boundary edges of all objects, afterwards.
     BoundaryEdges(OfBoundaryEdges),
-    /// In all of them together, afterwards.
+    /// A check of all meshes together, afterwards.
     Scene(OfScene),
 }
 

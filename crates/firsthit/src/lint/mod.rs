@@ -1,4 +1,4 @@
-//! What may be wrong with meshes: holes, flipped faces, self-intersections and more.
+//! Checks meshes for likely faults: holes, flipped faces, self-intersections and more.
 //!
 //! A [`Kind`] is a row of [`KINDS`]. Most look at each mesh by itself; objects that share a mesh are looked at once. Vertices in one
 //! place are one, to the last bit, whether or not triangles share them by index. All that decides is exact: areas, volumes and
@@ -38,12 +38,12 @@ use kinds::Check;
 use report::{Found, Marks, NO_MARK};
 use subject::Subject;
 
-/// What to look for, and how much of it to tell.
+/// The kinds to look for, and the number of places to tell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LintSettings {
     /// Kinds that are not looked for.
     pub ignore: Vec<&'static Kind>,
-    /// How many places of each kind are told.
+    /// The number of places of each kind that are told.
     pub places: usize,
 }
 
@@ -57,7 +57,7 @@ impl Default for LintSettings {
     }
 }
 
-/// What the checks of the whole scene see.
+/// The input of the checks of the whole scene.
 struct Facts<'a> {
     scene: &'a Scene,
     /// The distinct meshes, each with the first object that has it.
@@ -65,7 +65,7 @@ struct Facts<'a> {
 }
 
 impl Scene {
-    /// What may be wrong with the scene's meshes: see [`KINDS`].
+    /// Checks the scene's meshes for likely faults: see [`KINDS`].
     ///
     /// ```
     /// use std::sync::Arc;
@@ -89,7 +89,7 @@ impl Scene {
     }
 }
 
-/// As [`Scene::lint`], with settings and a watch that may end it.
+/// Checks the scene's meshes as [`Scene::lint`] does, with settings and a watch that may end it.
 ///
 /// # Errors
 ///

@@ -21,7 +21,7 @@ use crate::memory;
 use crate::shape::triangle::{EdgeRule, Shear};
 use crate::watch::Watch;
 
-/// In no shell that is looked at.
+/// The number of no shell that is looked at.
 const NONE: u32 = u32::MAX;
 
 /// A shell with fewer faces is looked through.
@@ -283,7 +283,7 @@ impl<'a> Beside<'a> {
         odd.map(|same| same[0]).collect()
     }
 
-    /// How often some shells go around what is in all of them.
+    /// The number of times that some shells go around what is in all of them.
     fn turns(&self, shells: &[u32]) -> i32 {
         shells.iter().map(|&shell| self.sign(shell as usize)).sum()
     }

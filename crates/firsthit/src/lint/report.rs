@@ -1,4 +1,4 @@
-//! What is found: counts, places, and which faces are concerned.
+//! The report: counts, places, and the faces that are concerned.
 
 use std::fmt::{self, Debug, Formatter};
 
@@ -6,18 +6,18 @@ use super::kinds::Kind;
 use super::subject::Subject;
 use crate::geometry::DVec3;
 
-/// What is wrong with a scene, from [`Scene::lint`](crate::Scene::lint).
+/// The findings about a scene, from [`Scene::lint`](crate::Scene::lint).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     pub(super) findings: Vec<Finding>,
     pub(super) checked: Vec<&'static Kind>,
     pub(super) marks: Vec<Marks>,
-    /// Which marks are those of each object's mesh.
+    /// The index of the marks of each object's mesh.
     pub(super) of_objects: Vec<Option<u32>>,
 }
 
 impl Report {
-    /// What was found: a finding for each kind that there is, in the order of [`KINDS`](super::KINDS).
+    /// The findings: one for each kind that there is, in the order of [`KINDS`](super::KINDS).
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
@@ -32,8 +32,9 @@ impl Report {
         &self.checked
     }
 
-    /// For each triangle of an object's mesh the first kind, in the order of [`KINDS`](super::KINDS), of which it is a part.
-    /// Objects that share a mesh have the same. `None` for an object without a mesh.
+    /// The first kind of which each triangle of an object's mesh is a part, in the order of
+    /// [`KINDS`](super::KINDS). Objects that share a mesh have equal ones. `None` for an object
+    /// without a mesh.
     pub fn marked(
         &self,
         object: usize,
@@ -53,7 +54,7 @@ pub(super) struct Marks {
     pub(super) of_triangles: Vec<u8>,
 }
 
-/// Of no kind.
+/// The mark of no kind.
 pub(super) const NO_MARK: u8 = u8::MAX;
 
 /// A summary: triangles are many.
@@ -72,15 +73,15 @@ impl Debug for Marks {
 pub struct Finding {
     /// The kind.
     pub kind: &'static Kind,
-    /// How many there are; the kind says of what.
+    /// The number of things found; the kind says of what.
     pub count: u64,
     /// The first of them, as many as were asked for.
     pub places: Vec<Place>,
-    /// More about all of them, in words; may be empty.
+    /// A note on all of them, in words; may be empty.
     pub note: String,
 }
 
-/// Where something was found.
+/// The place of a finding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
     /// The object's identifier; of objects that share a mesh the first in which it is found. `None` where it is about the whole scene.
@@ -112,7 +113,7 @@ impl Found<'_> {
         self.add_at(subject.index, triangles, place);
     }
 
-    /// The same of the subject that has an index.
+    /// Adds a finding of the subject that has an index.
     pub(super) fn add_at(
         &mut self,
         subject: usize,

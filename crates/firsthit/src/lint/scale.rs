@@ -8,8 +8,8 @@ use crate::geometry::{Bounds, single};
 use crate::shape::Positions;
 use crate::watch::Watch;
 
-/// A float32 mesh should have so many steps of its coordinates across its largest side. It has 2^24 at the origin: ten of 24 binary
-/// digits may be lost to the offset.
+/// The least number of steps of its coordinates that a float32 mesh should have across its largest
+/// side. It has 2^24 at the origin: ten of 24 binary digits may be lost to the offset.
 const STEPS: f64 = 16384.0;
 
 /// Scenes are not expected to be smaller or larger, in scene units. In metres the first is a millimetre; in millimetres the second

@@ -55,7 +55,7 @@ pub(super) fn inside_out(
 /// A closed surface.
 #[derive(Debug)]
 pub(super) struct Shell {
-    /// Its triangles, in order.
+    /// The triangles, in order.
     pub(super) faces: Vec<u32>,
     /// The sign of the volume that it is around; equal where it cannot face one way, too.
     pub(super) sign: Ordering,
@@ -88,19 +88,19 @@ fn joined(subject: &Subject<'_>) -> DisjointSets {
     sets
 }
 
-/// How a set of triangles closes at its edges, from the best to the worst.
+/// The state of a set of triangles at its edges, from the best to the worst.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Edges {
-    /// There are none, or they are not looked at.
+    /// There are no edges, or they are not looked at.
     Unused,
-    /// As many triangles go along each edge one way as the other.
+    /// The numbers of triangles in both directions are equal at each edge.
     Balanced,
-    /// Each belongs to an even number.
+    /// Each edge belongs to an even number of triangles.
     Even,
     Open,
 }
 
-/// How each set of triangles closes, at its first triangle, some triangles turned.
+/// The state of each set's edges, at its first triangle, some triangles turned.
 fn edges_of(
     subject: &Subject<'_>,
     sets: &mut DisjointSets,

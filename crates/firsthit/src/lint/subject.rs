@@ -13,15 +13,16 @@ use crate::parallel;
 use crate::shape::{Mesh, Welded, edges, sorted};
 use crate::watch::Watch;
 
-/// So many triangles are looked at between two questions whether to stop.
+/// The number of triangles that are looked at between two questions whether to stop.
 pub(super) const CHUNK: usize = 1 << 12;
 
-/// What a triangle takes at most while it is looked at, in bytes: welded corners, three sorted edges, places in lists.
+/// The most memory for a triangle while it is looked at, in bytes: welded corners, three sorted
+/// edges, places in lists.
 const TRIANGLE_BYTES: usize = 12 + 3 * (size_of::<EdgeUse>() + 12) + 8;
 
 /// A mesh, and what is known about its triangles.
 pub(super) struct Subject<'a> {
-    /// Its number among the distinct meshes of the scene.
+    /// The number among the distinct meshes of the scene.
     pub(super) index: usize,
     /// The first object that has the mesh.
     pub(super) object: i32,
@@ -116,7 +117,7 @@ impl<'a> Subject<'a> {
         Ok(shells)
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     pub(super) fn len(&self) -> u32 {
         u32::try_from(self.welded.len()).unwrap_or(u32::MAX)
     }
