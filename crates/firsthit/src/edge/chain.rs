@@ -7,7 +7,7 @@
 /// An edge in a chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Link {
-    /// Its index.
+    /// The index of the edge.
     pub(super) edge: usize,
     /// Whether the chain follows it from the second end to the first.
     pub(super) is_reversed: bool,
@@ -43,7 +43,7 @@ pub(super) fn chains(edges: &[[u32; 2]]) -> Vec<Link> {
 
 struct Chains<'a> {
     edges: &'a [[u32; 2]],
-    /// Each place with an edge that ends there, in order.
+    /// The places of the edges' ends, each with its edge, in order.
     ends: Vec<(u32, usize)>,
     is_taken: Vec<bool>,
     links: Vec<Link>,

@@ -16,7 +16,8 @@ use crate::memory::zeroed;
 use crate::parallel;
 use crate::watch::Watch;
 
-/// So many pieces are drawn in a row of pixels before the watch is asked again. With the widest lines that takes a few milliseconds.
+/// The number of pieces that are drawn in a row of pixels before the watch is asked again. With the
+/// widest lines that takes a few milliseconds.
 const AT_ONCE: usize = 1 << 8;
 
 /// Pieces of lines, sorted from the top to the bottom.
@@ -32,7 +33,8 @@ fn top([a, b]: &[DVec2; 2]) -> f64 {
     a.y.min(b.y)
 }
 
-/// By all coordinates, so that the order depends on the pieces alone, and not on where the meshes are in memory.
+/// Orders pieces by all coordinates, so that the order depends on the pieces alone, and not on
+/// where the meshes are in memory.
 fn order(one: &[DVec2; 2], other: &[DVec2; 2]) -> Ordering {
     let key = |piece: &[DVec2; 2]| [top(piece), piece[0].y, piece[0].x, piece[1].y, piece[1].x];
     let [one, other] = [one, other].map(key);

@@ -18,11 +18,11 @@ pub(super) struct Curve {
 /// The kinds of lines on a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CurveKind {
-    /// Where a primitive turns away from the eye.
+    /// A contour, where a primitive turns away from the eye.
     Contour([i32; 1]),
-    /// Where two primitives meet.
+    /// A rim, where two primitives meet.
     Rim([i32; 2]),
-    /// Where a primitive ends.
+    /// A boundary, where a primitive ends.
     Boundary([i32; 1]),
 }
 
@@ -39,7 +39,7 @@ impl CurveKind {
 /// The points of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Path {
-    /// From a point to another.
+    /// A segment from a point to another.
     Straight([DVec3; 2]),
     /// An eighth of an ellipse around a middle, the eighths numbered from the first axis towards the second.
     Eighth {

@@ -9,7 +9,7 @@ use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Transform};
 /// An eye, in the world or in the space of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Eye {
-    /// At a point.
+    /// The eye is at a point.
     At(DVec3),
     /// Infinitely far away in a direction.
     Toward(DVec3),

@@ -1,4 +1,4 @@
-//! Which edges of a mesh are drawn for an eye.
+//! Chooses the edges of a mesh that are drawn for an eye.
 
 use super::eye::Eye;
 use super::settings::{EdgeKind, EdgeKinds, Edges};
@@ -24,7 +24,7 @@ pub(super) struct Instance<'a> {
 /// An edge that is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chosen {
-    /// Its index in the table.
+    /// The edge's index in the table.
     pub(super) edge: u32,
     /// Whether it is drawn only where another object or nothing is behind it.
     pub(super) is_outline: bool,

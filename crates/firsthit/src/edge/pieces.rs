@@ -14,10 +14,10 @@ use crate::geometry::{DVec2, DVec3, unit};
 /// The greatest length of a piece, in pixels.
 const LONGEST: f64 = 0.5;
 
-/// How often a line is halved at most, one half after the other.
+/// The most halvings of a line, one half after the other.
 const MOST_HALVES: u32 = 40;
 
-/// How often a line that is not straight in space is halved in any case: it may turn back.
+/// The number of halvings of a line that is not straight in space in any case: it may turn back.
 const BENT_HALVES: u32 = 5;
 
 /// The cosine of the angle at the eye above which a part is halved in any case: some 2.6 degrees. Over them an arc rises a seventieth of a
@@ -31,7 +31,7 @@ const FARTHEST: f64 = 1e18;
 /// A piece of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
-    /// Its ends in the picture.
+    /// The ends in the picture.
     pub(super) ends: [DVec2; 2],
     /// The share of the line at which its middle is.
     pub(super) middle: f64,
@@ -67,9 +67,9 @@ pub(super) struct Cutter<'a, F> {
 #[derive(Clone, Copy)]
 struct Place {
     share: f64,
-    /// In the world.
+    /// The point in the world.
     point: DVec3,
-    /// In the picture, where it is seen.
+    /// The point in the picture, where it is seen.
     pixel: Option<DVec2>,
 }
 
@@ -166,7 +166,7 @@ mod tests {
         );
     }
 
-    /// From behind the camera, past it, and far out of the picture.
+    /// The line comes from behind the camera, past it, and goes far out of the picture.
     #[test]
     fn a_line_past_the_camera_is_cut_at_the_picture() {
         let on_viewplane = Camera::new(CameraView::default()).unwrap();

@@ -1,4 +1,4 @@
-//! Which edges are drawn, and how.
+//! The kinds of edges that are drawn, and their lines.
 
 use std::str::FromStr;
 
@@ -15,12 +15,14 @@ named! {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub enum EdgeKind, "edge kind":
-    /// Where a surface turns away from the eye: one of two adjacent faces is a front face, the other a back face.
+    /// An edge at which a surface turns away from the eye: one of two adjacent faces is a front
+    /// face, the other a back face.
     #[default]
     "silhouette" => Silhouette;
-    /// Where the angle between the geometric normals of two adjacent faces is large; shading normals do not matter.
+    /// An edge at which the angle between the geometric normals of two adjacent faces is large;
+    /// shading normals do not matter.
     "crease" => Crease;
-    /// Where a surface ends: an edge of one triangle, or of more than two.
+    /// An edge at which a surface ends: one of a single triangle, or of more than two.
     "boundary" => Boundary;
     /// The part of silhouettes and boundaries behind which there is another object, or nothing.
     "object" => Object;
@@ -139,7 +141,7 @@ impl Default for Dash {
     }
 }
 
-/// How edges are drawn as lines over a picture.
+/// The lines of edges over a picture.
 ///
 /// ```
 /// use firsthit::edge::{Dash, Edges};

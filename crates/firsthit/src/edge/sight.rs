@@ -1,4 +1,4 @@
-//! Which pieces of lines are visible.
+//! Finds the pieces of lines that are visible.
 //!
 //! The ray of a piece goes from its middle, a point of the surface, to the eye ([`Departure`]). Whether something is between the two is
 //! decided without rounding for all meshes with the transform of the line's own: rounding makes neither the triangles at the edge nor
@@ -14,22 +14,22 @@ use crate::scene::Scene;
 use crate::shoot::{Any, Engine, First, trace_with};
 use crate::watch::{OnlyStops, Watch};
 
-/// So many rays are traced at once.
+/// The number of rays that are traced at once.
 const AT_ONCE: usize = 1 << 16;
 
 /// A piece that may be drawn.
 #[derive(Debug, Clone)]
 pub(super) struct Candidate {
-    /// Where it is in the picture.
+    /// The ends in the picture.
     pub(super) ends: [DVec2; 2],
-    /// How its visibility is found; `None` where it is not drawn in any case.
+    /// The test of its visibility; `None` where it is not drawn in any case.
     pub(super) look: Option<Look>,
 }
 
-/// How the visibility of a piece is found.
+/// The test of a piece's visibility.
 #[derive(Debug, Clone)]
 pub(super) struct Look {
-    /// From its middle to the eye.
+    /// The ray from its middle to the eye.
     pub(super) ray: Ray,
     /// The direction of the ray that continues behind it.
     pub(super) away: DVec3,
@@ -45,7 +45,7 @@ pub(super) struct Look {
 struct Waiting {
     ends: [DVec2; 2],
     look: Look,
-    /// How far along its line it begins, in pixels.
+    /// The place along its line where it begins, in pixels.
     along: f64,
 }
 
@@ -57,7 +57,7 @@ pub(super) struct Sight<'a> {
     cull: Option<Side>,
     hidden: Option<Dash>,
     waiting: Vec<Waiting>,
-    /// How far along its line the next piece begins.
+    /// The place along its line where the next piece begins.
     along: f64,
     drawn: Vec<[DVec2; 2]>,
 }

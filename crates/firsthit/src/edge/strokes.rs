@@ -30,7 +30,7 @@ pub(super) struct Strokes<'a> {
     pub(super) cull: Option<Side>,
     /// The whole picture, and around it as much as half a line's width reaches.
     pub(super) picture: Window,
-    /// The same for the part of it that is rendered.
+    /// The part of the picture that is rendered, with the same margin.
     pub(super) part: Window,
 }
 

@@ -26,7 +26,7 @@ pub(super) struct Side {
     /// The places of its ends, the lower number first.
     ends: [u32; 2],
     pub(super) triangle: u32,
-    /// From this corner to the next one.
+    /// The corner at which the side begins; it ends at the next one.
     corner: u8,
     /// Whether the triangle goes from the lower place to the higher one.
     is_forward: bool,
@@ -130,7 +130,7 @@ fn sides(welded: &[[u32; 3]]) -> Vec<Side> {
 
 /// The thin triangles of a mesh.
 struct Thin<'a> {
-    /// Each thin triangle with the ends of its longest side, in order.
+    /// The ends of the longest side of each thin triangle, with the triangle, in order.
     longest: Vec<(u32, [u32; 2])>,
     uses: &'a [&'a [Side]],
 }
@@ -211,7 +211,8 @@ impl<'a> Thin<'a> {
     }
 }
 
-/// Which side of a triangle is the longest, as the corner that it begins at, if no corner is farther than `off` from it.
+/// The longest side of a triangle, as the corner that it begins at, if no corner is farther than
+/// `off` from it.
 fn longest_side_of_thin(corners: [DVec3; 3], off: f64) -> Option<usize> {
     let [a, b, c] = corners;
     let sides = [b - a, c - b, a - c];
