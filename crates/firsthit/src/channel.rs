@@ -1,4 +1,4 @@
-//! What can be asked about hits: the table of output channels.
+//! The table of output channels: quantities of hits.
 
 mod asked;
 mod attribute;
@@ -29,7 +29,7 @@ pub struct Shots<'a> {
     pub scene: &'a Scene,
     /// The rays.
     pub rays: &'a dyn Rays,
-    /// What they met.
+    /// The hits of the rays.
     pub hits: &'a Hits,
     /// The sensor that made the rays, if one did.
     pub sensor: Option<&'a dyn Sensor>,
@@ -53,48 +53,48 @@ pub struct Kind {
     pub about: &'static str,
     /// Numbers for each ray; 0 where these are not known yet: of an attribute the scene decides, of numbers of one's own these do.
     pub components: usize,
-    /// How it becomes a picture.
+    /// The colour scale in a picture.
     pub display: Display,
-    /// What its numbers count.
+    /// The unit of the values.
     pub unit: Unit,
-    /// What its numbers are relative to: `world`, `camera`, `ray`, `triangle` or `texture`.
+    /// The frame of reference of the values: `world`, `camera`, `ray`, `triangle` or `texture`.
     pub frame: Option<&'static str>,
     make: Make,
 }
 
 #[derive(Debug, Clone)]
 enum Make {
-    /// From a hit; for a miss the parameter of that, which is infinite.
+    /// Made from a hit; for a miss the parameter of that, which is infinite.
     T,
-    /// From what a ray meets; NaN for a miss.
+    /// Made from the surface that a ray meets; NaN for a miss.
     Doubles(fn(&SurfaceInteraction<'_>, &mut [f64])),
-    /// From a hit; -1 for a miss.
+    /// Made from a hit; -1 for a miss.
     Identifier(fn(&Hit) -> i32),
-    /// From what the object that is met comes from; -1 for a miss.
+    /// Made from the origin of the object that is met; -1 for a miss.
     Origin(fn(&Catalog, &Object, &Hit) -> i32),
-    /// From what a ray meets; -1 for a miss.
+    /// Made from the surface that a ray meets; -1 for a miss.
     Integer(fn(&SurfaceInteraction<'_>) -> i32),
-    /// From what a ray meets; false for a miss.
+    /// Made from the surface that a ray meets; false for a miss.
     Flag(fn(&SurfaceInteraction<'_>) -> bool),
-    /// Which of [`Sensor::range_and_z`].
+    /// The entry of [`Sensor::range_and_z`] with this index.
     Distance(usize),
-    /// From the ray alone.
+    /// Made from the ray alone.
     Valid,
     /// An attribute of the meshes, by its name.
     Attribute(Arc<str>),
-    /// From a shader, by `render`.
+    /// Made by a shader, in `render`.
     Color,
     /// The coverage, from a shader, by `render`.
     Alpha,
-    /// How many samples a pixel's colour has, by `render`.
+    /// The number of samples of a pixel's colour, from `render`.
     Samples,
     /// Ambient occlusion up to a distance, over all samples of a pixel, by `render`.
     Occlusion(f64),
-    /// From all samples of a pixel, by `render`.
+    /// Made from all samples of a pixel, in `render`.
     Matte(Matte),
-    /// From the surfaces of the scene, by `render`.
+    /// Made from the surfaces of the scene, in `render`.
     Edge,
-    /// Not from first hits.
+    /// Made elsewhere, not from first hits.
     Elsewhere,
 }
 
@@ -165,7 +165,7 @@ impl Kind {
         matches!(self.make, Make::Samples)
     }
 
-    /// How far away things hide the sky, if it is ambient occlusion.
+    /// The distance up to which things hide the sky, if the kind is ambient occlusion.
     pub fn occlusion(&self) -> Option<f64> {
         match self.make {
             Make::Occlusion(reach) => Some(reach),
@@ -184,7 +184,7 @@ impl Kind {
         self.needs_shade() || of_samples
     }
 
-    /// What it has mattes of, if it is a Cryptomatte.
+    /// The things that it has mattes of, if it is a Cryptomatte.
     pub fn matte(&self) -> Option<Matte> {
         match self.make {
             Make::Matte(matte) => Some(matte),
@@ -216,7 +216,7 @@ impl Kind {
     }
 }
 
-/// What a Cryptomatte has mattes of.
+/// The things that a Cryptomatte has mattes of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Matte {
     /// The objects, by their names.
@@ -226,7 +226,7 @@ pub enum Matte {
 }
 
 impl Matte {
-    /// What one is called.
+    /// The name of one of the things.
     pub fn name(self) -> &'static str {
         match self {
             Self::Object => "object",
@@ -244,7 +244,7 @@ pub(crate) fn still_camera(sensor: &dyn Sensor) -> Option<&Camera> {
     }
 }
 
-/// How many rays a thread takes at a time.
+/// The number of rays that a thread takes at a time.
 const CHUNK: usize = 1 << 12;
 
 /// Channels of hits, by all threads of the current rayon pool; of few rays by the calling thread alone. Each hit is looked up
@@ -322,7 +322,7 @@ fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result
 }
 
 impl Kind {
-    /// The channel of so many misses.
+    /// The channel of `count` misses.
     fn missed(&self, count: usize) -> Result<Data> {
         Ok(match self.make {
             Make::T | Make::Distance(_) => Data::Float64(filled(count, f64::INFINITY)?),

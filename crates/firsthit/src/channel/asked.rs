@@ -1,4 +1,4 @@
-//! What names of channels ask for: rows of the table, and attributes of the meshes.
+//! Parses names of channels: rows of the table, and attributes of the meshes.
 
 use std::borrow::Cow;
 
@@ -11,18 +11,18 @@ use crate::scene::Scene;
 /// Stands for the channel's name in the name of a file.
 pub const PLACEHOLDER: &str = "{channel}";
 
-/// What the names of channels of attributes begin with.
+/// The prefix of channels of attributes.
 pub const ATTRIBUTE: &str = "attribute:";
 
-/// So many pairs of an identifier and its coverage a Cryptomatte has where nobody says.
+/// The default number of pairs of an identifier and its coverage in a Cryptomatte.
 pub const MATTE_RANKS: usize = 6;
 
 /// The most that can be asked for.
 const MOST_RANKS: usize = 64;
 
-/// What a name asks for: the kind of that name; of a Cryptomatte with another number of pairs, as in `crypto_object:8`; ambient
-/// occlusion up to a distance, as in `ao:0.5`; or with
-/// [`ATTRIBUTE`] before it the attribute of the meshes, see [`Kind::attribute`].
+/// The kind of a channel's name; a Cryptomatte with another number of pairs, as in
+/// `crypto_object:8`; ambient occlusion up to a distance, as in `ao:0.5`; or with [`ATTRIBUTE`]
+/// before it the attribute of the meshes, see [`Kind::attribute`].
 ///
 /// # Errors
 ///
@@ -47,7 +47,7 @@ pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
 }
 
 impl Kind {
-    /// The same Cryptomatte with so many pairs. Two make a layer of an EXR.
+    /// The Cryptomatte with another number of pairs. Two make a layer of an EXR.
     fn with_ranks(&self, ranks: &str) -> Result<Self> {
         let count = ranks.parse().ok();
         let count = count.filter(|count| (2..=MOST_RANKS).contains(count) && count % 2 == 0);
@@ -60,7 +60,7 @@ impl Kind {
         })
     }
 
-    /// The same ambient occlusion up to a distance.
+    /// The ambient occlusion up to a distance.
     fn with_reach(&self, reach: &str) -> Result<Self> {
         let length = reach.parse().ok().filter(|&reach: &f64| reach > 0.0);
         let expected = "ambient occlusion up to a positive distance, such as ao:0.5";
@@ -147,5 +147,5 @@ fn shown(name: &str) -> String {
     name.chars().take(LONGEST_NAME).map(plain).collect()
 }
 
-/// So many characters of an attribute's name a channel's name has at most.
+/// The most characters of an attribute's name in a channel's name.
 const LONGEST_NAME: usize = 100;

@@ -15,7 +15,7 @@ use crate::watch::Watch;
 /// Numbers for each hit: those of an attribute.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AttributeValues {
-    /// How many each hit has.
+    /// The number of components of each hit's value.
     pub components: usize,
     /// The numbers, those of one hit after the other; NaN where there are none.
     pub values: Vec<f64>,
@@ -86,7 +86,8 @@ pub fn attribute(
     Ok(AttributeValues { components, values })
 }
 
-/// How many numbers an attribute has at each hit: as many as in the mesh where there are most.
+/// The number of components of an attribute at each hit: as many as in the mesh where there are
+/// most.
 pub(super) fn components(name: &str, of: Option<PropertyOf>, scene: &Scene) -> Result<usize> {
     let meshes = meshes(scene).filter_map(|mesh| mesh.attribute(name, of));
     let most = meshes.map(|found| found.components()).max();
@@ -96,11 +97,11 @@ pub(super) fn components(name: &str, of: Option<PropertyOf>, scene: &Scene) -> R
 /// An attribute that meshes of a scene have, see [`attributes`].
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct AttributeName<'a> {
-    /// Its name.
+    /// The name.
     pub name: &'a str,
-    /// What has its values.
+    /// The elements that have the values.
     pub of: PropertyOf,
-    /// How many numbers a value has at most.
+    /// The largest number of components of a value.
     pub components: usize,
 }
 

@@ -44,7 +44,8 @@ pub const VISIBLE: &Kind = &Kind {
     make: Make::Elsewhere,
 };
 
-/// How thick an object is. It is no channel of hits, so not among [`KINDS`]; [`thickness`](crate::measure::thickness()) has its data.
+/// The thickness of an object. It is no channel of hits, so not among [`KINDS`];
+/// [`thickness`](crate::measure::thickness()) has its data.
 pub const THICKNESS: &Kind = &Kind {
     name: Cow::Borrowed("thickness"),
     about: "distance inwards to the other side; inf where there is none",
@@ -55,7 +56,7 @@ pub const THICKNESS: &Kind = &Kind {
     make: Make::Elsewhere,
 };
 
-/// How far away the nearest point is. It is no channel of hits, so not among [`KINDS`];
+/// The distance to the nearest point. It is no channel of hits, so not among [`KINDS`];
 /// [`closest_points`](crate::nearest::closest_points) has its data.
 pub const DISTANCE: &Kind = &Kind {
     name: Cow::Borrowed("distance"),
@@ -67,7 +68,7 @@ pub const DISTANCE: &Kind = &Kind {
     make: Make::Elsewhere,
 };
 
-/// The same with a sign; [`signed_distances`](crate::nearest::signed_distances) has its data.
+/// The distance with a sign; [`signed_distances`](crate::nearest::signed_distances) has its data.
 pub const SIGNED_DISTANCE: &Kind = &Kind {
     name: Cow::Borrowed("distance"),
     about: "how far away the nearest point is, negative inside; inf if there is none",
