@@ -13,14 +13,15 @@ const PROBES: usize = 128;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct BeforeViewplane {
-    /// How many objects a grid of rays from the eye meets first, before the viewplane.
+    /// The number of objects that a grid of rays from the eye meets first, before the viewplane.
     pub objects: usize,
     /// Whether the same rays meet nothing from the viewplane on.
     pub is_all: bool,
 }
 
-/// Which objects a camera passes by because they lie between its eye and its viewplane, where its rays start. It is asked of a grid of at
-/// most 128 x 128 of its pixels, and of none where the box around the scene is behind the viewplane.
+/// The objects that a camera passes by because they lie between its eye and its viewplane, where
+/// its rays start. It is asked of a grid of at most 128 x 128 of its pixels, and of none where the
+/// box around the scene is behind the viewplane.
 ///
 /// ```
 /// use firsthit::explain::before_viewplane;

@@ -1,4 +1,4 @@
-//! What there is to know about a hit, all at once.
+//! All details of a hit at once.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub struct HitDetails<'a> {
     pub name: &'a str,
     /// The name of its shape, such as `mesh`.
     pub shape: &'static str,
-    /// Where it is.
+    /// The position of the hit.
     pub position: DVec3,
     /// The geometric normal.
     pub normal: DVec3,
@@ -37,7 +37,7 @@ pub struct HitDetails<'a> {
     pub mesh: Option<CatalogEntry<'a>>,
     /// The material there, as in the channel `material`; `None` for an object without any.
     pub material_entry: Option<CatalogEntry<'a>>,
-    /// How that material looks.
+    /// The material there.
     pub material: Option<&'a Material>,
     /// The attributes of its mesh there.
     pub attributes: Vec<AttributeThere<'a>>,
@@ -46,9 +46,9 @@ pub struct HitDetails<'a> {
 /// A node, a mesh or a material of the scene: its place in the [catalog](crate::scene::Catalog), and its name there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CatalogEntry<'a> {
-    /// Its number in the catalog, which the channels `node`, `mesh` and `material` have too.
+    /// The number in the catalog, which the channels `node`, `mesh` and `material` have too.
     pub number: i32,
-    /// Its name; may be empty.
+    /// The name; may be empty.
     pub name: &'a str,
 }
 
@@ -63,16 +63,16 @@ impl<'a> CatalogEntry<'a> {
 /// An attribute of a mesh at a point of a triangle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AttributeThere<'a> {
-    /// Its name.
+    /// The attribute's name.
     pub name: &'a str,
-    /// What has its values.
+    /// The elements that have the values.
     pub of: PropertyOf,
     /// The value, interpolated as [`NamedAttribute::look_up`](crate::shape::NamedAttribute::look_up) has it.
     pub values: Vec<f64>,
 }
 
 impl<'a> HitDetails<'a> {
-    /// Those of a ray's hit; `None` for a miss.
+    /// The details of a ray's hit; `None` for a miss.
     pub(super) fn new(scene: &'a Scene, ray: &Ray, hit: &Hit) -> Result<Option<Self>> {
         let (Some(surface), Some(object)) = (scene.interaction(ray, hit), scene.object(hit)) else {
             return Ok(None);

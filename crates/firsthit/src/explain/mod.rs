@@ -25,18 +25,20 @@ use crate::shoot::{All, AllHits, Encounter, Encounters, First, trace};
 use crate::watch::Watch;
 use passage::{Passage, passage};
 
-/// What is asked about a ray, see [`explain`].
+/// Settings for the explanation of a ray, see [`explain`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExplainSettings {
-    /// Where the ray begins, as [`Ray::t_min`]; for `None` where the ray given does, and at 0 for a pixel.
+    /// The parameter at which the ray begins, as [`Ray::t_min`]; for `None` the given ray's, and 0
+    /// for a pixel.
     pub t_min: Option<f64>,
-    /// Where the ray ends, as [`Ray::t_max`]; for `None` where the ray given does, and nowhere for a pixel.
+    /// The parameter at which the ray ends, as [`Ray::t_max`]; for `None` the given ray's, and
+    /// infinity for a pixel.
     pub t_max: Option<f64>,
-    /// What the ray does not meet.
+    /// The filter of the ray.
     pub filter: RayFilter,
     /// The only objects that it meets, by their identifiers; all for `None`.
     pub among: Option<Vec<usize>>,
-    /// How many crossings behind the hit are listed; the others are counted.
+    /// The number of crossings behind the hit that are listed; the others are counted.
     pub behind: usize,
 }
 
@@ -59,17 +61,17 @@ impl Default for ExplainSettings {
 pub struct Explanation<'a> {
     /// The ray, in the world, with the ends that were asked for.
     pub ray: Ray,
-    /// What it does not meet.
+    /// The filter of the ray.
     pub filter: RayFilter,
-    /// What is wrong with the ray, if it is not [valid](Ray::is_valid) and so meets nothing.
+    /// The fault of the ray, if it is not [valid](Ray::is_valid) and so meets nothing.
     pub fault: Option<&'static str>,
     /// The pixel that it goes through, if it is a camera's: see [`explain_pixel`].
     pub pixel: Option<Pixel>,
-    /// What it meets first; `None` for a miss.
+    /// The first hit; `None` for a miss.
     pub hit: Option<HitDetails<'a>>,
-    /// What it crosses behind the hit, the first of it, in order: the crossings of [`All`] without the hit.
+    /// The first crossings behind the hit, in order: those of [`All`] without the hit.
     pub behind: Vec<Behind<'a>>,
-    /// How many crossings there are behind the hit.
+    /// The number of crossings behind the hit.
     pub behind_count: usize,
     /// Every object, in the order of identifiers.
     pub candidates: Vec<Candidate<'a>>,
@@ -80,7 +82,7 @@ pub struct Explanation<'a> {
 /// A crossing behind the hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Behind<'a> {
-    /// Where it is.
+    /// The crossing.
     pub hit: Hit,
     /// The object's name; may be empty.
     pub name: &'a str,
@@ -93,13 +95,13 @@ pub struct Behind<'a> {
 /// An object, and why it is or is not the hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate<'a> {
-    /// Its identifier.
+    /// The object's identifier.
     pub object: i32,
-    /// Its name; may be empty.
+    /// The object's name; may be empty.
     pub name: &'a str,
     /// The name of its shape.
     pub shape: &'static str,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
     /// The first hit if the ray meets the object, otherwise the rejected crossing that `reason` describes. `None` where the line of the ray does
     /// not touch the surface.
@@ -107,7 +109,7 @@ pub struct Candidate<'a> {
 }
 
 impl Explanation<'_> {
-    /// How many objects there are for each reason that occurs, in the order of [`Reason::ALL`].
+    /// The number of objects for each reason that occurs, in the order of [`Reason::ALL`].
     pub fn counts(&self) -> Vec<(Reason, usize)> {
         let of = |&reason: &Reason| {
             let objects = self.candidates.iter();
@@ -192,7 +194,7 @@ pub fn explain<'a>(
     })
 }
 
-/// For each object whether it is not among some; empty where all are.
+/// The objects that are left out, as a flag for each; empty where none is.
 fn left_out(scene: &Scene, among: &[usize]) -> Result<Vec<bool>> {
     let count = scene.objects().len();
     let mut out = memory::filled(count, true)?;
@@ -218,7 +220,7 @@ fn but<'a>(scene: &'a Scene, out: &[bool]) -> Result<Cow<'a, Scene>> {
     Ok(Cow::Owned(scene))
 }
 
-/// What is wrong with a ray that is not valid.
+/// The fault of a ray that is not valid.
 fn fault(ray: &Ray) -> Option<&'static str> {
     if ray.is_valid() {
         return None;
@@ -305,7 +307,7 @@ fn candidates<'a>(
     Ok(candidates)
 }
 
-/// Why an object is or is not the hit.
+/// The reason why an object is or is not the hit.
 fn reason(
     encounters: &mut Encounters<'_>,
     (scene, index): (&Scene, u32),

@@ -1,4 +1,4 @@
-//! How a ray passes a box, in exact arithmetic.
+//! The passage of a ray by a box, in exact arithmetic.
 //!
 //! Along each axis the line of the ray is between both sides of the box from one parameter to another. The line meets the box where no axis is
 //! left before another is entered. Parameters are quotients; they are compared by products, which are summed without
@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 use crate::geometry::exact_sum::ExactSum;
 use crate::geometry::{Bounds, Ray};
 
-/// How a ray passes a box.
+/// The passage of a ray by a box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Passage {
     /// The line does not meet it.
@@ -33,7 +33,7 @@ struct Crossed {
 }
 
 impl Crossed {
-    /// Its order to another parameter. Planes are finite.
+    /// The order of this parameter to another one. Planes are finite.
     fn compare(self, other: Self) -> Ordering {
         // (p - o) / s  against  (q - r) / u: both times |s u|.
         let (mine, theirs) = (other.step.abs(), self.step.abs());
@@ -48,7 +48,7 @@ impl Crossed {
         sum.sign()
     }
 
-    /// Its order to a number, also an infinite one.
+    /// The order of this parameter to a number, also an infinite one.
     fn compare_to(self, t: f64) -> Ordering {
         if t == f64::INFINITY {
             return Ordering::Less;
@@ -64,7 +64,8 @@ impl Crossed {
     }
 }
 
-/// How `ray`, which is valid and meets something at `hit`, or at infinity nothing, passes a box that is not empty.
+/// The passage of `ray`, which is valid and meets something at `hit`, or at infinity nothing, by a
+/// box that is not empty.
 pub(super) fn passage(ray: &Ray, bounds: &Bounds, hit: f64) -> Passage {
     let (mut enters, mut leaves) = (Vec::with_capacity(3), Vec::with_capacity(3));
     for axis in 0..3 {
@@ -118,7 +119,7 @@ mod tests {
         BigRational::from_float(x).unwrap()
     }
 
-    /// The same by clipping the ray's range with quotients of rational numbers.
+    /// The reference: clips the ray's range with quotients of rational numbers.
     fn judge(ray: &Ray, bounds: &Bounds, hit: f64) -> Passage {
         let (mut begin, mut end): (Option<BigRational>, Option<BigRational>) = (None, None);
         for axis in 0..3 {

@@ -10,13 +10,13 @@ use crate::watch::Watch;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Pixel {
-    /// From the left, from 0.
+    /// The column, from the left, from 0.
     pub column: usize,
-    /// From the top, from 0.
+    /// The row, from the top, from 0.
     pub row: usize,
-    /// How many pixels there are across.
+    /// The number of pixels across.
     pub columns: usize,
-    /// How many there are down.
+    /// The number of pixels down.
     pub rows: usize,
     /// The hit's distance from the camera's position, along the ray; infinity for a miss.
     pub range: f64,

@@ -1,4 +1,4 @@
-//! Why an object is or is not what a ray meets first.
+//! The reasons why an object is or is not the first hit.
 
 use crate::geometry::Side;
 use crate::shoot::Rejection;
@@ -6,7 +6,8 @@ use crate::shoot::Rejection;
 /// Makes [`Reason`] and what depends on the list of reasons.
 macro_rules! reasons {
     ($($(#[$doc:meta])* $kind:ident $name:literal $about:literal;)*) => {
-        /// Why an object is or is not what a ray meets first. Those that say more about the ray come first.
+        /// The reason why an object is or is not a ray's first hit. Those that say more about the
+        /// ray come first.
         ///
         /// ```
         /// use firsthit::explain::Reason;
@@ -24,12 +25,12 @@ macro_rules! reasons {
             /// Every reason, in order.
             pub const ALL: &[Self] = &[$(Self::$kind),*];
 
-            /// Its name, for programs.
+            /// The name, for programs.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$kind => $name,)* }
             }
 
-            /// What it says of the object, for people.
+            /// The meaning for the object, for people.
             pub fn about(self) -> &'static str {
                 match self { $(Self::$kind => $about,)* }
             }
@@ -62,24 +63,24 @@ reasons! {
     SurfaceMissed "surface_missed" "box met, surface missed";
     /// The ray meets the object's box behind the hit, but not its surface.
     BoxBehindHit "box_behind_hit" "box behind the hit";
-    /// Its box is beyond the ray's end.
+    /// The object's box is beyond the ray's end.
     BoxBeyondEnd "box_beyond_end" "box beyond the ray's end";
-    /// Its box is behind the ray's start.
+    /// The object's box is behind the ray's start.
     BoxBehindStart "box_behind_start" "box behind the ray's start";
     /// The line of the ray does not meet its box.
     BoxMissed "box_missed" "box missed";
-    /// It has no surface.
+    /// The object has no surface.
     Empty "empty" "no surface";
-    /// Its numbers, or those of the ray in its space, are too large for float64.
+    /// The numbers of the object, or of the ray in its space, are too large for float64.
     OutOfRange "out_of_range" "numbers out of range";
     /// The ray is not valid.
     NoRay "no_ray" "the ray meets nothing";
-    /// Its mask and that of the ray have no bit in common.
+    /// The masks of the object and the ray have no bit in common.
     Masked "masked" "left out by the masks";
-    /// It is not among the objects that were asked for: neither in [`among`](super::ExplainSettings::among) nor
-    /// [`only`](crate::geometry::RayFilter::only).
+    /// The object is not among those that were asked for: neither in
+    /// [`among`](super::ExplainSettings::among) nor [`only`](crate::geometry::RayFilter::only).
     NotAmong "not_among" "not among the objects that were asked for";
-    /// It is hidden.
+    /// The object is hidden.
     Hidden "hidden" "hidden";
 }
 
