@@ -21,7 +21,7 @@ use crate::geometry::DVec3;
 use crate::solid::FillRule;
 use crate::watch::Watch;
 
-/// So often lines are split. Two or three times are enough for what is met.
+/// The most rounds of splitting lines. Two or three are enough in practice.
 const ROUNDS: usize = 40;
 
 /// The points of lines, in the plane and in space.
@@ -147,7 +147,7 @@ fn cut(lines: &[Line], [own, other]: [usize; 2], cuts: &mut Vec<DVec3>) {
     }
 }
 
-/// Where two lines cross, within the boxes of both.
+/// The crossing of two lines, within the boxes of both.
 fn crossing(a: Line, b: Line) -> DVec3 {
     let (way, across) = (a.to - a.from, b.to - b.from);
     let slope = way.x * across.y - way.y * across.x;

@@ -1,4 +1,4 @@
-//! From segments to polylines, by the edges at which they meet.
+//! Joins segments to polylines, by the edges at which they meet.
 //!
 //! 1. Sort the ends of all segments by their edges.
 //! 2. At each edge, link the ends of segments with the starts of others, in the order of the triangles. That is one of each
@@ -22,16 +22,17 @@ use crate::watch::Watch;
 /// One end of a segment: twice its number, and one more for the end after the start.
 type End = u32;
 
-/// No end.
+/// The number of no end.
 const NONE: End = End::MAX;
 
-/// What a segment takes while polylines are made, in bytes: its ends, their edges, points and links.
+/// The memory for a segment while polylines are made, in bytes: its ends, their edges, points and
+/// links.
 const SEGMENT_BYTES: usize = 2 * (size_of::<(Edge, End)>() + size_of::<DVec3>() + size_of::<End>());
 
 /// Segments, and where they meet.
 struct Links<'a> {
     segments: &'a [Segment],
-    /// For each end the one that it meets, or [`NONE`].
+    /// The end that each end meets, or [`NONE`].
     met: Vec<End>,
     /// The place of each end.
     points: Vec<DVec3>,

@@ -59,7 +59,7 @@ struct Extent {
 }
 
 impl Extent {
-    /// How many points it has.
+    /// The number of points.
     fn len(&self) -> usize {
         self.points[1] - self.points[0]
     }
@@ -75,9 +75,9 @@ pub struct Polyline<'a> {
     pub object: i32,
     /// Whether its last point joins its first. It does so where the mesh is closed.
     pub is_closed: bool,
-    /// Its points, in world space and scene units; of a closed one the first is not repeated. Each is the crossing of an edge
-    /// with the plane, next to the nearest float64, or a vertex that is exactly on the plane; and where curves of a mesh cross each
-    /// other, a point on both.
+    /// The points, in world space and scene units; of a closed one the first is not repeated. Each
+    /// is the crossing of an edge with the plane, next to the nearest float64, or a vertex that is
+    /// exactly on the plane; and where curves of a mesh cross each other, a point on both.
     pub points: &'a [DVec3],
     /// The triangle of each segment, the one that starts at the point of the same index; of several in one place the lowest. An open
     /// polyline has one less than points.
@@ -135,7 +135,7 @@ impl Section {
         &self.plane
     }
 
-    /// How many polylines there are.
+    /// The number of polylines.
     pub fn len(&self) -> usize {
         self.extents.len()
     }
@@ -175,7 +175,7 @@ impl Section {
         &self.left_out
     }
 
-    /// What is doubtful, a line for each kind: objects that were left out.
+    /// The doubts about the section, a line for each kind: objects that were left out.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
@@ -212,7 +212,7 @@ impl Scene {
     }
 }
 
-/// As [`Scene::section`], with a watch that may end it.
+/// Cuts the scene as [`Scene::section`] does, with a watch that may end it.
 ///
 /// # Errors
 ///
@@ -339,7 +339,7 @@ impl Section {
     }
 }
 
-/// Why objects are left out.
+/// The reason why objects are left out.
 struct Reason {
     why: &'static str,
     count: usize,

@@ -1,4 +1,4 @@
-//! From the closed polylines of a mesh to the outlines of what is inside.
+//! Makes the outlines of the inside from the closed polylines of a mesh.
 //!
 //! 1. Nearly always they are that already: no two of them meet, and each has the inside on its left alone. How often they go around
 //!    the two sides of a line is counted along a ray in the plane (`planar.rs`).
@@ -18,7 +18,7 @@ use crate::memory;
 use crate::solid::FillRule;
 use crate::watch::Watch;
 
-/// How often an outline goes around a place.
+/// The winding number of an outline around a place, and the number of its crossings.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Around {
     pub(super) turns: i32,
@@ -34,7 +34,7 @@ impl Around {
     }
 }
 
-/// What is to be done with a polyline.
+/// The change that a polyline needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fate {
     Stays,
@@ -42,13 +42,13 @@ pub(super) enum Fate {
     IsLeftOut,
 }
 
-/// What is known about the polylines of an object.
+/// The state of the polylines of an object.
 pub(super) enum Outlines {
-    /// They are the outlines.
+    /// The polylines are the outlines.
     Done,
-    /// They are, if each meets its fate.
+    /// The polylines are the outlines after the change of each.
     Simple(Vec<Fate>),
-    /// They cross or run along each other.
+    /// The polylines cross or run along each other.
     Tangled,
 }
 
@@ -143,15 +143,16 @@ pub(super) fn judge(
     Ok(Outlines::Simple(fates))
 }
 
-/// What a line takes while outlines are looked at, in bytes: itself, its place, what it meets, its part of the tree.
+/// The memory for a line while outlines are looked at, in bytes: the line, its place, the lines it
+/// meets, its part of the tree.
 const LINE_BYTES: usize = 256;
 
-/// How a line meets others.
+/// The relation of a line to others.
 struct Seen {
     is_tangled: bool,
-    /// It has an end in common with a line that is not its neighbour.
+    /// Whether it has an end in common with a line that is not its neighbour.
     is_pinched: bool,
-    /// Its polyline comes back along it.
+    /// Whether its polyline comes back along it.
     is_back: bool,
 }
 

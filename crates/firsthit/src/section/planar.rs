@@ -18,13 +18,13 @@ pub(super) struct Line {
     pub(super) to: DVec3,
 }
 
-/// How two lines meet.
+/// The relation of two lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Meeting {
     Nowhere,
-    /// At an end of both, and at nothing else.
+    /// The lines meet at an end of both, and at nothing else.
     AtEnds,
-    /// Both have the same ends, in opposite order.
+    /// The lines have equal ends, in opposite order.
     Opposite,
     /// One goes through the other's inside, or along a part of it.
     Inside,
@@ -49,7 +49,7 @@ impl Line {
         order(self.from, self.to) == Ordering::Less
     }
 
-    /// The same line to the right.
+    /// The line in the direction to the right.
     fn rightwards(self) -> Self {
         if self.is_rightwards() {
             return self;
@@ -165,7 +165,7 @@ impl<'a> Lines<'a> {
         });
     }
 
-    /// What `of` makes of the number of each line, with memory for the tree's stack, by all threads.
+    /// Maps `of` over the numbers of the lines, with memory for the tree's stack, by all threads.
     pub(super) fn each<T: Send>(
         &self,
         watch: &dyn Watch,

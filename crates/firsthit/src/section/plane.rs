@@ -32,7 +32,7 @@ pub struct SectionPlane {
     origin: DVec3,
     /// The normal as it was given, which decides.
     given: DVec3,
-    /// The same at a moderate length.
+    /// The normal at a moderate length.
     direction: DVec3,
     normal: DVec3,
     u: DVec3,
@@ -72,7 +72,7 @@ impl SectionPlane {
         self.origin
     }
 
-    /// Its normal, of length one.
+    /// The normal, of length one.
     pub fn normal(&self) -> DVec3 {
         self.normal
     }
@@ -93,7 +93,8 @@ impl SectionPlane {
         DVec2::new(self.u.dot(offset), self.v.dot(offset))
     }
 
-    /// On which side of the plane a finite point is, without rounding: greater is where the normal points.
+    /// The side of the plane on which a finite point is, without rounding: greater is where the
+    /// normal points.
     ///
     /// Float64 tells, or where rounding could matter a sum without any.
     pub(super) fn side(&self, point: DVec3) -> Ordering {
@@ -119,8 +120,9 @@ impl SectionPlane {
         exact.sign()
     }
 
-    /// Where the edge between two points on different sides crosses the plane, in nearly twice the digits before it is rounded.
-    /// The same bits for either order of the points only if the caller has put them in order.
+    /// The crossing of the plane with the edge between two points on different sides, in nearly
+    /// twice the digits before it is rounded. The bits are equal for either order of the points
+    /// only if the caller has put them in order.
     pub(super) fn crossing(&self, [a, b]: [DVec3; 2]) -> DVec3 {
         match (self.side(a), self.side(b)) {
             (Ordering::Equal, _) => return a,

@@ -14,18 +14,19 @@ use crate::scene::Object;
 use crate::shape::{Facing, Mesh};
 use crate::watch::Watch;
 
-/// So many triangles are looked at between two questions whether to stop.
+/// The number of triangles that are looked at between two questions whether to stop.
 pub(super) const CHUNK: usize = 1 << 14;
 
 /// An edge, by its ends in the world: the lower one first, in the order of x, then y, then z. No zero in it is negative. So
 /// triangles that meet at an edge have the same one, whether or not they share vertices.
 pub(super) type Edge = [DVec3; 2];
 
-/// What of a triangle is in the plane: from the edge at which its border leaves the positive side to the one at which it comes
-/// back. The inside of a solid is then on the left, seen from where the normal points.
+/// The part of a triangle in the plane: from the edge at which its border leaves the positive side
+/// to the one at which it comes back. The inside of a solid is then on the left, seen from where
+/// the normal points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Segment {
-    /// Where it starts and where it ends.
+    /// The edges of its start and its end.
     pub(super) edges: [Edge; 2],
     pub(super) primitive: i32,
 }
@@ -83,7 +84,7 @@ impl<'a> Placed<'a> {
         corners.map(|corner| world_from_object.transform_point3(corner) + DVec3::ZERO)
     }
 
-    /// Which way the mesh's triangles face.
+    /// The facing of the mesh's triangles.
     pub(super) fn facing(&self) -> Result<&'a Facing> {
         self.mesh.facing()
     }
@@ -141,7 +142,7 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// Which corners are on the positive side: those on the plane are.
+/// Whether each corner is on the positive side: those on the plane are.
 fn above(plane: &SectionPlane, corners: &[DVec3; 3]) -> [bool; 3] {
     corners.map(|corner| plane.side(corner) != Ordering::Less)
 }
@@ -163,7 +164,7 @@ fn is_mirrored(transform: &Transform) -> bool {
     determinant(&x, &y, &z).high < 0.0
 }
 
-/// What `of` makes of the numbers below `count`, in their order, by all threads.
+/// Maps `of` over the numbers below `count`, in their order, by all threads.
 fn in_chunks<T: Send>(
     count: usize,
     watch: &dyn Watch,

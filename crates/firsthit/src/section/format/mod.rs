@@ -20,7 +20,7 @@ use crate::watch::Watch;
 pub struct SectionFormat {
     /// The format's name, and the extension of its files.
     pub name: &'static str,
-    /// What is in a file, in a few words.
+    /// The content of a file, in a few words.
     pub about: &'static str,
     write: fn(&Section, &mut dyn Write) -> io::Result<()>,
 }
@@ -44,7 +44,7 @@ pub const SECTION_FORMATS: &[SectionFormat] = &[
     },
 ];
 
-/// What a path must end in.
+/// The extensions of paths, for messages.
 fn extensions() -> &'static str {
     static EXTENSIONS: OnceLock<String> = OnceLock::new();
     parallel::once::<String>(&EXTENSIONS, || {
