@@ -91,7 +91,7 @@ impl Sensor for Camera {
     }
 }
 
-/// What files say about a camera.
+/// The record of a camera in files.
 pub fn camera_record(camera: &Camera) -> CameraRecord {
     let view = camera.view();
     let row = |m: &DMat3, k: usize| m.row(k).to_array();

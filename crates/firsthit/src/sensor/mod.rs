@@ -1,4 +1,5 @@
-//! What makes frames: rays in rows and columns, with distances of their own and a record for files. A file per sensor.
+//! Sensors make frames: rays in rows and columns, with distances of their own and a record for
+//! files. A file per sensor.
 
 mod camera;
 mod lidar;
@@ -43,7 +44,8 @@ pub trait Sensor: Rays + Debug {
         }
     }
 
-    /// What [`ray_within`](Self::ray_within) gives for one offset has in common, as [`Rays::grid`] says.
+    /// The grid of the rays of [`ray_within`](Self::ray_within) for one offset, as [`Rays::grid`]
+    /// says.
     fn grid_within(&self, _offset: DVec2) -> Option<PixelGrid> {
         None
     }
@@ -64,7 +66,7 @@ pub trait Sensor: Rays + Debug {
         true
     }
 
-    /// Where the sensor is at the time of a pixel's ray, and its aim then, if it has one.
+    /// The sensor's position at the time of a pixel's ray, and its aim then, if it has one.
     fn place(&self, pixel: usize) -> (DVec3, Option<DVec3>);
 
     /// The time of a pixel's ray in seconds, where the sensor knows of time.
@@ -77,11 +79,11 @@ pub trait Sensor: Rays + Debug {
         None
     }
 
-    /// What files say about it.
+    /// The record of the sensor in files.
     fn record(&self) -> Record;
 }
 
-/// What files say about a sensor.
+/// The record of a sensor in files.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Record {
     /// A camera.

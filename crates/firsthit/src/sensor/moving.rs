@@ -10,17 +10,17 @@ use crate::image::{SensorRecord, TimedPose, TrajectoryRecord};
 use crate::memory;
 use crate::trajectory::Trajectory;
 
-/// How many poses of a trajectory a record shows.
+/// The number of poses of a trajectory that a record shows.
 const SAMPLED: usize = 9;
 
 /// The camera of each line of a picture, at the line's time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Lines {
-    /// In the coordinates of the body that carries it.
+    /// The camera in the coordinates of the body that carries it.
     pub(super) mounted: Camera,
-    /// In the world, line by line.
+    /// The cameras in the world, line by line.
     pub(super) cameras: Vec<Camera>,
-    /// In seconds, line by line.
+    /// The times in seconds, line by line.
     pub(super) times: Vec<f64>,
     trajectory: TrajectoryRecord,
 }
@@ -56,7 +56,7 @@ impl Lines {
         self.cameras.get(self.cameras.len() / 2)
     }
 
-    /// What files say about a sensor of these lines.
+    /// The record in files of a sensor of these lines.
     pub(super) fn record(
         &self,
         kind: &str,
@@ -80,7 +80,8 @@ impl Lines {
 
 /// A digest of the origins and directions of all rays.
 pub(super) fn digest_of(rays: &dyn Rays) -> String {
-    /// So many rays are hashed at once: kilobytes are hashed several times as fast as single vectors.
+    /// The number of rays that are hashed at once: kilobytes are hashed several times as fast as
+    /// single vectors.
     const SOME: usize = 1024;
     let mut digest = Digest::default();
     digest.count(rays.len());
@@ -106,7 +107,7 @@ pub(super) fn rows_of(pose: &DAffine3) -> [[f64; 4]; 4] {
     [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// What files say about a trajectory, of which these times were asked.
+/// The record in files of a trajectory, of which these times were asked.
 pub(super) fn trajectory_record(body: &Trajectory, times: &[f64]) -> Result<TrajectoryRecord> {
     let mut digest = Digest::default();
     digest.count(body.times().len());

@@ -28,7 +28,7 @@ use crate::memory;
 pub struct RaySensor {
     /// One for all pixels, or one for each.
     origins: Vec<DVec3>,
-    /// The same.
+    /// The directions: one for all pixels, or one for each.
     directions: Vec<DVec3>,
     shape: [usize; 2],
     aim: Option<DVec3>,
@@ -37,8 +37,8 @@ pub struct RaySensor {
 summary!(RaySensor, "RaySensor", |it| "shape": it.shape, "aim": it.aim);
 
 impl RaySensor {
-    /// The sensor of so many `[rows, columns]`, whose rays have these origins and directions, row by row from the top: of each one
-    /// for all pixels, or one for each.
+    /// The sensor of `[rows, columns]` whose rays have these origins and directions, row by row
+    /// from the top: of each one for all pixels, or one for each.
     ///
     /// # Errors
     ///
@@ -79,7 +79,7 @@ impl RaySensor {
         Self::new(origins, directions, sensor.shape())
     }
 
-    /// The same rays with a direction along which `z` is measured, from each ray's own origin.
+    /// The sensor with a direction along which `z` is measured, from each ray's own origin.
     ///
     /// # Errors
     ///
@@ -89,12 +89,12 @@ impl RaySensor {
         Ok(self)
     }
 
-    /// Where the rays start: one for all pixels, or one for each.
+    /// The origins of the rays: one for all pixels, or one for each.
     pub fn origins(&self) -> &[DVec3] {
         &self.origins
     }
 
-    /// Where they go: one for all pixels, or one for each.
+    /// The directions of the rays: one for all pixels, or one for each.
     pub fn directions(&self) -> &[DVec3] {
         &self.directions
     }

@@ -10,7 +10,7 @@ use crate::memory;
 use crate::trajectory::Trajectory;
 
 named! {
-    /// Which line of a picture is read out first, and which way it goes on.
+    /// The order in which the lines of a picture are read out.
     pub enum Readout, "readout direction":
     /// The top row first.
     #[default]

@@ -68,7 +68,7 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Pattern> {
     Pattern::table(&azimuths, &elevations, &times, &rings)
 }
 
-/// Where the columns are.
+/// The indices of the columns.
 fn places_in(header: &str) -> std::result::Result<Places, String> {
     let mut places: Places = [None; 4];
     for (column, field) in header.split(',').enumerate() {

@@ -43,9 +43,9 @@ use crate::trajectory::{Pose, Trajectory};
 #[derive(Clone, PartialEq)]
 pub struct Lidar {
     pattern: Pattern,
-    /// In the world, or in the coordinates of the body that carries it.
+    /// The pose in the world, or in the coordinates of the body that carries it.
     mount: Pose,
-    /// In the world: one for all beams, or one for each.
+    /// The poses in the world: one for all beams, or one for each.
     poses: Vec<Pose>,
     trajectory: Option<TrajectoryRecord>,
 }
@@ -55,9 +55,9 @@ summary!(Lidar, "Lidar", |it| "pattern": it.pattern, "mount": it.mount, "moves":
 /// A return: where it is on its beam, and which beam that is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Return {
-    /// Where it is in the world, along the middle of the beam, in scene units.
+    /// The position in the world, along the middle of the beam, in scene units.
     pub point: DVec3,
-    /// The same in the scanner's frame at the time of the beam, in scene units.
+    /// The position in the scanner's frame at the time of the beam, in scene units.
     pub sensor_point: DVec3,
     /// The number of the laser.
     pub ring: i32,
@@ -107,7 +107,7 @@ impl Lidar {
         })
     }
 
-    /// Its beams.
+    /// The pattern of beams.
     pub fn pattern(&self) -> &Pattern {
         &self.pattern
     }

@@ -63,9 +63,10 @@ struct Lasers {
 }
 
 impl LidarModel {
-    /// The beams of one turn, clockwise from behind, at so many turns a second. Without `columns` the lasers fire as often as they
-    /// do: a Velodyne's and a Pandar's by its clock, so that its last column is up to a firing short of a whole turn; an Ouster's
-    /// 1024 times. With `columns` the firings are spread evenly over the turn.
+    /// The beams of one turn, clockwise from behind, at `rate` turns a second. Without `columns`
+    /// the lasers fire as often as they do: a Velodyne's and a Pandar's by its clock, so that its
+    /// last column is up to a firing short of a whole turn; an Ouster's 1024 times. With `columns`
+    /// the firings are spread evenly over the turn.
     ///
     /// # Errors
     ///
@@ -145,7 +146,7 @@ impl LidarModel {
     }
 }
 
-/// So many lasers that fire together, from the upper edge of a field of view to the lower one.
+/// A number of lasers that fire together, from the upper edge of a field of view to the lower one.
 fn uniform(degrees: f64, lasers: u32) -> Lasers {
     let step = degrees / f64::from(lasers - 1);
     let elevations = (0..lasers).map(|laser| degrees / 2.0 - step * f64::from(laser));
@@ -171,7 +172,7 @@ fn pandar(table: &[[f64; 3]]) -> Lasers {
     }
 }
 
-/// How many whole firings there are; one that is missing by rounding alone is there.
+/// The number of whole firings; one that is missing by rounding alone is there.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! Which way beams go, and when.
+//! The directions and times of beams.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -36,11 +36,11 @@ pub(super) struct Beam {
     pub(super) ring: i32,
 }
 
-/// How many beams a pattern may have, whose tables then are 3.5 GB: more are a mistake.
+/// The most beams of a pattern, whose tables then are 3.5 GB: more are a mistake.
 const MOST: usize = 1 << 26;
 
 impl Pattern {
-    /// The beams of so many `[rows, columns]`, one after the other, row by row from the top.
+    /// The beams of `[rows, columns]`, one after the other, row by row from the top.
     pub(super) fn of(
         name: &str,
         [rows, columns]: [usize; 2],
@@ -134,7 +134,7 @@ impl Pattern {
         csv::read(text, path)
     }
 
-    /// What made it: the name of a model or of a kind.
+    /// The source of the pattern: the name of a model or of a kind.
     pub fn name(&self) -> &str {
         &self.name
     }

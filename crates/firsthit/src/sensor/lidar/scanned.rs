@@ -44,7 +44,7 @@ pub struct Rosette {
     pub frequencies: [f64; 2],
     /// The first prism's share of the deflection, from 0 to 1.
     pub share: f64,
-    /// How many points there are.
+    /// The number of points.
     pub points: usize,
     /// Points in a second.
     pub point_rate: f64,
@@ -66,7 +66,7 @@ pub struct Lissajous {
     pub frequencies: [f64; 2],
     /// The phase, in degrees.
     pub phase: f64,
-    /// How many points there are.
+    /// The number of points.
     pub points: usize,
     /// Points in a second.
     pub point_rate: f64,

@@ -6,12 +6,12 @@ use crate::error::Result;
 use crate::geometry::{named, require};
 
 named! {
-    /// Which way a head turns, seen from above.
+    /// The direction of a head's rotation, seen from above.
     pub enum Turn, "direction":
-    /// From the left to forwards to the right.
+    /// The head turns from the left to forwards to the right.
     #[default]
     "clockwise" => Clockwise;
-    /// From the right to forwards to the left.
+    /// The head turns from the right to forwards to the left.
     "counterclockwise" => Counterclockwise;
 }
 
@@ -35,21 +35,21 @@ named! {
 pub struct Spinning {
     /// The elevation of each laser in degrees; a laser's number is its place here.
     pub elevations: Vec<f64>,
-    /// How often each laser fires.
+    /// The number of firings of each laser.
     pub columns: usize,
     /// The azimuth of the first column, in degrees to the left from forwards.
     pub azimuth_start: f64,
-    /// Where the turn ends; the last column is one step before.
+    /// The azimuth at which the turn ends; the last column is one step before.
     pub azimuth_end: f64,
-    /// Which way it turns.
+    /// The direction of rotation.
     pub direction: Turn,
     /// Turns in a second; zero for a head that stands still in time: all columns are at once.
     pub rate: f64,
     /// The time of the first column, in seconds.
     pub start: f64,
-    /// How far to the left of the column each laser points, in degrees. Empty for zeros.
+    /// The angle of each laser to the left of the column, in degrees. Empty for zeros.
     pub azimuth_offsets: Vec<f64>,
-    /// How long after the column each laser fires, in seconds. Empty for zeros.
+    /// The delay of each laser after the column, in seconds. Empty for zeros.
     pub firing_offsets: Vec<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Pattern {
         Self::turned("spinning", head, turned)
     }
 
-    /// The same, of a turn of so many degrees.
+    /// The pattern of a spinning head that turns by `turned` degrees.
     pub(super) fn turned(name: &str, head: &Spinning, turned: f64) -> Result<Self> {
         let lasers = head.elevations.len();
         require("elevations", "at least one", lasers > 0, lasers)?;

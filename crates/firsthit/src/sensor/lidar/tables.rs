@@ -7,14 +7,14 @@ pub(super) const VLP_16: [f64; 16] = [
     -15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0,
 ];
 
-/// Those of the Puck Hi-Res, from the same table.
+/// The elevations of the Puck Hi-Res, from the same table.
 pub(super) const VLP_16_HI_RES: [f64; 16] = [
     -10.0, 0.67, -8.67, 2.0, -7.33, 3.33, -6.0, 4.67, -4.67, 6.0, -3.33, 7.33, -2.0, 8.67, -0.67,
     10.0,
 ];
 
-/// Those of the HDL-32E. HDL-32E User's Manual, 63-9113 rev. H, page 10, "Laser Firing Sequence". Early prints cut -6.67 and -26.67
-/// to -6.66 and -26.66.
+/// The elevations of the HDL-32E. HDL-32E User's Manual, 63-9113 rev. H, page 10, "Laser Firing
+/// Sequence". Early prints cut -6.67 and -26.67 to -6.66 and -26.66.
 pub(super) const HDL_32E: [f64; 32] = [
     -30.67, -9.33, -29.33, -8.0, -28.0, -6.67, -26.67, -5.33, -25.33, -4.0, -24.0, -2.67, -22.67,
     -1.33, -21.33, 0.0, -20.0, 1.33, -18.67, 2.67, -17.33, 4.0, -16.0, 5.33, -14.67, 6.67, -13.33,
@@ -109,8 +109,9 @@ pub(super) const PANDAR_40P: [[f64; 3]; 40] = [
     [-25.0, -1.042, 3.62],
 ];
 
-/// The same of the Pandar64: Hesai's General SDK, `pandarGeneral_elev_angle_map`; Hesai's SDK 2.0, `Pandar64_Firetime Correction
-/// File.csv`. The Pandar64 E3X has other azimuth offsets.
+/// The lasers of the Pandar64, as those above: Hesai's General SDK, `pandarGeneral_elev_angle_map`;
+/// Hesai's SDK 2.0, `Pandar64_Firetime Correction File.csv`. The Pandar64 E3X has other azimuth
+/// offsets.
 #[rustfmt::skip]
 pub(super) const PANDAR_64: [[f64; 3]; 64] = [
     [14.882, -1.042, 23.18],
