@@ -1,4 +1,4 @@
-//! What all instruction sets must have in common, whatever the bits of the numbers.
+//! Tests that all instruction sets agree, whatever the bits of the numbers.
 #![expect(
     clippy::cast_possible_truncation,
     reason = "numbers at random, of which any part will do"
@@ -6,7 +6,7 @@
 
 use super::*;
 
-/// Of two rows of float32 and two of float64.
+/// The results for two rows of float32 and two of float64.
 struct Results<'a> {
     singles: [&'a [f32; LANES]; 2],
     doubles: [&'a [f64; WIDE]; 2],
@@ -14,7 +14,7 @@ struct Results<'a> {
     places: &'a [u8; LANES],
 }
 
-/// Of NaN the sign and the rest of the bits may be any.
+/// The bits of a number; of a NaN the sign and the other bits may be any, so all NaNs are one.
 fn bits(x: f32) -> u64 {
     u64::from(if x.is_nan() { f32::NAN } else { x }.to_bits())
 }
@@ -140,7 +140,7 @@ impl Numbers {
         }
     }
 
-    /// As above; of some the last bits alone tell them apart.
+    /// A float32 as above; some differ from each other in the last bits alone.
     fn single(&mut self) -> f32 {
         let bits = (self.next() >> 32) as u32;
         match self.next() >> 62 {

@@ -68,7 +68,7 @@ fn signs(mask: u8) -> __m256 {
     })
 }
 
-/// The same signs for lanes twice as wide.
+/// The signs, in lanes twice as wide.
 #[inline(always)]
 fn widen_signs(x: __m256) -> D {
     x86!({
@@ -144,7 +144,7 @@ fn permute_half(table: F, places: __m256) -> __m256 {
     })
 }
 
-/// For each mask of eight lanes, the lanes that are set, in front of anything.
+/// The set lanes for each mask of eight lanes, in front of anything.
 static FRONTS: [[u8; 8]; 256] = {
     let mut fronts = [[0; 8]; 256];
     let mut mask = 0;

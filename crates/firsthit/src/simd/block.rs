@@ -7,10 +7,10 @@ use std::ptr::NonNull;
 
 use bytemuck::Zeroable;
 
-/// Where every block begins: at a multiple of so many bytes.
+/// The alignment of every block, in bytes.
 pub(crate) const BLOCK_ALIGNMENT: usize = 64;
 
-/// As many bytes as a cache line has.
+/// The bytes of a cache line.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 struct Line([u8; BLOCK_ALIGNMENT]);
@@ -24,7 +24,7 @@ pub(crate) struct Block {
     owner: Owner,
 }
 
-/// Who gives the memory back.
+/// The owner of the memory, which gives it back.
 enum Owner {
     /// The memory is that of these lines, which are never touched by their own name.
     Lines(#[expect(dead_code, reason = "held, so that the memory stays")] Vec<Line>),

@@ -1,4 +1,4 @@
-//! What is written for one number, for eight at once.
+//! Arithmetic of eight numbers at once, for code that is written for one.
 
 use super::lanes::Lanes;
 use crate::geometry::arithmetic::Arithmetic;

@@ -1,12 +1,12 @@
-//! What a kernel can do with lanes: the operations that every instruction set has.
+//! The operations on lanes that every instruction set has for kernels.
 
 use bytemuck::Pod;
 
 use super::Kernel;
 
-/// How many float32 lanes there are: the width of a node and of a leaf.
+/// The number of float32 lanes: the width of a node and of a leaf.
 pub(crate) const LANES: usize = 16;
-/// How many float64 lanes there are.
+/// The number of float64 lanes.
 pub(crate) const WIDE: usize = 8;
 
 /// Aligned to a cache line, so that no access to a register's worth needs two.
@@ -58,13 +58,13 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn permute_by(self, table: Self::Floats, places: Self::Floats) -> Self::Floats;
     /// Places for [`Lanes::permute_by`].
     fn load_places(self, from: &[u8; LANES]) -> Self::Floats;
-    /// Where `a < b`; not where either is NaN.
+    /// The lanes with `a < b`; not those where either is NaN.
     fn lt(self, a: Self::Floats, b: Self::Floats) -> u16;
-    /// Where `a <= b`; not where either is NaN.
+    /// The lanes with `a <= b`; not those where either is NaN.
     fn le(self, a: Self::Floats, b: Self::Floats) -> u16;
-    /// Where the bits are the same.
+    /// The lanes with equal bits.
     fn same(self, a: Self::Floats, b: Self::Floats) -> u16;
-    /// Where the bits but for the last four are the same.
+    /// The lanes whose bits but for the last four are equal.
     fn same_sixteen(self, a: Self::Floats, b: Self::Floats) -> u16;
     /// `a` where the mask is set, else `b`.
     fn select(self, mask: u16, a: Self::Floats, b: Self::Floats) -> Self::Floats;
@@ -109,9 +109,9 @@ pub(crate) trait Lanes: Copy + Send + Sync {
         b: Self::Doubles,
         c: Self::Doubles,
     ) -> Self::Doubles;
-    /// Where `a < b`; not where either is NaN.
+    /// The lanes with `a < b`; not those where either is NaN.
     fn lt64(self, a: Self::Doubles, b: Self::Doubles) -> u8;
-    /// Where `a <= b`; not where either is NaN.
+    /// The lanes with `a <= b`; not those where either is NaN.
     fn le64(self, a: Self::Doubles, b: Self::Doubles) -> u8;
 
     /// `a` where the mask is set, else `b`.

@@ -66,7 +66,7 @@ pub use storage::Storage;
 
 /// A computation with lanes.
 pub(crate) trait Kernel {
-    /// Its result.
+    /// The result.
     type Output;
     /// Computes it; `#[inline(always)]` in every implementation.
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
@@ -82,7 +82,8 @@ where
     with_stack(|| run_here(set, kernel))
 }
 
-/// The same on the caller's stack, for a kernel whose frame is small even where it is not optimised.
+/// Runs a kernel on the caller's stack, for one whose frame is small even where it is not
+/// optimised.
 #[inline]
 pub(crate) fn run_here<K: Kernel>(set: InstructionSet, kernel: K) -> K::Output {
     match set {
@@ -116,7 +117,8 @@ mod tests {
     ];
     const PLACES: [u8; LANES] = [3, 0, 15, 8, 7, 1, 1, 2, 14, 13, 12, 9, 4, 5, 6, 10];
 
-    /// What every operation gives, as bits, one after the other. The numbers are small, so that fused or not is one.
+    /// The results of every operation, as bits, one after the other. The numbers are small, so that
+    /// fused and separate operations agree.
     struct Everything {
         a: [f32; LANES],
         b: [f32; LANES],
@@ -165,7 +167,8 @@ mod tests {
     }
 
     impl Everything {
-        /// Of rows whose smallest stand in different lanes, differ in the lowest bits, or are all infinite.
+        /// Tests the smallest of rows whose smallest stand in different lanes, differ in the lowest
+        /// bits, or are all infinite.
         #[inline(always)]
         fn smallest<L: Lanes>(&self, l: L, out: &mut Vec<u64>) {
             let mut rows = [self.a.map(|x| x.abs() + 20.0); LANES];
@@ -283,7 +286,7 @@ mod tests {
         }
     }
 
-    /// Whatever the alignment and the length.
+    /// The copies have all alignments and lengths.
     #[test]
     fn streams_copy() {
         struct Copy<'a>(&'a [i32], &'a mut [i32]);

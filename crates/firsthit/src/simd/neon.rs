@@ -47,7 +47,7 @@ macro_rules! each {
 
 type F = [float32x4_t; 4];
 type D = [float64x2_t; 4];
-/// Where something is so: lanes of ones, and of zeros.
+/// The mask of a condition: lanes of ones, and of zeros.
 type Where<const N: usize> = [uint32x4_t; N];
 type Where64<const N: usize> = [uint64x2_t; N];
 

@@ -5,7 +5,7 @@ use bytemuck::Pod;
 use super::{Kernel, LANES, Lanes, WIDE};
 use crate::geometry::arrays::from_fn;
 
-/// No instructions but those that every machine has.
+/// The instruction set of plain Rust: instructions that every machine has.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Portable;
 

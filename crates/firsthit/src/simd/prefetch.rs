@@ -40,7 +40,7 @@ fn prefetch_line(at: *const i8) {
     unsafe { _mm_prefetch::<_MM_HINT_T0>(at) };
 }
 
-/// As assembly, since Rust has no stable intrinsic for it.
+/// Prefetches a cache line by assembly, since Rust has no stable intrinsic for it.
 #[cfg(target_arch = "aarch64")]
 #[inline(always)]
 #[expect(

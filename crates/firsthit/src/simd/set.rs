@@ -20,7 +20,7 @@ use crate::parallel;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum InstructionSet {
-    /// Whatever the compiler makes of plain Rust.
+    /// The instructions that the compiler makes of plain Rust.
     Portable,
     /// WebAssembly's `simd128`. A module that is compiled for it has no other, and runs it whichever is asked for.
     Simd128,
@@ -36,7 +36,7 @@ pub enum InstructionSet {
 const VARIABLE: &str = "FIRSTHIT_ISA";
 
 impl InstructionSet {
-    /// From the plainest to the fastest.
+    /// All instruction sets, from the plainest to the fastest.
     pub const ALL: [Self; 5] = [
         Self::Portable,
         Self::Simd128,
@@ -45,7 +45,7 @@ impl InstructionSet {
         Self::Avx512,
     ];
 
-    /// Its name, as in `FIRSTHIT_ISA`.
+    /// The name, as in `FIRSTHIT_ISA`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
@@ -76,13 +76,14 @@ impl InstructionSet {
         }
     }
 
-    /// Those that this machine has, from the plainest to the fastest.
+    /// The instruction sets of this machine, from the plainest to the fastest.
     pub fn available() -> impl DoubleEndedIterator<Item = Self> {
         Self::ALL.into_iter().filter(|set| set.is_available())
     }
 
-    /// The one that new scenes use: that of the environment variable `FIRSTHIT_ISA` (`portable`, `simd128`,
-    /// `neon`, `avx2` or `avx512`), or the fastest of this machine where that is not set or empty. The variable is read once.
+    /// The instruction set that new scenes use: that of the environment variable `FIRSTHIT_ISA`
+    /// (`portable`, `simd128`, `neon`, `avx2` or `avx512`), or the fastest of this machine where
+    /// that is not set or empty. The variable is read once.
     ///
     /// # Errors
     ///

@@ -141,7 +141,7 @@ fn keys(row: &[f32; LANES]) -> v128 {
 #[derive(Debug, Clone, Copy)]
 struct Two;
 
-/// Where something is so: lanes of ones, and of zeros.
+/// The mask of a condition: lanes of ones, and of zeros.
 #[derive(Debug, Clone, Copy)]
 struct Where(v128);
 
@@ -254,7 +254,7 @@ impl RoundToOdd for Two {
     }
 }
 
-/// What is outside of the emulation's range.
+/// The fused result for numbers outside of the emulation's range.
 #[cold]
 #[inline(never)]
 fn one_by_one(a: v128, b: v128, c: v128) -> v128 {

@@ -17,7 +17,7 @@ pub(crate) fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 
     use rayon::{ThreadPool, ThreadPoolBuilder, current_thread_index};
 
-    /// Only what is touched of it takes memory.
+    /// The size of the stack. Only what is touched of it takes memory.
     const STACK_BYTES: usize = 16 << 20;
     static POOL: OnceLock<Option<ThreadPool>> = OnceLock::new();
     #[expect(

@@ -27,7 +27,7 @@ pub struct Storage<T> {
     elements: PhantomData<T>,
 }
 
-/// Who gives the memory back: the last one who holds it.
+/// The owner of the memory, which the last clone gives back.
 enum Owner<T> {
     Vec(Arc<Vec<T>>),
     Block(Arc<Block>),
@@ -146,7 +146,7 @@ impl<'a, T> IntoIterator for &'a Storage<T> {
     }
 }
 
-/// No copy: the elements are shared.
+/// Cloning shares the elements and copies none.
 impl<T> Clone for Storage<T> {
     fn clone(&self) -> Self {
         Self {
