@@ -9,7 +9,7 @@ use crate::scene::{ColorBy, Coloring};
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ColoringRecord {
-    /// Its word; without one the numbers are `values`.
+    /// The word of the source; without one the numbers are `values`.
     by: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     values: Vec<Number>,

@@ -11,22 +11,24 @@ use crate::io::fault::{Checked, Fault};
 use crate::memory::{BLOCK_ALIGNMENT, Block, Storage};
 use crate::parallel;
 
-/// As in PNG: a byte beyond ASCII, and line ends that a transfer as text would change.
+/// The first bytes, like PNG's: a byte beyond ASCII, and line ends that a transfer as text would
+/// change.
 pub(super) const MAGIC: [u8; 8] = *b"\x89fhs\r\n\x1a\n";
 
-/// To be changed with the format, and with the meaning of any array that it has from another room: nodes and leaves.
+/// The version, to be changed with the format, and with the meaning of any array that it has from
+/// another room: nodes and leaves.
 pub(super) const VERSION: u32 = 4;
 
 /// The header's length, that of an entry of the table, and what sections are aligned to.
 pub(super) const UNIT: usize = BLOCK_ALIGNMENT;
 
-/// So many bytes of the header come before its checksum.
+/// The number of the header's bytes before its checksum.
 pub(super) const BEFORE_DIGEST: usize = 32;
 
 /// A checksum: BLAKE3.
 pub(super) type Sum = [u8; 32];
 
-/// What a section is an array of. Numbers are little-endian.
+/// The type of a section's elements. Numbers are little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u32)]
 pub(super) enum Kind {
@@ -132,7 +134,7 @@ pub(super) fn sum_of_structure(header: &[u8], table: &[u8], record: &[u8]) -> Su
     *hasher.finalize().as_bytes()
 }
 
-/// Of a section, where it is and what it holds.
+/// The place and type of a section.
 #[derive(Debug)]
 struct Entry {
     kind: Kind,
@@ -149,7 +151,8 @@ pub(super) struct Sections {
 }
 
 impl Sections {
-    /// Those of a file, whose header and table are checked, and whose record is compared with its checksum.
+    /// Opens the sections of a file, whose header and table are checked, and whose record is
+    /// compared with its checksum.
     pub(super) fn open(block: Arc<Block>) -> Checked<Self> {
         let bytes = block.bytes();
         let count = check_header(bytes)?;
@@ -257,7 +260,7 @@ fn part(bytes: &[u8], range: Range<usize>) -> Checked<&[u8]> {
     part.ok_or_else(|| wrong(start, "the file ends too early"))
 }
 
-/// How many sections there are.
+/// Checks the header; returns the number of sections.
 fn check_header(bytes: &[u8]) -> Checked<usize> {
     if !bytes.starts_with(&MAGIC) {
         let what = "this is no built scene: it does not begin as one; firsthit build makes them";
@@ -343,7 +346,7 @@ fn u64_at(bytes: &[u8], at: usize) -> u64 {
 mod tests {
     use super::*;
 
-    /// As `docs/fhs.md` says.
+    /// The sizes are those of `docs/fhs.md`.
     #[test]
     fn elements_have_their_sizes() {
         assert_eq!(SIZES.len(), Kind::ALL.len());

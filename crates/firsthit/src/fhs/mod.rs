@@ -90,7 +90,7 @@ pub fn open(path: &Path, verify: bool) -> Result<Loaded> {
     open_mapped(block, &mut Report::new(path, settings))
 }
 
-/// The same for a file that is mapped already.
+/// Opens a file that is mapped already.
 pub(crate) fn open_mapped(block: Arc<Block>, report: &mut Report) -> Result<Loaded> {
     let path = report.source.path().to_owned();
     let world = read::world(block, report).map_err(|fault| fault.into_error(&path))?;
@@ -118,7 +118,7 @@ pub(crate) fn open_part(path: &Path, whole: &mut Report) -> Result<World> {
     Ok(loaded.world)
 }
 
-/// From content in memory, which may be anywhere: a copy is where sections are aligned.
+/// Reads content in memory, which may be anywhere: sections are aligned in a copy.
 fn read_copy(bytes: &[u8], report: &mut Report) -> Checked<World> {
     report
         .budget

@@ -162,8 +162,9 @@ fn described(record: &Record, objects: Vec<Object>) -> Result<World> {
     })
 }
 
-/// What parsing the record takes, in times its length: two copies of an object and one of its record, in lists that may have
-/// room for twice as many, over the 30 characters that describe one at least.
+/// The memory for parsing the record, in multiples of its length: two copies of an object and one
+/// of its record, in lists that may have room for twice as many, over the 30 characters that
+/// describe one at least.
 const TIMES_RECORD: usize = 64;
 
 fn record(sections: &mut Sections) -> Checked<Record> {
@@ -178,7 +179,7 @@ fn record(sections: &mut Sections) -> Checked<Record> {
     })
 }
 
-/// What a constructor refuses of the record's.
+/// The result of a constructor for a part of the record, its error as the file's fault.
 pub(super) fn of_record<T>(made: Result<T>) -> Checked<T> {
     made.map_err(|error| match error {
         Error::Argument { .. } | Error::Limit { .. } => Fault::file(format!("the record: {error}")),
@@ -370,7 +371,7 @@ fn looks(record: &Record, sections: &mut Sections) -> Checked<Looks> {
     of_record(record.materials.iter().map(list).collect())
 }
 
-/// So many looks at a material are more than any honest file asks for.
+/// The most looks at materials: more than any honest file asks for.
 const MOST_LOOKS: usize = 1 << 28;
 
 fn label(record: &LabelRecord) -> Label {

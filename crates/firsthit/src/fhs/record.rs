@@ -66,7 +66,7 @@ pub(super) struct MeshRecord {
     pub(super) colors: Option<AttributeRecord>,
     pub(super) alphas: Option<AttributeRecord>,
     pub(super) properties: Vec<PropertyRecord>,
-    /// None where all objects that have the mesh share trees with others.
+    /// The tree; `None` where all objects that have the mesh share trees with others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) tree: Option<TreeRecord>,
 }
@@ -83,7 +83,7 @@ pub(super) struct GroupRecord {
 #[serde(deny_unknown_fields)]
 pub(super) struct AttributeRecord {
     pub(super) values: Section,
-    /// None where there is a value for each vertex.
+    /// The indices of corners' values; `None` where there is a value for each vertex.
     pub(super) corners: Option<Section>,
 }
 
@@ -94,7 +94,7 @@ pub(super) struct PropertyRecord {
     pub(super) of_faces: bool,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(super) of_corners: bool,
-    /// Where it is not one.
+    /// The number of components, where it is not one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) components: Option<usize>,
     /// Whether it is that of the nearest corner, and not interpolated.
@@ -139,7 +139,7 @@ pub(super) struct ObjectRecord {
     pub(super) transform: Option<[Triple; 4]>,
     /// The list of its materials, if it has any.
     pub(super) materials: Option<usize>,
-    /// Where it is not all bits.
+    /// The mask, where it is not all bits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) mask: Option<u32>,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

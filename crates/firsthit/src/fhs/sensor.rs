@@ -29,7 +29,7 @@ pub(super) struct CameraRecord {
 #[serde(deny_unknown_fields)]
 struct LensRecord {
     projection: String,
-    /// None without a viewplane.
+    /// The start of rays; `None` without a viewplane.
     ray_start: Option<String>,
     parameters: Vec<(String, Number)>,
 }
@@ -98,9 +98,9 @@ enum AimRecord {
 #[serde(rename_all = "snake_case")]
 enum OpeningRecord {
     Fov(Number),
-    /// Its width, height and distance.
+    /// The width, height and distance of a viewplane.
     Viewplane(Number, Number, Option<Number>),
-    /// With the rows and columns that it is for.
+    /// A lens with the rows and columns that it is for.
     Lens(LensRecord, [usize; 2]),
 }
 

@@ -62,7 +62,7 @@ pub fn encode(scene: &Scene, world: &World, watch: &dyn Watch) -> Result<Vec<u8>
     })
 }
 
-/// What stands in a file.
+/// The content of a file.
 struct Content<'a> {
     header: [u8; UNIT],
     table: Vec<u8>,
@@ -70,7 +70,7 @@ struct Content<'a> {
 }
 
 impl Content<'_> {
-    /// Its length.
+    /// The length in bytes.
     fn bytes(&self) -> usize {
         let sections = self.sections.iter();
         let sections = sections.map(|(_, bytes)| bytes.len().next_multiple_of(UNIT));
@@ -177,13 +177,13 @@ fn check(world: &World) -> Result<()> {
     Ok(())
 }
 
-/// What describing an object takes, more or less.
+/// The approximate memory for describing an object.
 const RECORD_BYTES: usize = 2048;
 
 /// A section: what it is an array of, and its bytes.
 type Part<'a> = (Kind, &'a [u8]);
 
-/// So many bytes are hashed between two looks at the watch.
+/// The number of bytes that are hashed between two looks at the watch.
 const PIECE: usize = 1 << 24;
 
 /// The checksums of all sections, or `None` when `watch` stops it.
@@ -337,7 +337,7 @@ fn corners(Bounds { low, high }: Bounds) -> [Triple; 2] {
     [low, high].map(Triple::from)
 }
 
-/// What objects share.
+/// The tables of what objects share.
 #[derive(Default)]
 struct Tables<'a> {
     meshes: Shared<'a, Mesh>,

@@ -23,7 +23,7 @@ pub(in crate::fhs) struct MapRecord {
 }
 
 impl MapRecord {
-    /// Of a map whose texture has this place.
+    /// The record of a map whose texture has this number.
     pub(in crate::fhs) fn new(map: &TextureMap, texture: usize) -> Self {
         Self {
             texture,

@@ -31,7 +31,7 @@ pub(super) fn direction_of(direction: Triple) -> Result<DVec3> {
     }
 }
 
-/// That the record names something by a place that it has not.
+/// The error that the record names something by a number that it has not.
 pub(super) fn missing(what: &'static str, number: usize) -> Error {
     Error::argument(what, "one of the record's", number)
 }

@@ -1,4 +1,4 @@
-//! What a file says of shading.
+//! The record of shading in a file.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::scene::{Background, Coloring, Environment};
 use crate::shade::{LightRig, Shader};
 use crate::world::World;
 
-/// What a file says of shading, if anything.
+/// The record of shading in a file, if there is any.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(in crate::fhs) struct ShadingRecord {
@@ -31,19 +31,19 @@ pub(in crate::fhs) struct ShadingRecord {
     ground: Option<bool>,
     background: Option<BackgroundRecord>,
     environment: Option<EnvironmentRecord>,
-    /// How PNGs show colours, unless unchanged: the exposure in stops, and the tone map.
+    /// The exposure of PNGs in stops, unless unchanged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     exposure: Option<Number>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     tone_map: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     colors: Option<ColoringRecord>,
-    /// Not in the files of worlds without.
+    /// The edges; not in the files of worlds without.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     edges: Option<EdgesRecord>,
 }
 
-/// As many as a picture has at most.
+/// The most samples of a picture.
 const MOST_SAMPLES: u32 = 1 << 16;
 
 impl ShadingRecord {
@@ -115,7 +115,7 @@ impl ShadingRecord {
         }
     }
 
-    /// How PNGs show colours.
+    /// The display of colours in PNGs.
     pub(in crate::fhs) fn display(&self) -> Result<DisplayTransform> {
         let tone_map = self.tone_map.as_deref().map(str::parse).transpose()?;
         let display = DisplayTransform {
