@@ -1,4 +1,4 @@
-//! How much of a ray is inside?
+//! Measures the length of rays inside of objects.
 
 use crate::error::Result;
 use crate::geometry::{Ray, Rays, moderation};
@@ -87,9 +87,10 @@ pub fn path_lengths_with<R: Rays>(
 
 /// A ray on its way through the objects.
 struct Walk {
-    /// How often each goes around it; of an open one, 1 where it is inside. Zero for all between two rays.
+    /// The winding number of each object around the place; of an open one, 1 where it is inside.
+    /// Zero for all between two rays.
     turns: Vec<i32>,
-    /// Where it entered those that it is in.
+    /// The parameter at which the ray entered each object that it is in.
     since: Vec<f64>,
 }
 
@@ -191,7 +192,7 @@ impl Walk {
     }
 }
 
-/// What makes lengths of a ray's parameters.
+/// The conversion from a ray's parameters to lengths.
 struct Way {
     t_min: f64,
     t_max: f64,

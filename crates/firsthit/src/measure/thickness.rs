@@ -1,4 +1,4 @@
-//! How thick are objects?
+//! Measures the thickness of objects.
 //!
 //! 1. Find the point of the surface that is nearest to each point.
 //! 2. Send a ray inwards from there, which leaves the surface without an epsilon, and find all its crossings of the same object.
@@ -15,13 +15,15 @@ use crate::shoot::{Cpu, First, trace};
 use crate::solid::{By, FillRule, Solids};
 use crate::watch::{OnlyStops, Watch};
 
-/// How many points are done at a time.
+/// The number of points that are done at a time.
 const PIECE: usize = 1 << 14;
 
-/// How thick the objects are at the surface points nearest to `points`, in scene units: the distance inwards, at right
-/// angles to the surface, to where the inside of the same object ends. Zero where it is on neither side of the surface. Of an open object
-/// it is the distance against the normal to where a ray next meets it, and infinity where it does not meet it again. NaN for a point that has no surface to be near to, and where
-/// the nearest is a triangle without an area: no direction is inwards.
+/// The thickness of the objects at the surface points nearest to `points`, in scene units: the
+/// distance inwards, at right angles to the surface, to where the inside of that object ends. Zero
+/// where it is on neither side of the surface. Of an open object it is the distance against the
+/// normal to where a ray next meets it, and infinity where it does not meet it again. NaN for a
+/// point that has no surface to be near to, and where the nearest is a triangle without an area: no
+/// direction is inwards.
 ///
 /// The ray leaves the surface as [`SurfaceInteraction::leave`](crate::scene::SurfaceInteraction::leave) has it. Other objects do not count.
 ///
@@ -71,7 +73,7 @@ pub fn thickness_with(
     Ok(all)
 }
 
-/// Where rays go that leave surfaces.
+/// The direction of rays that leave surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Towards {
     /// Inwards, where the object goes around more often: a ray that begins the other way is turned around, and where both sides are
@@ -81,9 +83,10 @@ pub enum Towards {
     Given,
 }
 
-/// For each ray that leaves a surface of the object that alone it meets ([`RayFilter::only`]), the `t` at which it comes out of that object
-/// or, if it starts outside, into it; of an open object, at which it next meets it. Infinity where nothing of this is ahead, and
-/// zero for a ray towards the inside with the outside on both sides. `t_max` is ignored.
+/// The `t` at which each ray, which leaves a surface of the object that alone it meets
+/// ([`RayFilter::only`]), comes out of that object or, if it starts outside, into it; of an open
+/// object, at which it next meets it. Infinity where nothing of this is ahead, and zero for a ray
+/// towards the inside with the outside on both sides. `t_max` is ignored.
 ///
 /// # Errors
 ///
@@ -139,7 +142,8 @@ pub fn thickness_along<R: Rays + ?Sized>(
     Ok(t)
 }
 
-/// How far a ray that leaves a vertex or an edge is moved towards the middle of its triangle, as a share of the way.
+/// The distance by which a ray that leaves a vertex or an edge is moved towards the middle of its
+/// triangle, as a share of the way.
 const WITHIN: f64 = 1.0 / 65_536.0;
 
 /// A ray that leaves a triangle of a mesh, moved to leave it a little within.
@@ -166,8 +170,8 @@ fn within(scene: &Scene, ray: &Ray, mut filter: RayFilter) -> Option<(Ray, RayFi
     ))
 }
 
-/// For rays that each leave a closed mesh and meet no other object, where they come out of it or into it. `None` for a ray towards the
-/// inside with the outside on both sides.
+/// The parameters at which rays that each leave a closed mesh and meet no other object come out of
+/// it or into it. `None` for a ray towards the inside with the outside on both sides.
 fn through(
     solids: &Solids<'_>,
     rays: &[Ray],
@@ -211,7 +215,8 @@ fn through(
     Ok(found)
 }
 
-/// Of rays that each meet one object alone, a closed mesh: how often it goes around their start, and where they come out of it, or into it.
+/// The winding number of the start of each ray, which meets one closed mesh alone, and the
+/// parameter at which the ray comes out of it, or into it.
 fn ends(solids: &Solids<'_>, rays: &dyn Rays, watch: &dyn Watch) -> Result<Vec<(i32, f64)>> {
     let mut ends = memory::filled(rays.len(), (0, f64::INFINITY))?;
     let turns = || memory::filled(solids.rules.len(), 0_i32);
