@@ -9,15 +9,15 @@ use crate::memory;
 /// A point of a scene that is near to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosestPoint {
-    /// Where it is, in world space.
+    /// The position in world space.
     pub point: DVec3,
-    /// How far away it is.
+    /// The distance.
     pub distance: f64,
     /// The object's index in the scene.
     pub object: i32,
-    /// Which part of the object: a mesh's triangle, a box's face, ...
+    /// The part of the object: a mesh's triangle, a box's face, ...
     pub primitive: i32,
-    /// In a triangle the weights of its corners 1 and 2 (corner 0 has the rest); NaN elsewhere.
+    /// The weights of a triangle's corners 1 and 2 (corner 0 has the rest); NaN elsewhere.
     pub barycentric: DVec2,
 }
 
@@ -25,11 +25,11 @@ pub struct ClosestPoint {
 /// fewer were found there are misses: a distance of infinity, identifiers of -1, else NaN.
 #[derive(Clone, Default)]
 pub struct ClosestPoints {
-    /// How many elements each point has.
+    /// The number of elements of each point.
     pub count: usize,
-    /// Where the nearest points are, in world space.
+    /// The positions of the nearest points, in world space.
     pub point: Vec<[f64; 3]>,
-    /// How far away they are, infinity for a miss.
+    /// The distances, infinity for a miss.
     pub distance: Vec<f64>,
     /// The objects' identifiers, -1 for a miss.
     pub object: Vec<i32>,
@@ -43,7 +43,7 @@ pub struct ClosestPoints {
 summary!(ClosestPoints, "ClosestPoints", |all| "count": all.count, "elements": all.distance.len());
 
 impl ClosestPoints {
-    /// Misses, `count` for each of so many points.
+    /// Misses, `count` for each of `points` points.
     pub(super) fn room(points: usize, count: usize) -> Result<Self> {
         let length = points.saturating_mul(count);
         Ok(Self {
@@ -56,7 +56,7 @@ impl ClosestPoints {
         })
     }
 
-    /// For how many points they are.
+    /// The number of points that were asked.
     pub fn len(&self) -> usize {
         self.distance.len().checked_div(self.count).unwrap_or(0)
     }
@@ -66,7 +66,7 @@ impl ClosestPoints {
         self.distance.is_empty()
     }
 
-    /// Of the point with an index, the nearest one that comes after so many nearer ones; `None` for a miss.
+    /// The nearest point number `place`, from 0 on, of the point with an index; `None` for a miss.
     ///
     /// # Panics
     ///
@@ -84,7 +84,7 @@ impl ClosestPoints {
     }
 }
 
-/// Where the answers of some points go.
+/// The destination of the answers of some points.
 pub(super) struct Part<'a> {
     pub(super) point: &'a mut [[f64; 3]],
     pub(super) distance: &'a mut [f64],

@@ -14,7 +14,7 @@ pub(super) struct Found {
 }
 
 impl Ord for Found {
-    /// By the squares of the distances, which are not NaN, and then by identifiers.
+    /// Compares the squares of the distances, which are not NaN, and then identifiers.
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |found: &Self| (found.object, found.nearest.primitive);
         let by_distance = self.nearest.squared.total_cmp(&other.nearest.squared);
@@ -42,7 +42,7 @@ pub(super) struct Best {
     wanted: Wanted,
     /// The farthest on top.
     heap: BinaryHeap<Found>,
-    /// No square of a distance above this is wanted.
+    /// The largest square of a distance that is wanted.
     most: f64,
     /// Whether memory was short.
     pub(super) is_short: bool,
@@ -111,7 +111,7 @@ impl Best {
         squared.fold(f64::INFINITY, f64::min)
     }
 
-    /// What was found, the nearest first; nothing is left.
+    /// Takes all that was found, the nearest first.
     pub(super) fn in_order(&mut self) -> Vec<Found> {
         let heap = std::mem::take(&mut self.heap);
         heap.into_sorted_vec()

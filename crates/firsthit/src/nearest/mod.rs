@@ -1,4 +1,4 @@
-//! Which point of a scene is nearest to a point, and how far away is it?
+//! Finds the points of a scene nearest to points, and their distances.
 //!
 //! 1. Take the next object whose box may be near enough, from the tree over the objects.
 //! 2. Of a mesh, take the triangles that may be near enough, from its tree (`accel/traverse/nearest.rs`).
@@ -29,7 +29,7 @@ use crate::geometry::{DVec3, require};
 use crate::scene::{Object, Scene};
 use crate::watch::Watch;
 
-/// How many of the nearest points are wanted, and from how far away.
+/// The number of nearest points that are wanted, and their largest distance.
 ///
 /// ```
 /// use firsthit::nearest::Wanted;
@@ -40,7 +40,7 @@ use crate::watch::Watch;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wanted {
-    /// How many for each point, each of another (object, primitive): at least 1.
+    /// The number of points for each point, each of another (object, primitive): at least 1.
     pub count: usize,
     /// The largest distance that counts, itself included.
     pub radius: f64,

@@ -17,23 +17,24 @@ use crate::shape::{Surface, nearest_on_triangle};
 use crate::simd::{self, Kernel, Lanes};
 use crate::watch::Watch;
 
-/// How the nearest points are searched. All methods come to the same bits.
+/// The method of the search for nearest points. All methods come to equal bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// By trees in lanes, with an instruction set; one that this machine does not have is replaced by the next plainer one.
+    /// Trees in lanes, with an instruction set; one that this machine does not have is replaced by
+    /// the next plainer one.
     Trees(InstructionSet),
     /// Every triangle and every shape in float64: slow, and the reference.
     BruteForce,
 }
 
-/// By trees, as [`Cpu`](crate::shoot::Cpu) is by default.
+/// The default is trees, as [`Cpu`](crate::shoot::Cpu) is by default.
 impl Default for Method {
     fn default() -> Self {
         Self::Trees(InstructionSet::current().unwrap_or(InstructionSet::Portable))
     }
 }
 
-/// How many points a thread takes at a time.
+/// The number of points that a thread takes at a time.
 const BATCH: usize = 512;
 
 /// Fills `answers` by all threads of the current rayon pool.
@@ -98,7 +99,7 @@ fn parts(answers: &mut ClosestPoints, size: usize, count: usize) -> impl Iterato
     )
 }
 
-/// Some points, and where their answers go.
+/// A batch of points, and the destination of their answers.
 struct Batch<'a> {
     scene: &'a Scene,
     points: &'a [[f64; 3]],

@@ -12,9 +12,10 @@ use crate::shoot::{BruteForce, Cpu, Engine};
 use crate::solid::{By, FillRule, inside_by};
 use crate::watch::{OnlyStops, Watch};
 
-/// How far each of `points` is from the nearest surface: negative for a point inside any object, positive for one outside of
-/// all, zero on a surface. Where objects overlap, the surface of one within the other counts too. Infinite where
-/// [`closest_point`](super::closest_point) is `None`.
+/// The distance of each of `points` from the nearest surface: negative for a point inside any
+/// object, positive for one outside of all, zero on a surface. Where objects overlap, the surface
+/// of one within the other counts too. Infinite where [`closest_point`](super::closest_point) is
+/// `None`.
 ///
 /// ```
 /// use firsthit::nearest::signed_distances;
@@ -34,18 +35,19 @@ pub fn signed_distances(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -
     signed_distances_with(SignSettings::default(), scene, points, watch)
 }
 
-/// How the sign of a distance is found.
+/// Settings for the sign of a distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SignSettings {
-    /// What is inside of closed meshes.
+    /// The rule for the inside of closed meshes.
     pub rule: FillRule,
     /// Whether open objects are taken, too: points are inside of them as their winding number says, and never inside a plane or a disc.
     pub allow_open: bool,
-    /// How it is searched: only times depend on it.
+    /// The method of the search: only times depend on it.
     pub method: Method,
 }
 
-/// How many points are done at a time: the crossings of all their rays are in memory at once.
+/// The number of points that are done at a time: the crossings of all their rays are in memory at
+/// once.
 const PIECE: usize = 1 << 14;
 
 /// [`signed_distances`] as the caller wants it.
