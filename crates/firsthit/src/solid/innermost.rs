@@ -1,4 +1,4 @@
-//! In which solid does a ray start?
+//! Finds the solids in which rays start.
 
 use super::sweep::Solids;
 use super::{By, FillRule};
@@ -9,7 +9,8 @@ use crate::scene::Scene;
 use crate::shoot::Cpu;
 use crate::watch::Watch;
 
-/// Of the closed objects that each ray starts in, the one that it leaves first, by [`FillRule::default`]. Open objects do not count.
+/// The closed object, of those that each ray starts in, that it leaves first, by
+/// [`FillRule::default`]. Open objects do not count.
 ///
 /// ```
 /// use firsthit::measure::innermost;

@@ -1,4 +1,4 @@
-//! Which points are inside?
+//! Finds the points that are inside.
 
 use super::sweep::Solids;
 use super::{By, FillRule, Rule};
@@ -9,10 +9,10 @@ use crate::scene::Scene;
 use crate::shoot::{Cpu, Engine, FromPoints};
 use crate::watch::Watch;
 
-/// Which points are inside, and how that is known.
+/// The answers for points, and the rules behind them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Insides {
-    /// For each point one answer, or with [`By::Object`] one for each object, point by point.
+    /// The answers, one for each point, or with [`By::Object`] one for each object, point by point.
     pub is_inside: Vec<bool>,
     /// The rule of each object.
     pub rules: Vec<Rule>,

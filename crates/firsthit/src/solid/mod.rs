@@ -1,4 +1,5 @@
-//! What is inside objects: the rules, and the winding numbers of points and along rays. Every measure of solids asks here.
+//! The inside of objects: the rules, and the winding numbers of points and along rays. Every
+//! measure of solids asks here.
 //!
 //! The **winding number** of a point is how many times an object's surface goes around it: along a ray from there, the crossings from
 //! the back of a triangle to its front, less those from the front to the back. For a closed mesh that number does not depend on the
@@ -30,14 +31,14 @@ use crate::shape::{Facing, Shape};
 /// Whether an answer is for each object or for all together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
-    /// Of each object: a row of as many answers as there are objects.
+    /// An answer for each object: a row of as many answers as there are objects.
     Object,
-    /// Of all objects together.
+    /// An answer for all objects together.
     Union,
 }
 
 impl By {
-    /// How many answers there are for each point or ray.
+    /// The number of answers for each point or ray.
     pub fn width(self, scene: &Scene) -> usize {
         match self {
             Self::Object => scene.objects().len(),
@@ -47,8 +48,8 @@ impl By {
 }
 
 named! {
-    /// Which points a closed mesh holds, by how many times its surface goes around them. On meshes without overlaps, of which cavities
-    /// face inwards, both rules agree.
+    /// The rule for the points that a closed mesh holds, by how many times its surface goes around
+    /// them. On meshes without overlaps, of which cavities face inwards, both rules agree.
     pub enum FillRule, "rule":
         /// Any number of times but zero, either way around. What shells have in common is inside, and so is what is in copies of a
         /// shell; a mesh that is turned inside out holds the same points.
@@ -59,21 +60,22 @@ named! {
         "parity" => Parity;
 }
 
-/// By what it is known whether a point is inside an object.
+/// The rule that tells whether a point is inside an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// By the winding number, which is whole: a closed mesh, or a solid.
+    /// The winding number, which is whole: a closed mesh, or a solid.
     Nonzero,
-    /// By the parity of a ray's crossings: a closed mesh, or a solid.
+    /// The parity of a ray's crossings: a closed mesh, or a solid.
     Parity,
-    /// By the winding number of what is not closed: an open mesh, or one with parts that its material cuts out, through which rays pass.
+    /// The winding number of an open mesh, or of one with parts that its material cuts out, through
+    /// which rays pass.
     WindingNumber,
-    /// Nothing is inside: a plane, a disc, or a hidden object.
+    /// No point is inside: a plane, a disc, or a hidden object.
     Nothing,
 }
 
 impl Rule {
-    /// Its name: `nonzero`, `parity`, `winding` or `none`.
+    /// The name: `nonzero`, `parity`, `winding` or `none`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nonzero => FillRule::Nonzero.name(),

@@ -23,7 +23,7 @@ const PIECE: usize = 64;
 /// Fewer rays than this, with little to add up for each, are done by the calling thread alone.
 const FEW: usize = 512;
 
-/// So many solid angles take about a tenth of a second.
+/// The number of solid angles that take about a tenth of a second.
 const FEW_ANGLES: u64 = 1 << 21;
 
 /// A scene with the rule of each object, and which of the objects are open.
@@ -63,7 +63,7 @@ impl<'a> Met<'a> {
     }
 }
 
-/// Where a ray crosses the surface of an object.
+/// The crossing of a ray with the surface of an object.
 #[derive(Clone, Copy)]
 pub(crate) struct Crossed {
     pub(crate) t: f64,
@@ -89,8 +89,8 @@ impl<'a> Solids<'a> {
         })
     }
 
-    /// How often an object goes around what is before a crossing, from how often around what is behind it. The number is the winding
-    /// number, but where parity decides 0 or 1; so what is inside is where it is not zero.
+    /// The winding number of an object before a crossing, from that behind it; where parity
+    /// decides, 0 or 1. So the inside is where it is not zero.
     #[inline]
     pub(crate) fn before(&self, ray: &Ray, crossed: Crossed, behind: i32) -> i32 {
         match self.is_outwards(ray, crossed) {
@@ -222,7 +222,7 @@ impl<'a> Solids<'a> {
     }
 }
 
-/// Some of many rays, without their ends.
+/// A range of many rays, without their ends.
 struct Part<'a> {
     rays: &'a dyn Rays,
     first: usize,
