@@ -12,7 +12,7 @@ pub(crate) struct Distribution {
     sums: Vec<f64>,
 }
 
-/// What was chosen: its number, and where in it, from 0 up to 1.
+/// A choice: its number, and the place in it, from 0 up to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Choice {
     pub(crate) index: usize,
@@ -31,7 +31,7 @@ impl Distribution {
         choose(&self.sums, u)
     }
 
-    /// How often one of them is chosen, as a share of all.
+    /// The probability of choosing an index.
     pub(crate) fn share(&self, index: usize) -> f64 {
         weight(&self.sums, index) / last(&self.sums)
     }
@@ -41,7 +41,7 @@ impl Distribution {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Distribution2d {
     columns: usize,
-    /// For each row its weights up to each cell, row after row.
+    /// The sums of each row's weights up to each cell, row after row.
     sums: Vec<f64>,
     rows: Distribution,
 }
@@ -55,7 +55,8 @@ pub(crate) struct Cell {
 }
 
 impl Distribution2d {
-    /// That of weights row by row. `None` unless they are finite, none is negative, and some are positive.
+    /// Builds the distribution from weights in row-major order. `None` unless they are finite, none
+    /// is negative, and some are positive.
     pub(crate) fn new(columns: usize, mut weights: Vec<f64>) -> Option<Self> {
         let rows = weights.chunks_exact_mut(columns.max(1));
         let rows = rows.map(accumulate).collect::<Option<Vec<f64>>>()?;
@@ -77,7 +78,7 @@ impl Distribution2d {
         }
     }
 
-    /// How often a cell is chosen, as a share of all.
+    /// The probability of choosing a cell.
     pub(crate) fn share(&self, column: usize, row: usize) -> f64 {
         let sums = self.row(row);
         let total = last(sums);

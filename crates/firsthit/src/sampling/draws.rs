@@ -47,13 +47,14 @@ impl Draws {
         Self { pixel, ..self }
     }
 
-    /// Those of another sample of the pixel.
+    /// The numbers of another sample of the pixel.
     #[must_use]
     pub fn of_sample(self, sample: u32) -> Self {
         Self { sample, ..self }
     }
 
-    /// The same stream from its set `set` on: numbers after `skipped(k)` do not depend on how many were drawn before.
+    /// The stream from its set `set` on: numbers after `skipped(k)` do not depend on how many were
+    /// drawn before.
     pub fn skipped(self, set: u32) -> Self {
         Self { set, ..self }
     }
@@ -149,7 +150,7 @@ fn reversed_sobol(index: u32, axis: usize) -> u32 {
     table[0][a] ^ table[1][b] ^ table[2][c] ^ table[3][d]
 }
 
-/// What each byte of an index adds to the coordinates 1, 2 and 3.
+/// The contribution of each byte of an index to the coordinates 1, 2 and 3.
 static TABLES: [[[u32; 256]; 4]; 3] = [
     // x + 1.
     table(&sobol::SECOND),
@@ -159,7 +160,7 @@ static TABLES: [[[u32; 256]; 4]; 3] = [
     table(&sobol::directions(3, 0b01, [1, 3, 1])),
 ];
 
-/// What each byte of an index adds to a coordinate, its bits reversed.
+/// The contribution of each byte of an index to a coordinate, its bits reversed.
 const fn table(directions: &[u32; 32]) -> [[u32; 256]; 4] {
     let mut table = [[0; 256]; 4];
     let mut byte = 0;
@@ -281,7 +282,8 @@ mod tests {
         }
     }
 
-    /// Of f(x, y) = 1 where x + y < 1, over many pixels, the root mean square error with 64 samples is far below that of chance.
+    /// The mean square error of f(x, y) = 1 where x + y < 1, with 64 samples over many pixels, has
+    /// a root far below that of chance.
     #[test]
     fn an_edge_is_integrated_better_than_by_chance() {
         let error = |pixel| {

@@ -1,4 +1,5 @@
-//! Where samples are taken: points of pixels and of lenses, numbers for shaders, choices by weights, and maps from the unit square.
+//! Samples: points of pixels and of lenses, numbers for shaders, choices by weights, and maps from
+//! the unit square.
 
 #![allow(
     clippy::inline_always,

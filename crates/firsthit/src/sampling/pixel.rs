@@ -66,7 +66,8 @@ mod tests {
         assert_eq!(offset(0), DVec2::splat(0.5));
     }
 
-    /// Of 2^m points, all but the first, each rectangle has one, and one rectangle of each shape has none.
+    /// The points, 2^m but for the first, are one in each rectangle, and one rectangle of each
+    /// shape has none.
     #[test]
     fn rectangles_have_a_point_each() {
         for m in 1..10_u32 {
@@ -82,7 +83,7 @@ mod tests {
         }
     }
 
-    /// Both departures are left out: one rectangle of each shape has none.
+    /// The test leaves out both departures of `on_lens`: with them one rectangle of each shape has none.
     #[test]
     fn rectangles_of_the_lens_have_a_point_each_up_to_32() {
         let square = |k: u32| DVec2::from(DIRECTIONS.map(|each| scrambled(combined(k, &each))));
@@ -115,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Of a disc of radius one the mean of x^2 and of y^2 is 1/4.
+    /// The mean of x^2 and of y^2 over a disc of radius one is 1/4.
     #[test]
     fn points_of_the_lens_fill_the_disc_evenly() {
         assert_eq!(on_lens(0), DVec2::ZERO);

@@ -11,8 +11,8 @@ pub(crate) struct TangentFrame {
 }
 
 impl TangentFrame {
-    /// The one of a direction `z` of length one (Duff and others, "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics
-    /// Techniques 6(1), 2017).
+    /// The frame around a direction `z` of length one (Duff and others, "Building an Orthonormal
+    /// Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017).
     #[inline(always)]
     pub(crate) fn around(z: DVec3) -> Self {
         let sign = 1.0_f64.copysign(z.z);

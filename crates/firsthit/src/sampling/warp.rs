@@ -4,8 +4,9 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use crate::geometry::{DVec2, DVec3};
 
-/// From the unit square to the disc of radius one: squares around the middle become circles (Shirley and Chiu, "A Low Distortion Map
-/// Between Disk and Square", Journal of Graphics Tools 2(3), 1997).
+/// Maps the unit square to the disc of radius one: squares around the middle become circles
+/// (Shirley and Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools
+/// 2(3), 1997).
 #[inline(always)]
 pub(crate) fn disc(u: DVec2) -> DVec2 {
     let point = 2.0 * u - 1.0;
@@ -62,16 +63,16 @@ fn polynomial(c: &[f64], y: f64) -> f64 {
     low + (y2 * y2) * high
 }
 
-/// From the unit square to the directions around +z, in proportion to their cosine (Malley's method): a point of the disc, lifted.
-/// The density per solid angle is z / pi.
+/// Maps the unit square to the directions around +z, in proportion to their cosine (Malley's
+/// method): a point of the disc, lifted. The density per solid angle is z / pi.
 #[inline(always)]
 pub(crate) fn cosine_hemisphere(u: DVec2) -> DVec3 {
     let point = disc(u);
     point.extend((1.0 - point.length_squared()).max(0.0).sqrt())
 }
 
-/// From the unit square to the directions around +z whose cosine is at least `1 - height`, evenly. The density per solid
-/// angle is 1 / (2 pi height).
+/// Maps the unit square to the directions around +z whose cosine is at least `1 - height`, evenly.
+/// The density per solid angle is 1 / (2 pi height).
 #[inline(always)]
 pub(crate) fn cap(u: DVec2, height: f64) -> DVec3 {
     let point = disc(u);
@@ -82,8 +83,8 @@ pub(crate) fn cap(u: DVec2, height: f64) -> DVec3 {
     (stretched * point).extend(1.0 - below)
 }
 
-/// From the unit square to the weights of a triangle's corners 1 and 2, evenly (Heitz, "A Low-Distortion Map Between Triangle and Square",
-/// 2019).
+/// Maps the unit square to the weights of a triangle's corners 1 and 2, evenly (Heitz, "A
+/// Low-Distortion Map Between Triangle and Square", 2019).
 pub(crate) fn triangle(u: DVec2) -> DVec2 {
     if u.y > u.x {
         let x = 0.5 * u.x;
