@@ -1,4 +1,4 @@
-//! What can go wrong, grouped by who can put it right.
+//! Errors, grouped by who can put them right.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// ```
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What went wrong. Rays never fail: a ray that makes no sense is a miss.
+/// The error of any call. Rays never fail: a ray that makes no sense is a miss.
 ///
 /// ```
 /// use firsthit::{DVec3, Error, Sphere};
@@ -32,15 +32,15 @@ pub enum Error {
     Argument {
         /// The parameter's name, in the words of the interface.
         name: &'static str,
-        /// What would be right.
+        /// The expected value.
         expected: &'static str,
-        /// What came.
+        /// The value that came.
         got: String,
     },
     /// The operating system refused to read something.
     #[error("{}: {source}", escaped(.path))]
     Read {
-        /// What was to be read.
+        /// The path that was to be read.
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
@@ -48,39 +48,39 @@ pub enum Error {
     /// The operating system refused to write something. Nothing of it was written.
     #[error("{}: {source}", escaped(.path))]
     Write {
-        /// What was to be written.
+        /// The path that was to be written.
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
     },
-    /// A file's content is wrong. Whoever made the file can fix it.
+    /// A file's content is wrong. The file's author can fix it.
     #[error("{}{place}: {what}", escaped(.path))]
     Parse {
         /// The file.
         path: PathBuf,
-        /// Where in the file.
+        /// The place in the file.
         place: Place,
-        /// What is wrong there, and a hint where there is one.
+        /// The fault there, and a hint where there is one.
         what: String,
     },
-    /// More was asked for than this machine or this library's limits hold.
+    /// The demand is beyond the limits of this machine or this library.
     #[error("{what}: {got} is over the limit of {limit}")]
     Limit {
-        /// What there would be too much of.
+        /// The things that there would be too many of.
         what: &'static str,
-        /// How much was asked for.
+        /// The demand.
         got: String,
-        /// How much is possible.
+        /// The limit.
         limit: String,
     },
-    /// A file needs more than its reader was allowed to spend on it. Whoever reads it can allow more.
+    /// A file needs more than its reader was allowed to spend on it. The caller can allow more.
     #[error("{}{place}: {what}", escaped(.path))]
     TooLarge {
         /// The file.
         path: PathBuf,
-        /// Where in the file.
+        /// The place in the file.
         place: Place,
-        /// What it needs, what is allowed, and how to allow more.
+        /// The need, the limit, and the way to allow more.
         what: String,
     },
     /// The caller's [`Watch`](crate::watch::Watch) asked to stop.
@@ -100,7 +100,7 @@ impl Error {
     }
 }
 
-/// Where in a file something stands.
+/// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
@@ -161,7 +161,7 @@ pub fn escape_controls(text: &str) -> String {
 
 /// The text about names beside one that is not among them: the first of those there are, or `none`.
 pub(crate) fn there_are(names: &[String], none: &str) -> String {
-    /// So many are listed at most.
+    /// The most names that are listed.
     const MOST: usize = 20;
     match names.get(..MOST) {
         _ if names.is_empty() => none.to_owned(),

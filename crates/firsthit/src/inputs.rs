@@ -1,4 +1,5 @@
-//! Which files this process has read: the one place that readers tell, and that writers ask before they replace a file.
+//! The files that this process has read: readers note them here, and writers ask before they
+//! replace a file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -14,7 +15,7 @@ type Identity = PathBuf;
 struct Files {
     /// The files that were read, and where each was.
     read: BTreeMap<Identity, PathBuf>,
-    /// Where they were: another program may have replaced one since.
+    /// The places of the files: another program may have replaced one since.
     places: BTreeSet<PathBuf>,
     /// The files that this process wrote. They are not lost when they are made anew.
     own: BTreeMap<PathBuf, Identity>,

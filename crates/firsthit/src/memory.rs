@@ -32,7 +32,7 @@ pub(crate) fn check(what: &'static str, bytes: usize) -> Result<()> {
     Ok(())
 }
 
-/// How many bytes a 32-bit module's memory can still grow by, if the host lets it.
+/// The number of bytes by which a 32-bit module's memory can still grow, if the host lets it.
 #[cfg(target_arch = "wasm32")]
 fn unaddressed() -> usize {
     const PAGE_BYTES: usize = 1 << 16;
@@ -83,7 +83,7 @@ pub(crate) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>> {
     Ok(vec)
 }
 
-/// That a vector could not grow, by what it is for.
+/// The error that a vector could not grow, by what it is for.
 pub(crate) fn no_room_for(what: &'static str) -> Error {
     short_of(what, "more".into())
 }

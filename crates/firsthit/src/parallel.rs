@@ -138,7 +138,7 @@ fn slots<P>(parts: impl IntoIterator<Item = P>) -> Vec<Slot<P>> {
     parts.into_iter().map(Slot::of).collect()
 }
 
-/// Where a part waits for the one thread that takes it, or what was made of it for the caller.
+/// A slot in which a part waits for the one thread that takes it, or its result for the caller.
 struct Slot<T>(Mutex<Option<T>>);
 
 impl<T> Slot<T> {
@@ -164,7 +164,7 @@ impl<T> Slot<T> {
     }
 }
 
-/// Nothing that can panic runs under these locks.
+/// Locks a mutex; no code that can panic runs under it.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

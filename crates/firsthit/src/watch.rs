@@ -1,4 +1,4 @@
-//! How a caller follows a long computation, and ends it.
+//! The watch on a long computation: callers follow it, and end it.
 
 /// Follows a long computation from another thread's point of view.
 ///

@@ -38,7 +38,7 @@ pub struct World {
     pub rig: Option<LightRig>,
     /// Whether there is a ground that shadows fall on, if the file says so.
     pub ground: Option<bool>,
-    /// How PNGs show colours, as the file says; by default, unchanged.
+    /// The display of colours in PNGs, as the file says; by default, unchanged.
     pub display: DisplayTransform,
     /// Colours by numbers, if the file asks for them.
     pub coloring: Option<Coloring>,
@@ -46,8 +46,9 @@ pub struct World {
     pub edges: Option<Edges>,
     /// The outputs that the file asks for.
     pub outputs: Vec<Output>,
-    /// Which way is up: as the scene file says, else by the format's rule or convention. +y for glTF and OBJ, +z for
-    /// STL and PLY. Zero where nothing says so, as in `World::default()`: then +z.
+    /// The direction upwards: as the scene file says, else by the format's rule or convention. +y
+    /// for glTF and OBJ, +z for STL and PLY. Zero where nothing says so, as in `World::default()`:
+    /// then +z.
     pub up: DVec3,
     /// Whether `up` is only a convention, as for OBJ, STL and PLY. glTF has a rule.
     pub up_is_guessed: bool,
@@ -80,7 +81,8 @@ impl World {
         self.into_scene_after(None)
     }
 
-    /// The same; what a scene `before` has in common with it is not built again.
+    /// The scene of the world; parts that it has in common with a scene `before` are not built
+    /// again.
     pub(crate) fn into_scene_after(mut self, before: Option<&Scene>) -> Result<Scene> {
         let objects = std::mem::take(&mut self.objects);
         let scene = match before {
@@ -92,8 +94,8 @@ impl World {
         Ok(lit.with_environment(self.environment).with_up(up))
     }
 
-    /// Which way is up in `scene`, the scene of the objects: as the file says, or as [`Scene::likely_up`] guesses if it
-    /// does not say.
+    /// The direction upwards in `scene`, the scene of the objects: as the file says, or as
+    /// [`Scene::likely_up`] guesses if it does not say.
     pub fn up_in(&self, scene: &Scene) -> DVec3 {
         let up = if self.up == DVec3::ZERO {
             DVec3::Z
@@ -118,7 +120,7 @@ impl World {
 /// An output that a scene file asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
-    /// Its path, in the scene file's folder or below. `{channel}` stands for a channel's name.
+    /// The path, in the scene file's folder or below. `{channel}` stands for a channel's name.
     pub path: PathBuf,
     /// The channels' names, at least one.
     pub channels: Vec<String>,
@@ -127,11 +129,11 @@ pub struct Output {
 /// A camera of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedCamera {
-    /// Its name; may be empty. In glTF, that of its node.
+    /// The name; may be empty. In glTF, that of its node.
     pub name: String,
     /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes may share.
     pub own_name: String,
-    /// Its description in numbers.
+    /// The description in numbers.
     pub view: View,
     /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, only the view's height
     /// counts, and the renderer decides about the rest.
