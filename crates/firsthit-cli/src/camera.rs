@@ -1,4 +1,4 @@
-//! From the command line's words to a camera.
+//! Makes a camera of the command line's words.
 
 use std::path::{Path, PathBuf};
 
@@ -91,7 +91,7 @@ pub(crate) fn camera(
     })
 }
 
-/// What was guessed of the camera.
+/// The guesses about the camera.
 fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
     let mut guessed = Vec::new();
     if let Some(up) = up {
@@ -202,7 +202,8 @@ fn of_output(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
 
 /// The camera of an image of a reconstruction, if one is named.
 fn of_colmap(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
-    /// Of each file, in bytes: the points of ten thousand images may come to half of it.
+    /// The largest size of each file, in bytes: the points of ten thousand images may come to half
+    /// of it.
     const LARGEST: u64 = 1 << 32;
     let Some(folder) = &args.colmap else {
         return Ok(None);
@@ -264,7 +265,7 @@ fn colmap_files(folder: &Path) -> Result<[PathBuf; 2], Failure> {
     Ok(pair)
 }
 
-/// What the file says of the camera that is asked for, or that it is to be looked through.
+/// The file's description of the camera that is asked for, or that it is to be looked through.
 pub(crate) fn of_file(args: &CameraArgs, model: &World) -> Result<Description, Failure> {
     if args.colmap.is_some() || output(args).is_some() {
         return Ok(Description::default());
@@ -526,7 +527,7 @@ fn projection(args: &CameraArgs) -> Option<Projection> {
         .and_then(|name| name.parse().ok())
 }
 
-/// How much the camera sees: by the viewplane's own size, or by an angle.
+/// The field of view: the viewplane's own size, or an angle.
 fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Opening>, Failure> {
     let projection = projection(args).or(base.projection);
     if let Some(lens) = lens(args, projection.unwrap_or_default())? {

@@ -1,4 +1,4 @@
-//! What the program says on standard error. Standard output is for data alone.
+//! Writes to standard error. Standard output is for data alone.
 
 use std::fmt::Display;
 use std::io::Write;
@@ -8,7 +8,7 @@ use firsthit::error::{escape_controls, escape_controls_of_json};
 pub(crate) use firsthit_view::words::counted;
 use serde_json::{Value, json};
 
-/// Says one line. That nobody listens any more (`2>&1 | head -1`) is no reason to fail, as `eprintln!` would.
+/// Writes one line. A closed pipe (`2>&1 | head -1`) is no reason to fail, as `eprintln!` would.
 pub(crate) fn say(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
@@ -100,7 +100,7 @@ pub(crate) fn say_interrupted() {
     SAID.call_once(|| say("firsthit: error: interrupted"));
 }
 
-/// How many of a list are read in one line.
+/// The most entries of a list in one line.
 const MOST_IN_WORDS: usize = 20;
 
 /// A list for a line of text: its first entries, and how many there are beside.

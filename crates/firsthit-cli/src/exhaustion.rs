@@ -1,4 +1,4 @@
-//! What happens where memory runs out in the middle of something.
+//! Handles the end of memory in the middle of something.
 //!
 //! Whatever a file's counts ask for is asked of the system in a way that can fail, and is an error like any
 //! other. What is small or in foreign code is not: there the standard library says `memory allocation of N
@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Whether an abort means that memory has run out.
 pub(crate) struct Exhaustion(Arc<AtomicBool>);
 
-/// From now on an abort ends the process with the exit code of a limit; after
+/// Makes an abort, from now on, end the process with the exit code of a limit; after
 /// [`Exhaustion::rule_out`] with that of a bug.
 pub(crate) fn catch() -> Exhaustion {
     let likely = Arc::new(AtomicBool::new(true));

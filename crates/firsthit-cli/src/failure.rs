@@ -1,4 +1,4 @@
-//! Why the program ends without success, and with which exit code.
+//! Failures: why the program ends without success, and with which exit code.
 
 use std::fmt::Display;
 use std::io;
@@ -18,11 +18,11 @@ pub(crate) const LIMIT: u8 = 5;
 pub(crate) const INTERNAL: u8 = 70;
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// What to say, and the exit code.
+/// The message, and the exit code.
 #[derive(Debug)]
 pub(crate) struct Failure {
     code: u8,
-    /// `None` when there is nobody left to tell.
+    /// The message; `None` when no reader is left.
     message: Option<String>,
 }
 
@@ -69,7 +69,7 @@ impl Failure {
         self
     }
 
-    /// The same about what a file asks for: then the file is wrong, not the command line.
+    /// The failure about a request of a file: then the file is wrong, not the command line.
     pub(crate) fn in_file(self, file: &Path) -> Self {
         match self {
             Self {
@@ -80,7 +80,7 @@ impl Failure {
         }
     }
 
-    /// What was compared differs: said already, on standard output.
+    /// The failure of a comparison that found differences: said already, on standard output.
     pub(crate) fn different() -> Self {
         Self {
             code: NO,

@@ -1,4 +1,4 @@
-//! What stands below the options in the help texts.
+//! The texts below the options in the help.
 
 use std::fmt::Write;
 
@@ -259,7 +259,7 @@ whether or not faces share them. Each mesh is looked at by itself.
 
 Kinds:";
 
-/// Where a line of the table of channels ends.
+/// The width of the table of channels.
 const WIDTH: usize = 78;
 
 /// A table of names and what each is.
@@ -286,7 +286,7 @@ pub(crate) fn lint() -> String {
     LINT_EXAMPLES.to_owned() + &table(rows.map(|kind| (kind.name, kind.about)), 17)
 }
 
-/// What a channel that is no row of the table is.
+/// The text on channels that are no row of the table.
 const ATTRIBUTES: &str = "an attribute of the meshes by its name, such as a property of a PLY (firsthit info lists them); NaN for a miss";
 
 /// Examples, and what each channel is.

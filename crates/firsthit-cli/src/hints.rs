@@ -1,4 +1,4 @@
-//! What a user wants to hear when the picture is not what was expected.
+//! Hints for a picture that may not be what was expected.
 
 use firsthit::explain::before_viewplane;
 use firsthit::{Bounds, Camera, Scene};

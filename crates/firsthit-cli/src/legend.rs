@@ -22,7 +22,7 @@ const MISS: i32 = -1;
 pub(crate) struct Row<'a> {
     object: i32,
     name: &'a str,
-    /// As in the picture: sRGB, `#rrggbb`.
+    /// The colour in the picture: sRGB, `#rrggbb`.
     color: String,
     pixels: u64,
 }
@@ -96,7 +96,8 @@ pub(crate) fn rows<'a>(scene: &'a Scene, seen: &[i32]) -> Vec<Row<'a>> {
         .collect()
 }
 
-/// A name as spreadsheets take it for text: what begins like a formula gets an apostrophe, lest a file's names compute something.
+/// A name as spreadsheets take it for text: one that begins like a formula gets an apostrophe, so
+/// that a file's names compute nothing.
 fn as_text(name: &str) -> Cow<'_, str> {
     if name.starts_with(['=', '+', '-', '@', '\t', '\r']) {
         format!("'{name}").into()

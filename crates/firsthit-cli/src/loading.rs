@@ -1,4 +1,4 @@
-//! From a file to a scene.
+//! Makes a scene of a file.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pub(crate) struct Loaded {
     pub(crate) vertices: Option<u64>,
 }
 
-/// What a command that shoots no rays builds, if it builds any trees.
+/// The build settings of a command that shoots no rays, if it builds any trees.
 pub(crate) const NO_RAYS: BuildSettings = BuildSettings {
     build: Build::Auto,
     rays: Some(0),
@@ -61,7 +61,8 @@ pub(crate) fn settings(path: &Path, args: &LoadArgs) -> LoadSettings {
     }
 }
 
-/// The same with settings that are no arguments. What `build` says may depend on the file's world.
+/// Reads a file with settings that are no arguments. The build settings may depend on the file's
+/// world.
 pub(crate) fn read_with(
     path: &Path,
     settings: &LoadSettings,
@@ -199,8 +200,8 @@ pub(crate) fn share_threads(threads: Option<u16>) -> Result<(), Failure> {
     built.map_err(|error| Failure::limit(format!("{threads} threads: {error}")))
 }
 
-/// So many threads, or as many as the system grants: the result is the same. The last resort is the thread
-/// that runs already.
+/// A pool of `threads` threads, or as many as the system grants: the result is the same. The last
+/// resort is the thread that runs already.
 fn pool(threads: Option<usize>) -> Result<ThreadPool, Failure> {
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let mut threads = threads.unwrap_or_else(cores);
@@ -219,9 +220,9 @@ fn pool(threads: Option<usize>) -> Result<ThreadPool, Failure> {
     alone.map_err(|error| Failure::limit(format!("threads: {error}")))
 }
 
-/// Whether there is address space for the stacks of so many threads, for what glibc's allocator reserves for each but
-/// the first, and for the work: a limit such as `ulimit -v` may deny it. Where a thread that has begun finds none for
-/// itself, the standard library ends the process.
+/// Whether there is address space for the stacks of `threads` threads, for what glibc's allocator
+/// reserves for each but the first, and for the work: a limit such as `ulimit -v` may deny it.
+/// Where a thread that has begun finds none for itself, the standard library ends the process.
 fn has_room(threads: usize) -> bool {
     const STACK_BYTES: usize = (2 << 20) + (1 << 17);
     const ARENA_BYTES: usize = 64 << 20;

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use crate::console::{say, say_interrupted};
 use crate::failure::INTERRUPTED;
 
-/// How long a computation gets to notice that it is interrupted.
+/// The time that a computation gets to notice that it is interrupted.
 const GRACE: Duration = Duration::from_millis(300);
 
 /// Turns Ctrl-C into a flag, and ends the program if that has not ended it within a moment. Nothing is lost
@@ -52,7 +52,7 @@ pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
 /// Whether somebody keeps what is done before it ends.
 static IS_KEEPING: AtomicBool = AtomicBool::new(false);
 
-/// While it lives, the first Ctrl-C leaves the time that it takes to keep what is done.
+/// A guard: while it lives, the first Ctrl-C leaves the time that it takes to keep what is done.
 pub(crate) struct Keeping(());
 
 impl Keeping {

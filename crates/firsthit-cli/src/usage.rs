@@ -1,4 +1,4 @@
-//! What clap says, in the one line that every error of the program has.
+//! Reports clap's errors in one line, as the program's other errors.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -35,7 +35,7 @@ pub(crate) fn wants_json(args: &[OsString]) -> bool {
     options.into_iter().any(|arg| arg == "--json")
 }
 
-/// What to say to somebody who names a file where a command belongs.
+/// The message for a file where a command belongs.
 fn file_for_command(error: &Error) -> Option<String> {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return None;

@@ -1,4 +1,4 @@
-//! How values are written on the command line.
+//! Parsers for values on the command line.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use firsthit::camera::{Focus, PixelMatrix, StandardView};
@@ -65,7 +65,7 @@ pub(crate) fn fill_rule() -> impl TypedValueParser<Value = FillRule> {
     PossibleValuesParser::new(FillRule::NAMES).try_map(|name| name.parse())
 }
 
-/// How trees are built.
+/// Parses the trade-off for building trees.
 pub(crate) fn build() -> impl TypedValueParser<Value = Build> {
     PossibleValuesParser::new(Build::NAMES).try_map(|name| name.parse())
 }
@@ -92,7 +92,7 @@ pub(crate) fn factor(text: &str) -> Result<f64, String> {
     factor.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
-/// What surfaces are coloured by.
+/// Parses the source of colours by numbers.
 pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
     let expected = format!(
         "expected attribute:NAME for an attribute of the meshes, or {}",

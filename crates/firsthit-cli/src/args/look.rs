@@ -1,4 +1,4 @@
-//! What a picture looks like: light, colours, and lines along edges.
+//! The appearance of a picture: light, colours, and lines along edges.
 
 use clap::Args;
 use firsthit::edge::{Dash, EdgeKinds};

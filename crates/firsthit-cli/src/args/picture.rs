@@ -1,4 +1,4 @@
-//! What makes a picture, and where it goes.
+//! The options of pictures and of the files they are written to.
 
 use std::path::PathBuf;
 
@@ -81,7 +81,7 @@ pub(crate) struct PictureArgs {
     pub(crate) display: DisplayArgs,
 }
 
-/// How numbers are stored.
+/// Options for the storage of numbers.
 #[derive(Debug, Args)]
 pub(crate) struct FileArgs {
     /// Write distances (t, range, z) to .png as 16 bit numbers, which count steps of LENGTH scene units; 0 is a
@@ -112,7 +112,7 @@ impl FileArgs {
     }
 }
 
-/// How PNGs show colours.
+/// Options for the display of colours in PNGs.
 #[derive(Debug, Args)]
 pub(crate) struct DisplayArgs {
     /// Make the colours of a .png brighter by so many stops: each is twice as bright; negative ones are darker. All other files

@@ -174,7 +174,7 @@ pub(crate) struct SolidArgs {
     pub(crate) fill: FillArgs,
 }
 
-/// What is inside.
+/// Options for the inside of objects.
 #[derive(Debug, Args)]
 pub(crate) struct FillArgs {
     /// Which points a closed mesh holds: those that it goes around any number of times but zero (nonzero), or an odd number of times
@@ -363,7 +363,7 @@ pub(crate) struct ViewArgs {
     pub(crate) load: LoadArgs,
 }
 
-/// Whatever a command takes that is written in Python, which alone understands it.
+/// The arguments of a command that is written in Python, which alone understands them.
 #[derive(Debug, Args)]
 pub(crate) struct InPythonArgs {
     /// What the command takes: its help comes with the Python package (pip install firsthit)

@@ -1,4 +1,4 @@
-//! What several commands take: how a file is read, what of it, and how the program works.
+//! Options of several commands: how a file is read, what of it, and how the program works.
 
 use std::path::PathBuf;
 
@@ -42,7 +42,7 @@ pub(crate) struct LoadArgs {
     pub(crate) variant: Option<String>,
 }
 
-/// How trees are built.
+/// Options for building trees.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct TreeArgs {
@@ -54,7 +54,7 @@ pub(crate) struct TreeArgs {
 }
 
 impl TreeArgs {
-    /// With what is known of the number of rays.
+    /// The settings, with the number of rays where it is known.
     pub(crate) fn settings(&self, rays: Option<u64>) -> BuildSettings {
         BuildSettings {
             build: self.build,
@@ -63,7 +63,7 @@ impl TreeArgs {
     }
 }
 
-/// Which objects are there.
+/// Options that pick objects.
 #[derive(Debug, Args)]
 pub(crate) struct PickArgs {
     /// Hide the objects with this name, or else with this identifier; may be given several times. Nothing meets them, and

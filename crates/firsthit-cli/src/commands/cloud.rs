@@ -17,7 +17,7 @@ pub(super) struct Summary {
     mean: f64,
     /// The root of the mean square.
     rms: f64,
-    /// Up to which 95 of 100 are, and up to which all are, whatever their signs.
+    /// The numbers up to which 95 of 100 are, and up to which all are, whatever their signs.
     within: [f64; 2],
 }
 
@@ -50,7 +50,7 @@ impl Summary {
         format!("mean {mean}, RMS {rms}, 95 % within {most_are}, all within {all_are}")
     }
 
-    /// The same for `--json`.
+    /// The summary for `--json`.
     pub(super) fn as_json(&self) -> Value {
         let [most_are, all_are] = self.within;
         json!({

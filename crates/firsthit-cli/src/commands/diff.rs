@@ -91,7 +91,8 @@ fn compared(
     })
 }
 
-/// What goes together: by name, or where one file does not tell the name of its only channel, by that.
+/// Pairs of channels: by name, or where one file does not tell the name of its only channel, by
+/// that.
 fn pairs<'a>(
     args: &DiffArgs,
     a: &'a Output,

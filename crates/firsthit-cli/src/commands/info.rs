@@ -195,7 +195,7 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
 
 /// The node and the materials of an object, as far as they have names. They tell apart objects that are called alike.
 fn origin(object: usize, scene: &Scene) -> String {
-    /// No object has many materials, but a file may say so.
+    /// The most materials that are listed: a real object has few, but a file may say otherwise.
     const MOST: usize = 3;
     let catalog = scene.catalog();
     let name = |identifier: i32, names: &[Arc<str>]| {
@@ -230,7 +230,8 @@ fn of_what(of: PropertyOf) -> &'static str {
     }
 }
 
-/// How many vertices the file has: where it does not count them itself, those that objects share count once.
+/// The number of vertices in the file: where it does not count them itself, those that objects
+/// share count once.
 fn vertices(loaded: &Loaded) -> u64 {
     let count = || {
         let mut buffers = HashMap::new();

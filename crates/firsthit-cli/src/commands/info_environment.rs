@@ -1,4 +1,4 @@
-//! What a file says of the light from all around.
+//! Describes a file's environment.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::hints::{number, triple};
 
-/// As JSON, in the words of scene files; `up` is the scene's.
+/// The environment as JSON, in the words of scene files; `up` is the scene's.
 pub(super) fn as_json(environment: &Environment, up: DVec3) -> Value {
     let mut said = match &environment.kind {
         EnvironmentKind::Uniform(color) => json!({"kind": "uniform", "color": color.to_array()}),
@@ -97,7 +97,8 @@ fn from_to((first, a): (&str, &Color), (second, b): (&str, &Color)) -> String {
     format!("{first} {}, {second} {}", triple(*a), triple(*b))
 }
 
-/// By how much a map is turned from where it lies with the scene's up: about an axis of length one, counter-clockwise seen against it.
+/// The turn of a map from where it lies with the scene's up: about an axis of length one,
+/// counter-clockwise seen against it.
 struct Turn {
     axis: DVec3,
     degrees: f64,
@@ -136,7 +137,7 @@ impl Turn {
         }
     }
 
-    /// Nothing where it is not turned.
+    /// The turn in words; empty where there is none.
     fn in_words(&self, up: DVec3) -> String {
         let degrees = number(self.degrees);
         if self.degrees == 0.0 {

@@ -25,7 +25,7 @@ pub(super) fn is_las(path: &Path) -> bool {
         .any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// As text or as JSON, with a line break at the end.
+/// The report as text or as JSON, with a line break at the end.
 pub(super) fn text(args: &InfoArgs) -> Result<String, Failure> {
     let path = args.file.as_path();
     let wrong = |what: &str| Failure::bad_input(format!("{}: {what}", escaped(path)));
@@ -154,7 +154,8 @@ impl Las {
         Ok(las)
     }
 
-    /// Looks at the records from a place on, whose headers have so many bytes. What cannot be read is a note.
+    /// Reads the records from a place on, whose headers have `size` bytes. Records that cannot be
+    /// read become a note.
     fn records(&mut self, file: &mut (impl Read + Seek), start: u64, count: u32, size: usize) {
         if count == 0 {
             return;

@@ -1,4 +1,4 @@
-//! What a file says beside its shapes: cameras, lights, what is around, materials, textures.
+//! Describes a file beside its shapes: cameras, lights, environment, materials, textures.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use super::listing::listed;
 use crate::camera::labelled;
 use crate::hints::{extent, number, place, triple};
 
-/// What there is, in the file's order; materials and textures are those in use, each once.
+/// The looks of a file, in its order; materials and textures are those in use, each once.
 pub(super) struct Looks<'a> {
     pub(super) cameras: &'a [NamedCamera],
     pub(super) lights: &'a [Light],

@@ -1,4 +1,4 @@
-//! What an output says of itself.
+//! Describes an output by its metadata.
 
 use firsthit::error::escape_controls;
 use firsthit::image::{
@@ -12,7 +12,7 @@ use crate::console::{json_text, warn};
 use crate::failure::Failure;
 use crate::hints::{coordinate, number, place, triple};
 
-/// As text or as JSON, with a line break at the end.
+/// The report as text or as JSON, with a line break at the end.
 pub(super) fn text(args: &InfoArgs, format: &Format) -> Result<String, Failure> {
     let path = args.file.as_path();
     let output = read(path)?;

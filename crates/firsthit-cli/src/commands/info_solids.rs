@@ -1,4 +1,4 @@
-//! What meshes are as solids: whether they are closed, their area, their volume, their shells.
+//! Describes meshes as solids: whether they are closed, their area, their volume, their shells.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -11,7 +11,7 @@ use super::listing::listed;
 use crate::console::counted;
 use crate::hints::{number, span};
 
-/// What the meshes of a scene are, each found out once.
+/// The solids of a scene's meshes, each computed once.
 #[derive(Default)]
 pub(super) struct Solids(HashMap<*const Mesh, Option<Rc<Solid>>>);
 
@@ -34,7 +34,8 @@ impl Solids {
         known.clone()
     }
 
-    /// What is said of an object, as members of it. At most `room` shells are listed, which becomes less by them.
+    /// The members of an object's JSON about its solid. At most `room` shells are listed, which
+    /// becomes less by them.
     pub(super) fn as_json(
         &mut self,
         object: &Object,
@@ -127,7 +128,8 @@ impl Solid {
         )
     }
 
-    /// Its area in the world; `None` where the transform does not stretch by the same in all directions.
+    /// The area in the world; `None` where the transform does not stretch equally in all
+    /// directions.
     fn area_in(&self, transform: &Transform) -> Option<f64> {
         let m = transform.world_from_object().matrix3;
         let square = m.transpose() * m;

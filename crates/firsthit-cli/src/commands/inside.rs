@@ -37,7 +37,7 @@ pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Fail
     )
 }
 
-/// That some objects are open.
+/// The warning that some objects are open.
 fn warning(scene: &Scene, rules: &[Rule]) -> Option<String> {
     let open = rules
         .iter()

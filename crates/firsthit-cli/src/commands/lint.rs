@@ -15,10 +15,10 @@ use crate::loading::{self, with_count};
 use crate::output;
 use crate::progress::Interrupt;
 
-/// How many places of each kind people read.
+/// The number of places of each kind in texts for people.
 const PLACES_IN_TEXT: usize = 3;
 
-/// The same for programs.
+/// The number of places of each kind in JSON for programs.
 const PLACES_IN_JSON: usize = 100;
 
 pub(crate) fn run(args: &LintArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
@@ -76,7 +76,7 @@ fn name<'a>(scene: &'a Scene, place: &Place) -> Option<&'a str> {
     Some(scene.objects().get(object)?.name())
 }
 
-/// Where it is, for people.
+/// The line about a place, for people.
 fn line(scene: &Scene, place: &Place) -> String {
     let position = hints::place(place.position, extent(scene.bounds()));
     let (Some(object), Some(name)) = (place.object, name(scene, place)) else {

@@ -17,16 +17,16 @@ use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
 
-/// A question is answered by so many rays, about.
+/// The approximate number of rays for one answer.
 const RAYS: u64 = 2;
 
 /// The answers to a list.
 pub(super) struct Answers {
     /// One for each question.
     pub(super) data: Data,
-    /// What is said of them, such as `3 inside`.
+    /// The summary, such as `3 inside`.
     pub(super) summary: String,
-    /// The same for `--json`, by name.
+    /// The summary for `--json`, by name.
     pub(super) facts: Vec<(&'static str, Value)>,
     pub(super) warnings: Vec<String>,
 }

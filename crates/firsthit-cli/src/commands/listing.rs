@@ -1,14 +1,14 @@
-//! How much of a long list is shown.
+//! The length of listings.
 
 use crate::args::InfoArgs;
 
-/// How many of each kind people read: small files can hold thousands.
+/// The most entries of each kind in texts for people: small files can hold thousands.
 const MOST_IN_TEXT: usize = 20;
 
-/// The same for programs, which are told how many there are in all.
+/// The most entries in JSON for programs, which are told how many there are in all.
 const MOST_IN_JSON: usize = 10_000;
 
-/// How many of each kind are listed.
+/// The most entries of each kind that are listed.
 pub(super) fn most_listed(args: &InfoArgs) -> usize {
     match (args.all, args.json) {
         (true, _) => usize::MAX,

@@ -31,7 +31,7 @@ pub(crate) mod thickness;
 pub(crate) mod view;
 pub(crate) mod visible;
 
-/// Where rays begin and end, by --t-min and --t-max.
+/// The ends of rays, by --t-min and --t-max.
 fn ends(t_min: Option<f64>, t_max: Option<f64>) -> Result<(f64, f64), Failure> {
     let (t_min, t_max) = (t_min.unwrap_or(0.0), t_max.unwrap_or(f64::INFINITY));
     if t_min >= t_max {

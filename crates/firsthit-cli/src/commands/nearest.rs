@@ -20,7 +20,7 @@ use crate::output;
 use crate::progress::Progress;
 use crate::rays;
 
-/// So many rays go through a tree in the time that the search for a nearest point takes.
+/// The number of rays through a tree that take the time of a search for a nearest point.
 const RAYS: u64 = 10;
 
 pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
@@ -84,7 +84,7 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
     })
 }
 
-/// What is written, in this order; [`columns`] has the numbers.
+/// The channels that are written, in this order; [`columns`] has the numbers.
 fn kinds(args: &NearestArgs) -> Result<Vec<&'static Kind>, Failure> {
     let mut kinds = Vec::new();
     kinds.extend(args.count.is_some().then_some(POINT));
@@ -99,7 +99,7 @@ fn kinds(args: &NearestArgs) -> Result<Vec<&'static Kind>, Failure> {
     Ok(kinds)
 }
 
-/// How many points are to be done: for signs once more.
+/// The number of points to be done: for signs once more.
 fn work(args: &NearestArgs, points: usize) -> u64 {
     points as u64 * if args.signed { 2 } else { 1 }
 }

@@ -63,7 +63,7 @@ fn plane(args: &SectionArgs, loaded: &Loaded) -> Result<SectionPlane, Failure> {
     Ok(SectionPlane::new(origin, normal)?)
 }
 
-/// How many polylines are closed, and how many are open.
+/// The numbers of closed and of open polylines.
 fn counts(cut: &Section) -> [usize; 2] {
     let closed = cut
         .polylines()

@@ -24,7 +24,7 @@ use crate::rays::{self, Feed, Limits, RayArrays, RayLines};
 
 const DEFAULT_CHANNELS: [&str; 3] = ["t", "object", "primitive"];
 
-/// Those where one of the files is a point cloud.
+/// The default channels where one of the files is a point cloud.
 const CLOUD_CHANNELS: [&str; 5] = ["position", "normal", "t", "object", "primitive"];
 
 /// The channels that were asked for, and those that the files cannot do without.
@@ -39,7 +39,7 @@ fn channels(args: &ShootArgs) -> Vec<String> {
     asked::with_required(&asked, &args.output)
 }
 
-/// What is computed: of all hits, first the numbers of their rays.
+/// The channels that are computed: of all hits, first the numbers of their rays.
 fn kinds(args: &ShootArgs) -> Result<Vec<&'static Kind>, Failure> {
     let is_quiet = args.run.quiet || args.run.json;
     let mut kinds = output::kinds(&channels(args), output::Source::Rays, is_quiet)?;
@@ -49,20 +49,20 @@ fn kinds(args: &ShootArgs) -> Result<Vec<&'static Kind>, Failure> {
     Ok(kinds)
 }
 
-/// Which hits are asked for, where these are not the first ones.
+/// The hits that are asked for, where these are not the first ones.
 fn several(args: &ShootArgs) -> Option<All> {
     let nearest = args.nearest.map(|k| k as usize);
     (args.all || nearest.is_some()).then_some(All { nearest })
 }
 
-/// Where rays come from.
+/// The source of rays.
 enum Source {
     Arrays(RayArrays),
     /// Answered as they arrive, if they are text.
     Stdin(Feed),
 }
 
-/// What no ray meets.
+/// The limits of the rays.
 fn limits(args: &ShootArgs) -> Result<Limits, Failure> {
     let (t_min, t_max) = ends(args.t_min, args.t_max)?;
     Ok(Limits {
@@ -135,7 +135,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
 }
 
 impl Source {
-    /// How many rays there are; of a stream nobody knows how many will come.
+    /// The number of rays; `None` for a stream.
     fn count(&self) -> Option<u64> {
         match self {
             Self::Arrays(rays) => Some(rays.len() as u64),

@@ -14,7 +14,7 @@ use crate::hits_csv::{write_header, write_rows};
 use crate::progress::Progress;
 use crate::rays::{Feed, RayLines};
 
-/// How many lines a thread formats at a time.
+/// The number of lines that a thread formats at a time.
 const ROWS: usize = 1 << 12;
 
 /// Answers the lines of `feed` on standard output. All lines that have arrived are shot together, and their answers are flushed

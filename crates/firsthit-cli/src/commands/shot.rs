@@ -1,4 +1,4 @@
-//! What some rays hit, as a frame.
+//! The hits of some rays, as a frame.
 
 use std::ops::AddAssign;
 
@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::rays::RayArrays;
 
-/// How many rays there were, and how many of them hit.
+/// The number of rays, and the number of those that hit.
 #[derive(Debug, Default)]
 pub(super) struct Counts {
     pub(super) rays: u64,

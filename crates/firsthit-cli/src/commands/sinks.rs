@@ -1,4 +1,4 @@
-//! Where the results of a list go: files, and standard output.
+//! The destinations of a list's results: files, and standard output.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -20,7 +20,7 @@ pub(super) fn announce(outputs: &[PathBuf]) {
     }
 }
 
-/// Where a result goes.
+/// The destinations of a result.
 pub(super) struct Sinks {
     files: Vec<Target>,
     clouds: Vec<Target>,
@@ -29,7 +29,8 @@ pub(super) struct Sinks {
 }
 
 impl Sinks {
-    /// Those that were asked for. None of `inputs`, which will be read, may be among them.
+    /// The destinations that were asked for. None of `inputs`, which will be read, may be among
+    /// them.
     pub(super) fn new(
         (outputs, format): (&[PathBuf], Option<StreamFormat>),
         inputs: &[&Path],
@@ -73,7 +74,7 @@ impl Sinks {
         })
     }
 
-    /// Has files beside, `more`, in place of standard output where nobody asked for that.
+    /// Adds files beside, `more`, which replace a standard output that was not asked for.
     pub(super) fn beside(mut self, more: Vec<Target>, is_asked: bool) -> Result<Self, Failure> {
         if !more.is_empty() && !is_asked {
             self.stdout = None;
@@ -107,7 +108,7 @@ impl Sinks {
         }
     }
 
-    /// What `--json` says of them.
+    /// The JSON about the destinations.
     pub(super) fn as_json(&self, kinds: &[&Kind]) -> Vec<Value> {
         let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
         let stdout = self.stdout.map(|_| json!({"file": "-", "channels": names}));

@@ -8,7 +8,7 @@ use firsthit::scene_file::nearest_word;
 use crate::console::say;
 use crate::failure::Failure;
 
-/// Where the numbers come from, which decides what can be asked for.
+/// The source of the numbers, which decides what can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
     /// A camera: pixels, that make a picture.

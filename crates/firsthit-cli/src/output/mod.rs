@@ -1,4 +1,4 @@
-//! Which channels go to which files, settled before any work is done.
+//! The channels of each output file, settled before any work is done.
 
 mod channels;
 mod paths;

@@ -1,4 +1,4 @@
-//! Where files go: to places that can be written, each once, and over no input.
+//! Checks the places of files: they can be written, each once, and over no input.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -39,7 +39,8 @@ pub(crate) struct Order {
     pub(crate) targets: Vec<Target>,
 }
 
-/// What a camera's picture goes to: `outputs`, each with the names of its channels. Files with the same channels are one order.
+/// The orders of a camera's picture, for `outputs`, each with the names of its channels. Files with
+/// equal channels are one order.
 pub(crate) fn orders(
     outputs: &[(PathBuf, Vec<String>)],
     quiet: bool,

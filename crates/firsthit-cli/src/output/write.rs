@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::hits_csv::write_csv;
 use crate::progress::Interrupt;
 
-/// What `--json` says of files: their names, what is in them, and how to read a picture back.
+/// The JSON about files: their names, what is in them, and how to read a picture back.
 pub(crate) fn as_json(
     targets: &[Target],
     kinds: &[&Kind],
@@ -68,7 +68,7 @@ pub(crate) fn write(
     Ok(legends)
 }
 
-/// How to read a picture back.
+/// The text that explains how to read a picture back.
 fn legend(channel: &image::Channel, settings: WriteSettings) -> Option<String> {
     match settings.png_scale {
         Some(scale) if channel.display == Display::Distance => {

@@ -5,13 +5,13 @@ use super::Table;
 /// The names that columns may have in a header: sets of them, each in the order that is wanted.
 pub(crate) type Names = &'static [&'static [&'static str]];
 
-/// Those of pairs of points.
+/// The names of the columns of pairs of points.
 pub(super) const OF_PAIRS: Names = &[
     &["ax", "ay", "az", "bx", "by", "bz"],
     &["x1", "y1", "z1", "x2", "y2", "z2"],
 ];
 
-/// Those of rays, or of their origins.
+/// The names of the columns of rays, or of their origins.
 pub(super) const OF_RAYS: Names = &[
     &["ox", "oy", "oz", "dx", "dy", "dz"],
     &["x", "y", "z", "dx", "dy", "dz"],
@@ -20,7 +20,7 @@ pub(super) const OF_RAYS: Names = &[
     &["position_x", "position_y", "position_z"],
 ];
 
-/// Those of directions.
+/// The names of the columns of directions.
 pub(super) const OF_DIRECTIONS: Names = &[
     &["dx", "dy", "dz"],
     &["x", "y", "z"],
@@ -39,17 +39,17 @@ pub(super) fn csv(bytes: &[u8], names: Names) -> Result<Table, String> {
     Ok(Table { columns, values })
 }
 
-/// What is known of a text that is read in parts.
+/// The state of reading a text in parts.
 #[derive(Debug)]
 pub(super) struct Lines {
     names: Names,
-    /// How many fields each line has, from the first on.
+    /// The number of fields of each line, from the first on.
     columns: Option<usize>,
-    /// Which of them are wanted, if a header has named them; else all are.
+    /// The fields that are wanted, if a header has named them; else all are.
     wanted: Option<Vec<usize>>,
-    /// How many lines came before the part that is being read.
+    /// The number of lines before the part that is being read.
     before: u64,
-    /// The fault of names that nobody knows, where no numbers follow.
+    /// The fault of unknown names, where no numbers follow.
     doubt: Option<String>,
 }
 
@@ -64,7 +64,7 @@ impl Lines {
         }
     }
 
-    /// How many numbers each line gives. No lines are rays too.
+    /// The number of numbers of each line. No lines are rays too.
     pub(super) fn numbers(&self) -> usize {
         let wanted = self.wanted.as_ref().map(Vec::len);
         wanted.or(self.columns).unwrap_or(6)
@@ -197,7 +197,7 @@ fn shortened(field: &[u8]) -> String {
     format!("{start:?}{rest}")
 }
 
-/// How many line breaks there are.
+/// The number of line breaks.
 fn breaks(bytes: &[u8]) -> u64 {
     // A break more is a piece more.
     bytes.split(|&byte| byte == b'\n').count() as u64 - 1

@@ -26,7 +26,7 @@ pub(crate) struct RayArrays {
     limits: Limits,
 }
 
-/// What rays do not meet.
+/// The limits of rays.
 #[derive(Clone, Copy)]
 pub(crate) struct Limits {
     /// Hits have a t above this.
@@ -168,7 +168,7 @@ pub(crate) fn read_cloud(path: &Path) -> Result<Points, Failure> {
     Ok(points)
 }
 
-/// Where the points of a file are.
+/// The positions of a file's points.
 pub(crate) fn read_positions(path: &Path) -> Result<Triples, Failure> {
     read_cloud(path).map(|points| points.positions)
 }

@@ -6,8 +6,8 @@ use firsthit::image::{NpyHeader, NpyValues};
 
 use super::Table;
 
-/// What an entry of an archive may unpack to: a small file can claim, and even hold, far more than the
-/// memory takes. 89 million rays fit in.
+/// The most bytes that an entry of an archive may unpack to: a small file can claim, and even hold,
+/// far more than the memory takes. 89 million rays fit in.
 const MOST_BYTES: u64 = 1 << 32;
 
 /// The arrays in an archive: origins and directions, or both in one.

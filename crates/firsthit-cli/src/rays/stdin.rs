@@ -7,19 +7,20 @@ use std::time::Duration;
 
 use crate::failure::Failure;
 
-/// How many bytes are read at a time.
+/// The number of bytes that are read at a time.
 const PIECE: usize = 1 << 18;
 
-/// How many bytes of whole lines are read ahead of the rays that are shot. A line may be longer.
+/// The most bytes of whole lines that are read ahead of the rays that are shot. A line may be
+/// longer.
 const MOST_AHEAD: usize = 1 << 26;
 
-/// How many bytes a line may have. None of numbers has a thousand.
+/// The most bytes of a line. None of numbers has a thousand.
 const LONGEST_LINE: usize = 1 << 24;
 
-/// How often a wait checks whether it should stop.
+/// The time between two checks whether a wait should stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// How many bytes tell the format of the rays.
+/// The number of bytes that tell the format of the rays.
 pub(super) const MARK: usize = 6;
 
 /// The bytes that have arrived and were not taken yet.
@@ -44,7 +45,8 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reads to the end. Once the `Feed` is dropped, no more than one piece is read: a `read` that waits goes on waiting.
+    /// Reads to the end. Once the `Feed` is dropped, no more than one piece is read: a `read` that
+    /// waits keeps waiting.
     fn fill(self: &Arc<Self>) {
         let mut piece = vec![0; PIECE];
         let mut input = io::stdin().lock();

@@ -5,7 +5,7 @@ use firsthit::scene::Coloring;
 use crate::args::ColorsArgs;
 use crate::failure::Failure;
 
-/// What is asked for; `None` where nothing is.
+/// The colouring that is asked for; `None` for none.
 pub(super) fn coloring(
     args: &ColorsArgs,
     of_file: Option<&Coloring>,

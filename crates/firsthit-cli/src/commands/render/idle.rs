@@ -26,8 +26,8 @@ pub(crate) fn do_nothing(
         .collect()
 }
 
-/// Says of options that would do nothing that they do: whoever gives them may expect something else, or
-/// may give the same options to all runs.
+/// The warnings about options that would do nothing: users may expect something else of them, or
+/// may give equal options to all runs.
 pub(super) fn options(args: &RenderArgs, orders: &[Order], seen: &Resolved) -> Vec<String> {
     if orders.iter().any(needs_shade) {
         with_color(args, seen)
@@ -97,7 +97,7 @@ fn with_color(args: &RenderArgs, seen: &Resolved) -> Vec<String> {
     idle
 }
 
-/// Of a background in whose place an environment is seen.
+/// The warnings about a background in whose place an environment is seen.
 fn behind_environment(light: &LightingArgs, seen: &Resolved) -> Vec<String> {
     if !(seen.scene.environment()).is_some_and(|environment| environment.is_seen) {
         return Vec::new();

@@ -27,12 +27,12 @@ pub(crate) struct Job<'a> {
     pub(crate) samples: u32,
     /// The noise at which no more samples are taken.
     pub(crate) noise: Option<f64>,
-    /// The file of the state, to go on with.
+    /// The file of the state, to continue from.
     pub(crate) resume: Option<&'a Path>,
     pub(crate) settings: WriteSettings,
     /// Whether float64 numbers are rounded to float32.
     pub(crate) is_rounded: bool,
-    /// What was guessed, in words, each with the option that says otherwise.
+    /// The guesses, in words, each with the option that says otherwise.
     pub(crate) guessed: &'a [String],
     /// The file of `--legend`.
     pub(crate) legend: Option<&'a Path>,
@@ -42,8 +42,8 @@ pub(crate) struct Job<'a> {
     pub(crate) edges: Option<Edges>,
 }
 
-/// How files are written; says so where an option of that does nothing. Colours are shown as the command line
-/// says, the rest as the file says.
+/// The settings for writing files; warns where one of their options does nothing. Colours are shown
+/// as the command line says, the rest as the file says.
 pub(crate) fn settings(
     files: &FileArgs,
     (args, of_file): (&DisplayArgs, DisplayTransform),
@@ -142,11 +142,12 @@ pub(crate) fn picture(
     tell(job, (orders, &legends), args, (hit, &taken, seconds))
 }
 
-/// How many samples pixels had.
+/// The numbers of samples that pixels had.
 struct Taken {
     /// The most that a pixel had.
     most: u32,
-    /// Their mean, and the share of pixels that had all that were allowed. `None` where no noise could end them sooner.
+    /// The mean, and the share of pixels that had all samples that were allowed. `None` where no
+    /// noise could end them sooner.
     by_noise: Option<(f64, f64)>,
 }
 
@@ -248,7 +249,7 @@ fn all_kinds(orders: &[Order], noise: Option<f64>) -> Result<Vec<&'static Kind>,
     Ok(kinds)
 }
 
-/// What `--json` says of a picture.
+/// The JSON about a picture.
 fn done(
     job: &Job<'_>,
     orders: &[Order],

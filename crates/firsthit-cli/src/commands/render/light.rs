@@ -59,7 +59,8 @@ pub(super) fn background(args: &LightingArgs, model: &World, camera: &Camera) ->
     }
 }
 
-/// What a white surface takes in the middle of the scene that faces a light of the command line.
+/// The radiance of a white surface in the middle of the scene that faces a light of the command
+/// line.
 const BRIGHTNESS: f64 = 0.95;
 
 /// The lights that the command line gives, if any, each as bright in the middle of the scene.
@@ -77,7 +78,8 @@ pub(super) fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Opt
     (!args.light.is_empty()).then_some(lights)
 }
 
-/// What a white surface at a point takes that faces a light; 1 where that is no number to divide by.
+/// The radiance of a white surface at a point that faces a light; 1 where that is no number to
+/// divide by.
 fn taken(light: &Light, at: DVec3) -> f64 {
     // A spot is as bright where it goes as it would be there.
     let light = match *light {

@@ -33,7 +33,7 @@ use job::needs_shade;
 pub(super) use idle::{WITHOUT_COLOR, do_nothing};
 pub(super) use job::{Job, needs_samples, picture, settings};
 
-/// The samples of a picture with a noise, where nobody says how many: it ends them where they are enough.
+/// The default samples of a picture with a noise: it ends them where they are enough.
 const SAMPLES_WITH_NOISE: u32 = 256;
 
 pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
@@ -60,8 +60,8 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
     })
 }
 
-/// About how many rays a picture takes; `None` where nobody knows before its camera, its shader or its noise. `asked` are the outputs that
-/// the command line names.
+/// The approximate number of rays of a picture; `None` where it depends on its camera, its shader
+/// or its noise. `asked` are the outputs that the command line names.
 fn rays(args: &RenderArgs, model: &World, asked: Option<&[Order]>) -> Option<u64> {
     let made;
     let orders = if let Some(orders) = asked {
@@ -155,7 +155,7 @@ fn rendered(
     picture(&job, &orders, &args.run, interrupted)
 }
 
-/// What the command line says of how a picture looks.
+/// The command line's words on a picture's appearance.
 pub(crate) struct Asked<'a> {
     pub(crate) camera: &'a CameraArgs,
     pub(crate) light: &'a LightingArgs,
@@ -246,7 +246,8 @@ fn check_others(args: &RenderArgs, orders: &[Order]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What goes where: as the command line says, else as the file says, else a picture with the file's name.
+/// The outputs with their channels: as the command line says, else as the file says, else a picture
+/// with the file's name.
 fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> {
     let asked = &args.picture.channels;
     let with_channels = |path: &PathBuf| (path.clone(), asked::channels(asked, path));

@@ -1,4 +1,4 @@
-//! What `--resume` refuses before anything is made.
+//! Checks for `--resume` before anything is made.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use super::job::needs_shade;
 use crate::failure::Failure;
 use crate::output::{self, Order};
 
-/// Refuses a picture without anything to go on with, and a state over another file of the run.
+/// Refuses a picture without anything to continue, and a state over another file of the run.
 pub(super) fn check(path: &Path, orders: &[Order]) -> Result<(), Failure> {
     if !orders.iter().any(needs_shade) {
         return Err(Failure::usage(
