@@ -12,7 +12,7 @@ use crate::look::{FlatCamera, FrameRequest};
 use crate::probe::Probe;
 use crate::viewer::Viewer;
 
-/// What a question is answered with.
+/// The answer to a question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// The answer; of a frame, what its pixels are.
@@ -21,14 +21,14 @@ pub struct Answer {
     pub pixels: Vec<u8>,
 }
 
-/// Why a question has no answer.
+/// The reason why a question has no answer.
 #[derive(Debug)]
 pub enum AnswerError {
-    /// There is no question of that name.
+    /// No question has that name.
     Unknown(String),
-    /// It is not written as such a question is.
+    /// The question is not written as such a question is.
     Malformed(String),
-    /// It makes no sense, cannot be answered, or was interrupted.
+    /// The question makes no sense, cannot be answered, or was interrupted.
     Failed(Error),
 }
 

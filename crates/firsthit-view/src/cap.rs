@@ -15,9 +15,9 @@ use crate::viewer::lock;
 
 /// The light that a cut face has from all sides; the rest of its light comes from the camera.
 const AMBIENT: f64 = 0.25;
-/// What the darker stripes are multiplied by.
+/// The factor on the darker stripes.
 const STRIPE: f64 = 0.8;
-/// How many stripes a scene's diagonal is long, dark ones and light ones.
+/// The number of stripes along a scene's diagonal, dark ones and light ones.
 const STRIPES: f64 = 80.0;
 
 /// A shader, and the cut faces before it: each has its object's colour, and stripes.
@@ -27,7 +27,7 @@ pub(crate) struct CappedShade<'a> {
     plane: CutPlane,
     /// Across the stripes, so long that each is one wide.
     across: DVec3,
-    /// Why some cut faces are missing, if any are.
+    /// The error behind missing cut faces, if any are.
     failure: Mutex<Option<Error>>,
 }
 

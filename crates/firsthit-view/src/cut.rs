@@ -6,7 +6,8 @@ use firsthit::{Camera, Error, Result};
 
 use crate::look::Cut;
 
-/// More than a crossing's rounding, and that of a hit in the plane, come to: a share of the numbers that they are made from.
+/// An upper bound on the rounding of a crossing, and of a hit in the plane: a share of the numbers
+/// that they are made from.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A plane whose front is not seen.
@@ -37,7 +38,7 @@ impl CutPlane {
         })
     }
 
-    /// Of length one.
+    /// The normal, of length one.
     pub(crate) fn normal(&self) -> DVec3 {
         self.normal
     }
@@ -48,7 +49,8 @@ impl CutPlane {
         [x, y]
     }
 
-    /// How far before the plane a ray begins, and how fast it leaves it, along the normal.
+    /// The distance of a ray's start before the plane, and the ray's speed away from it, along the
+    /// normal.
     fn before_and_slope(&self, ray: &Ray) -> [f64; 2] {
         let before = self.normal.dot(ray.origin) - self.offset;
         [before, self.normal.dot(ray.direction)]

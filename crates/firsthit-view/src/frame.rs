@@ -28,11 +28,12 @@ const MOST_KEPT: usize = 1 << 22;
 /// The diameter of the sun that a page moves, in degrees.
 const SUN: f64 = 2.0;
 
-/// Where the sun of daylight stands, where nobody says: its height and how far it is around, in degrees.
+/// The default elevation and azimuth of daylight's sun, in degrees.
 const SUN_ELEVATION: f64 = 40.0;
 const SUN_AZIMUTH: f64 = -60.0;
 
-/// What a white surface that faces it takes: with the light that fills its shadows, no more than white.
+/// The radiance of a white surface that faces it: with the light that fills its shadows, no more
+/// than white.
 const SUNLIGHT: f64 = 0.75;
 
 /// A picture that a page paints.
@@ -40,7 +41,7 @@ const SUNLIGHT: f64 = 0.75;
 pub struct Painted {
     /// Pixels down and across.
     pub shape: [usize; 2],
-    /// Of how many points of a pixel its colour is the mean.
+    /// The number of samples of a pixel.
     pub samples: u32,
     /// The samples of the same picture when it is lit and the request leaves their number open.
     pub full_samples: u32,
@@ -255,8 +256,9 @@ impl Viewer {
         Ok(Some(environment))
     }
 
-    /// What a picture looks like: as `firsthit render` would make it, or lit from the camera and without shadows, which is soon done. So is
-    /// what a cut opens: in the shadow of what was cut away it would be black.
+    /// The appearance of a picture: as `firsthit render` would make it, or lit from the camera and
+    /// without shadows, which is soon done. So are the faces that a cut opens: in the shadow of
+    /// what was cut away they would be black.
     fn appearance_of(&self, look: &FrameRequest) -> Result<Appearance> {
         let mut appearance = self.appearance.clone();
         let rig = look.light.as_deref().map(str::parse).transpose()?;

@@ -1,4 +1,4 @@
-//! What a page knows of its scene before the first frame.
+//! Facts about the scene for a page, before the first frame.
 
 use firsthit::camera::StandardView;
 use firsthit::channel;
@@ -22,7 +22,7 @@ const SHOWN: [&str; 10] = [
     "front",
 ];
 
-/// A page lists so many objects at most.
+/// The most objects that a page lists.
 const MOST_LISTED: usize = 10_000;
 
 impl Viewer {

@@ -1,4 +1,4 @@
-//! What a page that shows a scene asks, and the server that answers it.
+//! The answers to a page that shows a scene, and the server that gives them.
 //!
 //! A page asks three things of an engine, whatever carries them: [`Viewer::info`] once, [`Viewer::frame`] for each picture, and
 //! [`Viewer::probe`] for a pixel. [`Viewer::camera_text`] writes a camera as other programs read it. Each takes and gives JSON or bytes, and

@@ -1,4 +1,4 @@
-//! What a page wants to see.
+//! The requests of a page.
 
 use firsthit::{Camera, DVec2, DVec3, Error, Lens, RayStart, Result, View, Viewplane};
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ const MOST: usize = 8192;
 pub struct FrameRequest {
     /// The camera.
     pub camera: FlatCamera,
-    /// What is shown: a channel's name, `color` among them.
+    /// The channel that is shown, by its name, `color` among them.
     #[serde(default = "color")]
     pub channel: String,
     /// The points of a pixel whose mean is its colour; by default as many as `firsthit render` takes.
@@ -24,8 +24,8 @@ pub struct FrameRequest {
     /// A set of lights by name, in place of the lights that the scene has.
     #[serde(default)]
     pub light: Option<String>,
-    /// Where the light of a sun goes, in place of all other lights and of the environment; of any length but zero. With the environment
-    /// `daylight` it is that sky's sun.
+    /// The direction of a sun's light, in place of all other lights and of the environment; of any
+    /// length but zero. With the environment `daylight` it is that sky's sun.
     #[serde(default)]
     pub sun: Option<[f64; 3]>,
     /// Light from all around in place of what the scene has.
@@ -37,10 +37,11 @@ pub struct FrameRequest {
     /// Whether there is a ground; by default where `firsthit render` has one.
     #[serde(default)]
     pub ground: Option<bool>,
-    /// Lines along edges, so many pixels wide; 0 for none. By default those that `firsthit render` draws.
+    /// The width in pixels of lines along edges; 0 for none. By default those that `firsthit
+    /// render` draws.
     #[serde(default)]
     pub edges: Option<f64>,
-    /// What is seen of the scene.
+    /// The part of the scene that is seen.
     #[serde(default)]
     pub part: Visibility,
 }
@@ -68,23 +69,24 @@ impl FrameRequest {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EnvironmentRequest {
-    /// Which.
+    /// The environment to show.
     pub choice: EnvironmentChoice,
-    /// What its radiance is multiplied by.
+    /// The factor on its radiance.
     #[serde(default = "one")]
     pub strength: f64,
-    /// So many degrees a map is turned about the scene's up, counter-clockwise seen from above.
+    /// The degrees by which a map is turned about the scene's up, counter-clockwise seen from
+    /// above.
     #[serde(default)]
     pub turn: f64,
 }
 
-/// Which light from all around.
+/// The choice of an environment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EnvironmentChoice {
-    /// What the scene has.
+    /// The scene's own environment.
     Own,
-    /// None.
+    /// No environment.
     None,
     /// The sky of a clear day, with its sun where the request has one, else 40 degrees above the horizon.
     Daylight,
@@ -94,14 +96,14 @@ fn one() -> f64 {
     1.0
 }
 
-/// What is seen of a scene.
+/// The part of a scene that is seen.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Visibility {
     /// The objects that are not there, by their identifiers; by default those that the scene hides.
     #[serde(default)]
     pub hidden: Option<Vec<usize>>,
-    /// In place of that: the only objects that are there.
+    /// The only objects that are there, in place of `hidden`.
     #[serde(default)]
     pub only: Option<Vec<usize>>,
     /// A plane: what is in front of it is not seen, though it casts its shadow.
@@ -113,7 +115,7 @@ pub struct Visibility {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cut {
-    /// To where the part lies that is not seen; of any length but zero.
+    /// The direction towards the part that is not seen; of any length but zero.
     pub normal: [f64; 3],
     /// The plane's points have this scalar product with the normal.
     pub offset: f64,
@@ -123,24 +125,24 @@ fn color() -> String {
     "color".to_owned()
 }
 
-/// How a camera of the page makes its rays.
+/// The projection of a camera of the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Projection {
-    /// From the eye.
+    /// Rays start at the eye and spread.
     Perspective,
     /// Parallel.
     Orthographic,
 }
 
-/// Where rays start.
+/// The start of rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RaysStart {
-    /// In the camera's position.
+    /// Rays start at the camera's position.
     #[default]
     Eye,
-    /// On the viewplane.
+    /// Rays start on the viewplane.
     Viewplane,
 }
 
@@ -148,15 +150,15 @@ pub enum RaysStart {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FlatCamera {
-    /// Where it is, in the world.
+    /// The position in the world.
     pub position: [f64; 3],
-    /// Where it looks; of any length but zero.
+    /// The aim; of any length but zero.
     pub aim: [f64; 3],
-    /// Which way is up; of any length but zero, and not along the aim.
+    /// The direction upwards; of any length but zero, and not along the aim.
     pub up: [f64; 3],
-    /// How it makes its rays.
+    /// The projection.
     pub projection: Projection,
-    /// Where rays start, with `t` 0.
+    /// The start of rays, with `t` 0.
     #[serde(default)]
     pub ray_start: RaysStart,
     /// The distance of the viewplane.
@@ -172,7 +174,7 @@ pub struct FlatCamera {
 }
 
 impl Default for FlatCamera {
-    /// At the origin, looking along -z with y up.
+    /// The camera at the origin, looking along -z with y up.
     fn default() -> Self {
         Self {
             position: [0.0; 3],
@@ -190,7 +192,8 @@ impl Default for FlatCamera {
 }
 
 impl FlatCamera {
-    /// That of a camera with a flat viewplane around its aim and no aperture; `None` for others.
+    /// The description of a camera with a flat viewplane around its aim and no aperture; `None` for
+    /// others.
     pub fn of(camera: &Camera) -> Option<Self> {
         let view = camera.view();
         let Lens::Flat(plane) = view.lens else {

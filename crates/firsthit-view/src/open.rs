@@ -1,4 +1,4 @@
-//! Viewers of what nobody gave options for.
+//! Viewers of files with default options.
 
 use firsthit::camera::{Aim, Description};
 use firsthit::load::Loaded;
@@ -10,8 +10,9 @@ use firsthit::{Camera, Result, Scene, example};
 use crate::viewer::Viewer;
 
 impl Viewer {
-    /// What `firsthit view` shows of a file where it is given no option: through the file's camera if it says that it is to be looked
-    /// through, else framed; in the file's light, or else in the automatic one.
+    /// The viewer that `firsthit view` shows of a file without options: through the file's camera
+    /// if it says that it is to be looked through, else framed; in the file's light, or else in the
+    /// automatic one.
     ///
     /// # Errors
     ///

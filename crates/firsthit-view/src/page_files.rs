@@ -7,7 +7,7 @@ const PACKED: &str = "application/gzip";
 
 /// The page itself.
 pub(crate) static INDEX: &str = include_str!("../web/index.html");
-/// How it looks.
+/// The style sheet.
 pub(crate) static STYLE: &str = include_str!("../web/app.css");
 
 /// A script of the page.
@@ -23,7 +23,7 @@ macro_rules! scripts {
     };
 }
 
-/// Its scripts, each after those that it imports.
+/// The scripts, each after those that it imports.
 pub(crate) static SCRIPTS: &[Script] = scripts! {
     "dom.js"
     "storage.js"

@@ -1,4 +1,4 @@
-//! What a pixel shows.
+//! Probes a pixel.
 
 use firsthit::Result;
 use firsthit::explain::{ExplainSettings, explain_pixel};
@@ -20,7 +20,7 @@ pub struct Probe {
     pub camera: FlatCamera,
     /// The column from the left and the row from the top.
     pub pixel: [usize; 2],
-    /// What is seen of the scene.
+    /// The part of the scene that is seen.
     #[serde(default)]
     pub part: Visibility,
 }

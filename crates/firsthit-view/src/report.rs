@@ -1,4 +1,5 @@
-//! The page in one file: with the scene and what computes it, or for whoever embeds it and answers it.
+//! The page in one file: with the scene and what computes it, or without, for a program that embeds
+//! it and answers it.
 
 use std::io::Write;
 
@@ -22,11 +23,12 @@ const MOST_BYTES: usize = 256 << 20;
 
 /// The edge of the picture for those who run no scripts, in pixels at most.
 const STILL_EDGE: usize = 640;
-/// Its samples.
+/// The number of samples of the still picture.
 const STILL_SAMPLES: u32 = 4;
 
 impl Viewer {
-    /// The page in one HTML file, with the scene and an engine inside. It asks nobody for anything, and its policy would not let it.
+    /// The page in one HTML file, with the scene and an engine inside. It needs no server, and its
+    /// policy would not let it ask one.
     ///
     /// Its bytes follow from the scene, on every machine.
     ///
@@ -91,7 +93,7 @@ impl Viewer {
         }
     }
 
-    /// What the scene alone does not say.
+    /// The world beside the scene: its camera and appearance.
     fn world(&self) -> Result<World> {
         let camera = NamedCamera {
             name: String::new(),
@@ -200,7 +202,7 @@ fn unlinked(line: &str, exported: &mut Vec<String>) -> String {
     declared.to_owned()
 }
 
-/// Of an import the names in their braces, and the script.
+/// The names in the braces of an import, and the script.
 fn imported(line: &str) -> Option<(&str, &str)> {
     let (names, from) = line.strip_prefix("import ")?.split_once(" from \"./")?;
     Some((names, from.strip_suffix("\";")?))
@@ -216,7 +218,7 @@ fn variable(script: &str) -> String {
 mod tests {
     use super::*;
 
-    /// What [`bundle`] and [`page`] take for granted.
+    /// The scripts and the page fulfil the assumptions of [`bundle`] and [`page`].
     #[test]
     fn scripts_are_written_to_be_bundled() {
         for scripts in [SCRIPTS, WORKER] {

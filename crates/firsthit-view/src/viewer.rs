@@ -10,7 +10,7 @@ use firsthit::{Camera, Color, DisplayTransform, Error, Object, Result, Scene};
 
 use crate::look::{FlatCamera, FrameRequest, Visibility};
 
-/// What a page is about: a scene, what it looks like, and where the page begins.
+/// The subject of a page: a scene, its appearance, and the first camera.
 #[derive(Debug)]
 pub struct Viewer {
     pub(crate) title: String,
@@ -22,11 +22,11 @@ pub struct Viewer {
     pub(crate) edges: Option<Edges>,
     /// The scene as the last question wanted it.
     changed: Mutex<Option<(Changes, Arc<Scene>)>>,
-    /// The last picture of several samples that was made, to be gone on with.
+    /// The last picture of several samples that was made, to be continued.
     begun: Mutex<Option<ProgressiveState>>,
 }
 
-/// How a scene is to differ from the viewer's.
+/// The changes of a scene against the viewer's.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Changes {
     /// Whether each object is hidden, where that is not as the scene has it.
@@ -38,7 +38,7 @@ struct Changes {
 /// A picture that is not at its end.
 #[derive(Debug)]
 pub(crate) struct ProgressiveState {
-    /// What was asked, but for the number of samples.
+    /// The request, but for the number of samples.
     pub(crate) request: FrameRequest,
     pub(crate) samples: u32,
     pub(crate) state: Frame,
@@ -80,14 +80,14 @@ impl Viewer {
         })
     }
 
-    /// With what was noticed when the scene was read, one line each.
+    /// Adds warnings from reading the scene, one line each.
     #[must_use]
     pub fn warned(mut self, warnings: Vec<String>) -> Self {
         self.warnings.extend(warnings);
         self
     }
 
-    /// With what the scene's file says of its pictures: how a PNG shows colours, and lines along edges.
+    /// Sets the display of colours in PNGs and the lines along edges, as the scene's file says.
     #[must_use]
     pub fn shown(self, display: DisplayTransform, edges: Option<Edges>) -> Self {
         Self {
@@ -178,7 +178,7 @@ impl Viewer {
         Ok((!is_usual).then_some(hidden))
     }
 
-    /// The picture to go on with, if it is that of this look and has no more samples.
+    /// The picture to continue, if it is that of this look and has no more samples.
     pub(crate) fn take_begun(
         &self,
         request: &FrameRequest,

@@ -28,7 +28,7 @@ pub fn place(v: DVec3, extent: f64) -> String {
     format!("{x},{y},{z}")
 }
 
-/// How far a scene reaches: the longest side of the box around it.
+/// The extent of a scene: the longest side of the box around it.
 pub fn extent(bounds: Bounds) -> f64 {
     bounds.size().max_element()
 }

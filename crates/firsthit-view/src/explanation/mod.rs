@@ -99,7 +99,7 @@ fn side_name(side: Side) -> &'static str {
     }
 }
 
-/// What lies behind the hit.
+/// The lines about the crossings behind the hit.
 fn behind_lines(explained: &Explanation<'_>) -> Vec<String> {
     let mut lines = Vec::new();
     for (k, place) in explained.behind.iter().enumerate() {
@@ -134,7 +134,7 @@ fn named(object: i32, name: &str, shape: &str) -> String {
 /// The longest name in a text, in characters.
 const LONGEST_NAME: usize = 100;
 
-/// The start of a name: files have some that nobody can read to the end.
+/// The start of a name: some files have names too long to read.
 fn short(name: &str) -> Cow<'_, str> {
     match name.char_indices().nth(LONGEST_NAME) {
         Some((end, _)) => Cow::Owned(format!("{}...", &name[..end])),

@@ -6,7 +6,7 @@ use super::{named, part};
 use crate::words::counted;
 use crate::words::exact_number;
 
-/// How many objects of a reason have a line of their own.
+/// The number of objects of a reason with a line of their own.
 const MOST: usize = 5;
 
 /// A line for each object that tells something, or for `all`, and a line for each reason of the others.
@@ -32,7 +32,7 @@ pub(super) fn lines(candidates: &[Candidate<'_>], all: bool) -> Vec<String> {
     lines
 }
 
-/// How far a candidate is from being the hit.
+/// The distance of a candidate from being the hit.
 fn closeness(candidate: &Candidate<'_>) -> f64 {
     let t = candidate.place.map_or(0.0, |place| place.t);
     match candidate.reason {
@@ -41,7 +41,7 @@ fn closeness(candidate: &Candidate<'_>) -> f64 {
     }
 }
 
-/// How many objects have no line of their own.
+/// The line about the objects without one of their own.
 fn rest(reason: Reason, count: usize, more: &str) -> Option<String> {
     let about = reason.about();
     let objects = counted(count as u64, &format!("{more}object"));

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::{list, named, part, short};
 use crate::words::{coordinate, exact_number, number, place, triple};
 
-/// How many numbers of an attribute people read, and how many attributes.
+/// The most numbers of an attribute, and the most attributes, in texts for people.
 const MOST: usize = 12;
 
 /// The hit in words.

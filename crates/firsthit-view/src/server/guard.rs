@@ -16,7 +16,7 @@ Cross-Origin-Resource-Policy: same-origin\r\n";
 /// The name of the header that carries the token. A page elsewhere could send it only after asking, and is refused then.
 const TOKEN: &str = "x-firsthit-token";
 
-/// What a request must have to be answered.
+/// The conditions for a request to be answered.
 #[derive(Debug)]
 pub(super) struct Guard {
     /// The server's port.

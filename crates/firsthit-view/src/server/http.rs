@@ -1,4 +1,5 @@
-//! As much of HTTP/1.1 as a page needs: requests without a body, or with one of a known length (RFC 9112). All else is refused.
+//! The part of HTTP/1.1 that a page needs: requests without a body, or with one of a known length
+//! (RFC 9112). All else is refused.
 
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
@@ -10,7 +11,7 @@ const MOST_BODY: usize = 64 << 10;
 /// The most header fields.
 const MOST_HEADERS: usize = 48;
 
-/// What a request may be.
+/// The method of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Method {
     Get,
@@ -47,12 +48,12 @@ impl Request {
     }
 }
 
-/// Why there is no request.
+/// The reason why there is no request.
 #[derive(Debug)]
 pub(super) enum Refusal {
     /// The other side is gone, or said nothing for too long.
     Gone,
-    /// It is answered with this status, and the connection ends.
+    /// The request is answered with this status, and the connection ends.
     Status(Status),
 }
 
@@ -85,7 +86,7 @@ impl Status {
 #[derive(Debug)]
 pub(super) struct Reader<R> {
     from: R,
-    /// What is read and not used yet.
+    /// The bytes that were read and are not used yet.
     known: Vec<u8>,
     /// A request takes no longer than this from its first byte to its last.
     most: Duration,
@@ -170,7 +171,7 @@ fn parse(bytes: &[u8]) -> Result<Option<(Request, usize)>, Status> {
     Ok(Some((request, length)))
 }
 
-/// How long the body is, by the only header that may say so.
+/// The length of the body, by the only header that may say so.
 fn body_length(request: &Request) -> Result<usize, Status> {
     if request.has_header("transfer-encoding") || request.has_header("expect") {
         return Err(Status::NOT_IMPLEMENTED);
@@ -193,7 +194,7 @@ fn body_length(request: &Request) -> Result<usize, Status> {
     }
 }
 
-/// What a request is answered with.
+/// The answer to a request.
 #[derive(Debug)]
 pub(super) struct Response {
     pub(super) status: Status,
@@ -247,7 +248,7 @@ mod tests {
 
     const GOOD: &str = "POST /probe HTTP/1.1\r\nHost: a\r\nContent-Length: 5\r\n\r\nhelloGET / HTTP/1.1\r\nHost: b\r\n\r\n";
 
-    /// Hands bytes on so many at a time.
+    /// Hands on bytes in small portions.
     struct Slow<'a>(&'a [u8], usize);
 
     impl Read for Slow<'_> {
@@ -296,7 +297,7 @@ mod tests {
         }
     }
 
-    /// Whatever comes, it ends, and what was read is no more than what came.
+    /// The reader ends whatever comes, and reads no more than what came.
     #[test]
     fn no_bytes_do_harm() {
         let mut state = 1_u64;

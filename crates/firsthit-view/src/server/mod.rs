@@ -23,15 +23,15 @@ use crate::viewer::{Viewer, lock};
 use guard::Guard;
 use http::{Method, Reader, Refusal, Request, Response, Status};
 
-/// More connections than this are turned away.
+/// The most connections; more are turned away.
 const MOST_CONNECTIONS: usize = 16;
 /// A connection that says nothing for so long ends.
 const IDLE: Duration = Duration::from_secs(60);
-/// The same of a connection that has not asked with the token.
+/// The most silence of a connection that has not asked with the token.
 const IDLE_STRANGER: Duration = Duration::from_secs(5);
-/// So long after the last question of a page the server ends.
+/// The time after the last question of a page at which the server ends.
 const LINGERS: Duration = Duration::from_secs(180);
-/// How often the server looks whether it is to end.
+/// The time between two checks whether the server is to end.
 const POLL: Duration = Duration::from_millis(20);
 
 /// A server that listens.
@@ -39,7 +39,7 @@ const POLL: Duration = Duration::from_millis(20);
 pub struct Server {
     listener: TcpListener,
     shared: Arc<Shared>,
-    /// So long after the last question of a page it ends; `None`: never.
+    /// The time after the last question of a page at which it ends; `None`: never.
     lingers: Option<Duration>,
 }
 
@@ -58,18 +58,18 @@ impl Open {
     }
 }
 
-/// What all connections know.
+/// The state that all connections share.
 #[derive(Debug)]
 struct Shared {
     viewer: Arc<Viewer>,
     guard: Guard,
     port: u16,
     is_stopped: AtomicBool,
-    /// How many connections there have been.
+    /// The number of connections so far.
     connections: AtomicU64,
-    /// Those that are open, by their numbers.
+    /// The open connections, by their numbers.
     open: Mutex<BTreeMap<u64, Open>>,
-    /// When a page asked last.
+    /// The time at which a page asked last.
     asked: Mutex<Option<Instant>>,
     /// The number of the newest frame that each page has asked for.
     newest: Mutex<HashMap<String, Arc<AtomicU64>>>,
@@ -102,20 +102,21 @@ impl Server {
         })
     }
 
-    /// The same server, which ends so long after the last question of a page; `None`: never.
+    /// Sets the time after the last question of a page at which the server ends; `None`: never.
     #[must_use]
     pub fn lingering(self, lingers: Option<Duration>) -> Self {
         Self { lingers, ..self }
     }
 
-    /// The page's address. Its fragment is the token: browsers send it to nobody, and the page takes it out of the address bar.
+    /// The page's address. Its fragment is the token: browsers do not send fragments, and the page
+    /// takes it out of the address bar.
     pub fn address(&self) -> String {
         let Shared { guard, port, .. } = &*self.shared;
         format!("http://127.0.0.1:{port}/#{}", guard.token())
     }
 
-    /// Answers until `is_stopped` says so, or until no page has asked for as long as it lingers: three minutes, if nobody says otherwise.
-    /// Then all connections end.
+    /// Answers until `is_stopped` says so, or until no page has asked for as long as it lingers:
+    /// three minutes by default. Then all connections end.
     pub fn run(&self, is_stopped: &dyn Fn() -> bool) {
         loop {
             let silence = lock(&self.shared.asked).map(|asked| asked.elapsed());
@@ -184,7 +185,8 @@ impl Drop for Place {
     }
 }
 
-/// How many requests the reader of a connection finds before the connection ends or one is refused. It is for fuzzing.
+/// The number of requests that the reader of a connection finds before the connection ends or one
+/// is refused. It is for fuzzing.
 #[doc(hidden)]
 pub fn requests(from: &mut dyn io::Read) -> usize {
     let mut reader = Reader::new(from, IDLE);
@@ -193,11 +195,12 @@ pub fn requests(from: &mut dyn io::Read) -> usize {
         .count()
 }
 
-/// Whoever waits for an answer. Work for one that is gone ends, and so does all work when the server does.
+/// The client that waits for an answer. Work for one that is gone ends, and so does all work when
+/// the server does.
 struct Caller<'a> {
     shared: &'a Shared,
     stream: &'a TcpStream,
-    /// When it was last known to be there.
+    /// The time at which it was last known to be there.
     seen: Mutex<Instant>,
 }
 
@@ -215,7 +218,7 @@ impl Caller<'_> {
         }
     }
 
-    /// Does work that ends when nobody waits for it any more.
+    /// Does work that ends when its client is gone.
     fn during<T>(&self, work: impl FnOnce() -> T) -> T {
         // A look at the connection must not wait. Where it cannot be had, work goes on to its end.
         let _ = self.stream.set_nonblocking(true);
