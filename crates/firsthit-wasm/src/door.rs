@@ -1,4 +1,4 @@
-//! What the door's functions do, in safe code.
+//! The door's functions, in safe code.
 
 #![deny(unsafe_code)]
 
@@ -12,7 +12,8 @@ use firsthit_view::{Answer, FlatCamera, Viewer};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-/// What may be spent on a file: of the 4 GiB that a module addresses, half is left for trees and pictures.
+/// The memory that may be spent on a file: of the 4 GiB that a module addresses, half is left for
+/// trees and pictures.
 const MAX_MEMORY: u64 = 2 << 30;
 
 /// A call was refused. Why is the door's answer.
@@ -31,7 +32,7 @@ pub struct Door {
     pixels: Vec<u8>,
 }
 
-/// What is asked by `hits`.
+/// The question of `hits`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct HitsQuestion {
@@ -60,8 +61,9 @@ impl Door {
         Some(&mut self.room)
     }
 
-    /// Reads the file in the room: so many bytes of name, then its content. Where that goes well the viewer is about this file, and the
-    /// answer is [`Viewer::info`]; else there is no viewer.
+    /// Reads the file in the room: `name_bytes` bytes of name, then its content. Where that goes
+    /// well the viewer is about this file, and the answer is [`Viewer::info`]; else there is no
+    /// viewer.
     ///
     /// # Errors
     ///
@@ -83,7 +85,7 @@ impl Door {
         self.show(Viewer::of_example().map_err(|error| error.to_string()))
     }
 
-    /// Answers the question in the room: so many bytes of name, then its JSON.
+    /// Answers the question in the room: `name_bytes` bytes of name, then its JSON.
     ///
     /// # Errors
     ///
@@ -155,7 +157,7 @@ fn answered(viewer: &Viewer, question: &str, json: &[u8]) -> Answered {
     Ok((json, pixels))
 }
 
-/// What a page computes with, where the float32 of a frame do not suffice.
+/// The hits of a page's camera, for computations where the float32 of a frame do not suffice.
 fn hits(viewer: &Viewer, camera: &FlatCamera) -> firsthit::Result<(Value, Vec<u8>)> {
     let hits = trace(viewer.scene(), &camera.camera()?, First, &())?;
     let mut bytes = Vec::with_capacity(16 * hits.len());

@@ -1,4 +1,5 @@
-//! firsthit's viewer as a WebAssembly module: a door of plain functions, for pages and for whoever else runs modules.
+//! firsthit's viewer as a WebAssembly module: a door of plain functions, for pages and for any
+//! other host of modules.
 //!
 //! The host puts bytes into a room ([`fh_room`]), and calls [`fh_load`] or [`fh_ask`], which say whether all went well. Then it
 //! reads the answer, and for some questions the pixels, by their address and length. The module imports nothing, opens nothing, and
@@ -22,7 +23,7 @@ pub use door::{Door, Refused};
 
 static DOOR: Mutex<Door> = Mutex::new(Door::new());
 
-/// What was said of a bug that ended a call. It is apart, for the call holds the door.
+/// The message of a bug that ended a call. It is apart, for the call holds the door.
 static BUG: Mutex<String> = Mutex::new(String::new());
 
 /// The door. A bug behind it leaves a text.
@@ -95,7 +96,7 @@ pub extern "C" fn fh_pixels() -> *const u8 {
     door().pixels().as_ptr()
 }
 
-/// Their length, in bytes; 0 where the answer has none.
+/// The length of the pixels, in bytes; 0 where the answer has none.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_pixels_bytes() -> usize {
     door().pixels().len()
@@ -107,7 +108,7 @@ pub extern "C" fn fh_bug() -> *const u8 {
     lock(&BUG).as_ptr()
 }
 
-/// Its length, in bytes; 0 where nothing is known.
+/// The length of the message, in bytes; 0 where nothing is known.
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_bug_bytes() -> usize {
     lock(&BUG).len()
