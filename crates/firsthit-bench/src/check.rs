@@ -8,7 +8,7 @@ use crate::embree::{Answers, Gathered};
 use crate::firsthit_side;
 use crate::picture::Picture;
 
-/// What was compared, and what was not equal.
+/// The result of a comparison: the rays compared, and those that differ.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Checked {
     /// Rays shown to the judge: the sample, and some of those where Embree answers otherwise.
@@ -23,7 +23,7 @@ pub(crate) struct Checked {
     pub(crate) largest_difference: f64,
 }
 
-/// At most this many of the rays where Embree answers otherwise go to the judge.
+/// The most of the rays where Embree answers otherwise that go to the judge.
 const DISPUTED: usize = 16;
 
 /// The judge and its budget.

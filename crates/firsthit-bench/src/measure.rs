@@ -49,8 +49,8 @@ pub(crate) fn in_turns(
     times.into_iter().map(Timing::of).collect()
 }
 
-/// How many times faster `work` is with the two threads of `pool` than on this thread, by the clock on
-/// the wall: another program on a core shows here.
+/// The speedup of `work` by the two threads of `pool` over this thread, by the clock on the wall:
+/// another program on a core shows here.
 pub(crate) fn speedup(rounds: u32, pool: &ThreadPool, work: &(impl Fn() + Sync)) -> f64 {
     let (mut alone, mut together) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..=rounds.min(5) {

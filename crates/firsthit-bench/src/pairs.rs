@@ -46,7 +46,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
     Ok(())
 }
 
-/// Who asks.
+/// The client that asks for measurements.
 struct Client(StdinLock<'static>);
 
 impl Client {

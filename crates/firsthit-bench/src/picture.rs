@@ -9,7 +9,7 @@ use crate::check::Judge;
 use crate::embree::{self, Answers, Columns, Door, Pixels, Source as _};
 use crate::firsthit_side;
 
-/// How many points of a pixel make its colour where there are several.
+/// The number of samples of a pixel where there are several.
 const SAMPLES: u32 = 4;
 
 /// A picture, and its rays for Embree.
@@ -24,7 +24,7 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    /// Each colour the mean over four points, without light.
+    /// A picture whose colours are means over four points, without light.
     pub(crate) fn antialiased(scene: &Scene, camera: &Camera) -> Self {
         let points = (0..camera.pixels()).flat_map(|pixel| (0..SAMPLES).map(move |k| (pixel, k)));
         let rays: Vec<Ray> = points
@@ -56,12 +56,12 @@ impl Picture {
         }
     }
 
-    /// How many points it has in all.
+    /// The number of points in all.
     pub(crate) fn count(&self) -> usize {
         self.camera.pixels() * self.samples as usize
     }
 
-    /// How many pixels it has.
+    /// The number of pixels.
     pub(crate) fn pixels(&self) -> usize {
         self.camera.pixels()
     }
@@ -90,7 +90,7 @@ impl Picture {
         (sum / f64::from(self.samples)).to_array().map(|x| x as f32)
     }
 
-    /// What Embree has to do for it, but for the shading: its rays, and those to the light.
+    /// The work of Embree for it, but for the shading: its rays, and those to the light.
     pub(crate) fn trace(&self, scene: &embree::Scene<'_>, door: Door, answers: &mut Answers) {
         match &self.points {
             Some(points) => scene.first_hits(points, door, answers),

@@ -15,7 +15,7 @@ use crate::tinybvh::Beside;
 use crate::tree::{EmbreeTrees, Trees};
 use crate::visits::{Visits, fit};
 
-/// What the ratios are taken against.
+/// The denominators of the ratios.
 #[derive(Debug, Clone, Copy)]
 struct Ratios {
     best: f64,

@@ -54,7 +54,7 @@ impl Row {
         Self::Shaded,
     ];
 
-    /// Its name, as on the command line.
+    /// The name, as on the command line.
     pub(crate) fn name(self) -> String {
         let value = self.to_possible_value().expect("no row is hidden");
         value.get_name().to_owned()
@@ -77,13 +77,13 @@ pub(crate) struct Measured {
     pub(crate) row: Row,
     pub(crate) rays: usize,
     pub(crate) firsthit: Timing,
-    /// As [`DOORS`]; none without Embree.
+    /// The times by [`DOORS`]; none without Embree.
     pub(crate) embree: Vec<Timing>,
-    /// How many times faster firsthit is with two threads.
+    /// The speedup of firsthit by two threads.
     pub(crate) speedup: f64,
     pub(crate) checked: Checked,
-    /// Of rows whose rays go through one tree one by one.
+    /// The visits of rows whose rays go through one tree one by one.
     pub(crate) visits: Option<Visits>,
-    /// None without tinybvh.
+    /// The times of tinybvh; `None` without it.
     pub(crate) tinybvh: Option<Beside>,
 }

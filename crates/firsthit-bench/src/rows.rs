@@ -66,7 +66,7 @@ pub(crate) fn measure(
 pub(crate) enum Shot {
     /// A camera's: the first hit.
     Pixels(Camera),
-    /// The same, which Embree cannot make.
+    /// The rays of a camera that Embree cannot make.
     Curved(Camera),
     /// The first hit.
     First(Vec<Ray>),
@@ -79,7 +79,7 @@ pub(crate) enum Shot {
 }
 
 impl Shot {
-    /// How many rays there are.
+    /// The number of rays.
     pub(crate) fn count(&self) -> usize {
         match self {
             Self::Pixels(camera) | Self::Curved(camera) => camera.len(),
@@ -89,7 +89,7 @@ impl Shot {
     }
 }
 
-/// Where a scene's rays come from.
+/// The source of a scene's rays.
 pub(crate) struct Shots<'a> {
     scene: &'a Scene,
     look: &'a Look,
@@ -110,7 +110,7 @@ impl<'a> Shots<'a> {
         })
     }
 
-    /// Those of a row.
+    /// The rays of a row.
     pub(crate) fn of(&self, row: Row) -> Result<Shot, String> {
         let count = self.side * self.side;
         Ok(match row {
@@ -141,7 +141,7 @@ impl<'a> Shots<'a> {
     }
 }
 
-/// What all rows of a scene need.
+/// The context of all rows of a scene.
 struct Run<'a> {
     trees: &'a Trees<'a>,
     judge: Judge<'a>,

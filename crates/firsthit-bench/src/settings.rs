@@ -60,13 +60,13 @@ fn set(name: &str) -> Result<InstructionSet, String> {
 }
 
 impl Settings {
-    /// The one that firsthit uses.
+    /// The instruction set that firsthit uses.
     pub(crate) fn instruction_set(&self) -> Result<InstructionSet, String> {
         let current = || InstructionSet::current().map_err(|error| error.to_string());
         self.isa.map_or_else(current, Ok)
     }
 
-    /// What restricts Embree to the same.
+    /// The setting that restricts Embree to that instruction set.
     pub(crate) fn embree_isa(&self) -> Option<&'static str> {
         self.isa.map(|set| match set {
             InstructionSet::Portable => "sse2",

@@ -55,7 +55,7 @@ struct Line([f32; 7]);
 
 impl Line {
     fn of(ray: &Ray) -> Self {
-        /// Its `BVH_FAR`.
+        /// The far value, tinybvh's `BVH_FAR`.
         const FAR: f64 = 1e30;
         let [a, b, c] = ray.origin.to_array();
         let [x, y, z] = ray.direction.to_array();
@@ -76,14 +76,14 @@ pub(crate) struct Tree<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Beside {
     pub(crate) nanoseconds: f64,
-    /// This time divided by firsthit's.
+    /// The time divided by firsthit's.
     pub(crate) ratio: f64,
     /// Rays with another outcome or another triangle.
     pub(crate) other: usize,
 }
 
 impl<'a> Tree<'a> {
-    /// Of a scene of one mesh that is not moved.
+    /// The tree of a scene of one mesh that is not moved.
     pub(crate) fn new(library: &'a Library, scene: &Scene) -> Option<Self> {
         let [object] = scene.objects() else {
             return None;

@@ -17,13 +17,13 @@ pub(crate) struct Trees<'a> {
     pub(crate) embree: Option<EmbreeTrees<'a>>,
     /// Nanoseconds for each triangle.
     pub(crate) firsthit_build: Timing,
-    /// The same for the tree of the same triangles with their vertices moved a little.
+    /// The time of refitting the tree to its triangles with their vertices moved a little.
     pub(crate) firsthit_refit: Timing,
-    /// Of the trees, for each triangle.
+    /// The bytes of the trees, for each triangle.
     pub(crate) firsthit_bytes: f64,
-    /// Of all that the scene holds beside the meshes it was made from.
+    /// The bytes of all that the scene holds beside the meshes it was made from.
     pub(crate) firsthit_held: isize,
-    /// How many times faster two threads build.
+    /// The speedup of two threads that build.
     pub(crate) speedup: f64,
 }
 
@@ -45,7 +45,7 @@ impl EmbreeTrees<'_> {
         if robust { &self.robust } else { &self.plain }
     }
 
-    /// The same for rays with filter functions.
+    /// The scene for rays with filter functions.
     pub(crate) fn gathering(&self, robust: bool) -> &embree::Scene<'_> {
         let both = self.gathering.as_ref().expect("the row is measured");
         &both[usize::from(robust)]

@@ -1,4 +1,5 @@
-//! How many nodes and leaves a ray visits, counted by a plain traversal, and what each costs by the rows' times.
+//! Counts the nodes and leaves that a ray visits, by a plain traversal, and fits their costs to the
+//! rows' times.
 //!
 //! The trees are read from the built scene as `docs/fhs.md` describes it. Where the scene is not one
 //! mesh in its place, nothing is counted: built scenes do not have the tree over the objects.
@@ -6,17 +7,18 @@
 use firsthit::world::World;
 use firsthit::{DVec3, Ray, Scene, fhs};
 
-/// Of one ray, on average.
+/// The means over rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Visits {
     pub(crate) nodes: f64,
     pub(crate) leaves: f64,
     pub(crate) hits: f64,
-    /// Of the tree's nodes and leaves.
+    /// The bytes of the tree's nodes and leaves.
     pub(crate) bytes: usize,
 }
 
-/// Where trees are larger, a visit is a wait for memory, and costs something else.
+/// The largest trees for the fit: in larger ones a visit is a wait for memory, and costs something
+/// else.
 const MOST_BYTES: usize = 64 << 20;
 
 /// The tree over the one mesh of a scene.
@@ -83,7 +85,7 @@ impl Tree {
         })
     }
 
-    /// For the first hits of a sample of `rays`.
+    /// Counts the visits of the first hits of a sample of `rays`.
     pub(crate) fn count(&self, rays: &[Ray]) -> Visits {
         let mut sum = Visits {
             nodes: 0.0,
@@ -148,7 +150,8 @@ impl Tree {
     }
 }
 
-/// Where a ray from the origin meets a triangle, if that is before `limit`, which it is otherwise.
+/// The parameter at which a ray from the origin meets a triangle, if that is before `limit`, and
+/// else `limit`.
 fn meet([a, b, c]: [DVec3; 3], direction: DVec3, limit: f64) -> f64 {
     let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|normal| normal.dot(direction));
     let is_met = volumes.iter().all(|&v| v >= 0.0) || volumes.iter().all(|&v| v <= 0.0);
@@ -176,8 +179,9 @@ fn number<const N: usize>(bytes: Option<&[u8; N]>, index: usize) -> f64 {
     })
 }
 
-/// What a ray, a node, a leaf and a hit cost: the least squares over visits and times of rows whose trees caches may hold; then how much
-/// longer each row took. `None` where there are no more such rows than numbers.
+/// The costs of a ray, a node, a leaf and a hit: the least squares over visits and times of rows
+/// whose trees caches may hold; then how much longer each row took. `None` where there are no more
+/// such rows than numbers.
 pub(crate) fn fit(rows: &[(Visits, f64)]) -> Option<([f64; 4], Vec<f64>)> {
     let terms = |v: &Visits| [1.0, v.nodes, v.leaves, v.hits];
     let fitted = rows.iter().filter(|(v, _)| v.bytes <= MOST_BYTES);

@@ -1,4 +1,4 @@
-//! What we need of Embree 4's C interface, declared by hand, and opened at run time.
+//! The part of Embree 4's C interface that we use, declared by hand, and opened at run time.
 //!
 //! Names are Embree's without their prefix; its manual describes each. Everything here is `unsafe` to call.
 
@@ -32,7 +32,7 @@ impl Arguments {
         }
     }
 
-    /// With a filter function and the context that it is given.
+    /// The arguments with a filter function and the context that it is given.
     pub(super) fn filtered(coherent: bool, filter: *mut c_void, context: *mut c_void) -> Self {
         let plain = Self::new(coherent);
         Self {

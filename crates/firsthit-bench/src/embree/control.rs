@@ -1,7 +1,7 @@
 //! The processor's floating-point control word.
 
-/// While this lives, numbers too small for the normal format are zero on this thread, as Embree's manual asks
-/// for. firsthit is never called meanwhile: it wants IEEE arithmetic.
+/// A guard: while it lives, numbers too small for the normal format are zero on this thread, as
+/// Embree's manual asks for. firsthit is never called meanwhile: it wants IEEE arithmetic.
 #[derive(Debug)]
 pub(crate) struct FlushToZero {
     #[cfg(target_arch = "x86_64")]

@@ -24,7 +24,7 @@ impl Library {
     }
 }
 
-/// What Embree holds at the moment, over all devices.
+/// The bytes that Embree holds at the moment, over all devices.
 static BYTES: AtomicIsize = AtomicIsize::new(0);
 
 unsafe extern "C" fn count_bytes(_: *mut c_void, bytes: isize, _: bool) -> bool {
@@ -57,13 +57,13 @@ impl<'a> Device<'a> {
         Ok(Self { api, handle })
     }
 
-    /// Such as "4.4.0".
+    /// The version, such as "4.4.0".
     pub(crate) fn version(&self) -> String {
         let number = self.property(api::PROPERTY_VERSION);
         format!("{}.{}.{}", number / 10000, number / 100 % 100, number % 100)
     }
 
-    /// How many rays a packet takes at its best: 16, or 8 without AVX-512.
+    /// The number of rays of the best packet: 16, or 8 without AVX-512.
     pub(crate) fn width(&self) -> usize {
         if self.property(api::PROPERTY_NATIVE_RAY16) == 1 {
             16
@@ -120,7 +120,7 @@ pub(crate) struct Scene<'s> {
     pub(super) handle: api::Handle,
     /// Rays in a packet.
     pub(super) width: usize,
-    /// What Embree allocated to build and keep it, and did not give back.
+    /// The bytes that Embree allocated to build and keep it, and did not give back.
     pub(crate) bytes: isize,
     model: PhantomData<&'s Model>,
 }

@@ -1,5 +1,6 @@
-//! All hits of rays through Embree, in order. Embree asks a filter function about every hit that it finds; ours keeps the hit and
-//! refuses it, so that the ray goes on. The hits of a block are sorted by ray and `t`.
+//! All hits of rays through Embree, in order. Embree asks a filter function about every hit that it
+//! finds; ours keeps the hit and refuses it, so that the ray continues. The hits of a block are
+//! sorted by ray and `t`.
 
 use std::ffi::{c_int, c_uint, c_void};
 
@@ -21,7 +22,7 @@ struct Found {
 /// All hits of all rays.
 #[derive(Debug, Default)]
 pub(crate) struct Gathered {
-    /// Where the hits of each ray begin, and in the end how many there are.
+    /// The start of each ray's hits, and the number of all hits in the end.
     offsets: Vec<usize>,
     found: Vec<Found>,
 }
@@ -69,7 +70,7 @@ struct FilterArguments {
     lanes: c_uint,
 }
 
-/// Where a field of `RTCRayN` and `RTCHitN` begins, in lanes.
+/// The starts of the fields of `RTCRayN` and `RTCHitN`, in lanes.
 mod field {
     pub(super) const T_FAR: usize = 8;
     pub(super) const ID: usize = 10;

@@ -13,7 +13,7 @@ use super::api::{self, Api, Handle};
 #[derive(Debug)]
 pub(crate) struct Model {
     shapes: Vec<Form>,
-    /// Each object's shape and, if it is moved, its matrix, column by column.
+    /// The shape of each object and, if it is moved, its matrix, column by column.
     objects: Vec<(usize, Option<[f32; 12]>)>,
 }
 
@@ -61,7 +61,7 @@ impl Model {
         })
     }
 
-    /// How many triangles there are, those of a mesh that objects share once.
+    /// The number of triangles, those of a mesh that objects share once.
     pub(crate) fn triangles(&self) -> usize {
         let count = |form: &Form| match form {
             Form::Triangles(_, indices) => indices.len(),

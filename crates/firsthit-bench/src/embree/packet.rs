@@ -1,6 +1,6 @@
 //! Embree's packets: `RTCRay`, `RTCRay8`, `RTCRay16` and what belongs to them, by their number of rays.
 
-/// What stands for no geometry.
+/// The number of no geometry.
 pub(super) const INVALID: u32 = u32::MAX;
 
 /// `RTCRayN`: for `N` = 1, 8, 16 its size is a multiple of the alignment Embree asks for.
@@ -37,7 +37,7 @@ impl<const N: usize> Hits<N> {
     }
 }
 
-/// Which object a hit is of.
+/// The object that a hit is of.
 #[inline(always)]
 pub(super) fn object(instance: u32, geometry: u32) -> u32 {
     if instance == INVALID {

@@ -1,5 +1,6 @@
-//! Where results go: what kernel measurements found fastest, for Embree too. Lines of 64 bytes, written
-//! at once and past the cache; planes that do not start at the same place of a 4096-byte page.
+//! The memory for results, as kernel measurements found it fastest, for Embree too. Lines of 64
+//! bytes, written at once and past the cache; planes that do not start at the same place of a
+//! 4096-byte page.
 
 /// A line of the cache.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +15,7 @@ pub(super) struct Plane {
 }
 
 impl Plane {
-    /// For `rays` results; `number` tells the planes of a set apart.
+    /// The plane for `rays` results; `number` tells the planes of a set apart.
     pub(super) fn new(rays: usize, number: usize) -> Self {
         let first = 17 * number;
         let lines = vec![Line([u32::MAX; 16]); first + rays.div_ceil(16)];

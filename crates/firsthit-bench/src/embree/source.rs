@@ -1,4 +1,5 @@
-//! Where Embree's rays come from: a camera's pixels or arrays. Blocks of 256 rays, packets within them.
+//! The source of Embree's rays: a camera's pixels or arrays. Blocks of 256 rays, packets within
+//! them.
 
 use firsthit::{Camera, DVec3, Ray};
 
@@ -9,13 +10,13 @@ pub(super) const BLOCK: usize = 256;
 
 /// Rays for packets.
 pub(crate) trait Source {
-    /// How many rays there are.
+    /// The number of rays.
     fn len(&self) -> usize;
     /// Fills in the rays of `block` from its ray `first` on.
     fn fill<const N: usize>(&self, block: usize, first: usize, rays: &mut Rays<N>);
     /// Puts the results of the packet that begins with ray `first` where they belong in their block.
     fn place<const N: usize>(first: usize, results: &[u32; N], block: &mut [u32; BLOCK]);
-    /// Where line `line` of a block's results belongs among all lines.
+    /// The place of line `line` of a block's results among all lines.
     fn line(&self, block: usize, line: usize) -> usize;
 }
 
@@ -87,7 +88,7 @@ fn single(v: DVec3) -> [f32; 3] {
     v.to_array().map(|x| x as f32)
 }
 
-/// Where in its tile ray `k` of a block is: 4 x 4 pixels after 4 x 4 pixels.
+/// The place in its tile of ray `k` of a block: 4 x 4 pixels after 4 x 4 pixels.
 #[inline(always)]
 fn in_tile(k: usize) -> (usize, usize) {
     (k / 16 % 4 * 4 + k % 4, k / 64 * 4 + k / 4 % 4)
@@ -162,7 +163,7 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    /// The same `rays` in float32, which they must fit into, as the ones of `rows` do.
+    /// The `rays` in float32, which they must fit into, as the ones of `rows` do.
     pub(crate) fn new(rays: &[Ray]) -> Self {
         let numbers = |ray: &Ray| {
             let (o, d) = (ray.origin, ray.direction);

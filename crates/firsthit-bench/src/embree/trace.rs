@@ -8,14 +8,14 @@ use super::packet::{INVALID, RayHits, Rays};
 use super::plane::{Line, Plane, settle};
 use super::source::{BLOCK, Source};
 
-/// How rays are handed to Embree.
+/// The function of Embree that rays are handed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Door {
     /// `rtcIntersect1`, `rtcOccluded1`: one by one, as `Open3D`, trimesh and embreex do.
     Single,
     /// `rtcIntersect16`, `rtcOccluded16` (8 where 16 are not native) without a flag.
     Packet,
-    /// The same with the flag for coherent rays.
+    /// The functions of packets with the flag for coherent rays.
     Coherent,
 }
 
@@ -44,7 +44,7 @@ impl Answers {
     }
 }
 
-/// Which rays of a packet count, -1 for yes.
+/// The mask of a packet's rays that count, -1 for yes.
 #[repr(C, align(64))]
 pub(super) struct Valid<const N: usize>(pub(super) [c_int; N]);
 

@@ -7,7 +7,7 @@ use firsthit::{Bounds, Camera, DVec3, Hits, Ray, Scene};
 
 use crate::firsthit_side;
 
-/// What a camera sees: for each pixel that hits, in tiles of 16 x 16 pixels, 4 x 4 by 4 x 4.
+/// The hits of a camera: for each pixel that hits, in tiles of 16 x 16 pixels, 4 x 4 by 4 x 4.
 #[derive(Debug)]
 pub(super) struct Surface {
     tiles: Vec<Vec<Point>>,
@@ -20,7 +20,7 @@ struct Point {
     normal: DVec3,
 }
 
-/// How far off the surface, as a share of the scene's diagonal.
+/// The distance off the surface, as a share of the scene's diagonal.
 const OFF: f64 = 1e-5;
 
 /// A camera's rays, row by row from the top.
@@ -104,7 +104,7 @@ impl Surface {
     }
 }
 
-/// From points all over `bounds` in all directions.
+/// Rays from points all over `bounds` in all directions.
 pub(super) fn anywhere(bounds: Bounds, count: usize) -> Vec<Ray> {
     let mut random = Random(3);
     let mut place = || {
@@ -139,7 +139,7 @@ impl Random {
         ((z ^ z >> 31) >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
-    /// Of length one, every direction as likely.
+    /// A direction of length one, every direction as likely.
     fn direction(&mut self) -> DVec3 {
         let z = 2.0 * self.unit() - 1.0;
         let (sin, cos) = libm::sincos(TAU * self.unit());
@@ -147,7 +147,8 @@ impl Random {
         DVec3::new(radius * cos, radius * sin, z)
     }
 
-    /// Of length one, as likely as the cosine to `normal`: a point of the sphere that touches the surface.
+    /// A direction of length one, as likely as the cosine to `normal`: a point of the sphere that
+    /// touches the surface.
     fn above(&mut self, normal: DVec3) -> DVec3 {
         loop {
             let sum = normal + self.direction();

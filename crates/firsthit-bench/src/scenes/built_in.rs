@@ -6,7 +6,7 @@ use firsthit::{DVec3, Mesh, Object, Positions};
 
 use super::look::Look;
 
-/// Their names.
+/// The names of the scenes.
 pub(super) const NAMES: &[&str] = &["boulder", "hills", "room"];
 
 /// The scene of that name.

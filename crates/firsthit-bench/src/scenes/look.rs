@@ -1,4 +1,4 @@
-//! Where the cameras and the light of a scene are.
+//! The cameras and the light of a scene.
 
 use std::str::SplitWhitespace;
 
@@ -6,7 +6,7 @@ use firsthit::camera::distortion::OpenCv;
 use firsthit::camera::{Calibrated, View};
 use firsthit::{Camera, DVec3, Lens, Projection, RayStart, Viewplane};
 
-/// Where the cameras and the light are.
+/// The places of the cameras and the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Look {
     pub(crate) eye: DVec3,
@@ -14,9 +14,9 @@ pub(crate) struct Look {
     pub(crate) up: DVec3,
     pub(crate) light: DVec3,
     pub(crate) vertical_fov_degrees: f64,
-    /// What the orthographic camera sees from top to bottom, in scene units.
+    /// The height that the orthographic camera sees, in scene units.
     pub(crate) height: f64,
-    /// How far ambient occlusion reaches, in scene units.
+    /// The distance up to which ambient occlusion reaches, in scene units.
     pub(crate) reach: f64,
 }
 
