@@ -47,8 +47,8 @@ impl Rays for RaySlices<'_> {
 }
 
 impl<'a> RaySlices<'a> {
-    /// The same rays, their origins and directions copied to where `copies` say, by all threads of the current
-    /// rayon pool.
+    /// The rays, their origins and directions copied to where `copies` say, by all threads of the
+    /// current rayon pool.
     pub(crate) fn copied(self, copies: [Option<&'a mut [[f64; 3]]>; 2]) -> Self {
         let [origins, directions] = copies;
         Self {
@@ -87,7 +87,7 @@ pub(crate) struct RayArrays<'py>(
 );
 
 impl RayArrays<'_> {
-    /// For so many rays.
+    /// The slices of `count` rays.
     pub(crate) fn slices(&self, count: usize) -> PyResult<RaySlices<'_>> {
         let filters = self.4.as_ref().map(|filters| filters.filters(count));
         let rays = RaySlices {
@@ -120,7 +120,7 @@ pub(crate) struct CopiesOut<'py>(
 );
 
 impl CopiesOut<'_> {
-    /// For `rays`, whose arrays must be as long.
+    /// The slices for copies of `rays`, whose arrays must be as long.
     pub(crate) fn slices(
         &mut self,
         rays: &RaySlices<'_>,
@@ -162,7 +162,8 @@ pub(crate) fn collected<T>(count: usize, values: impl Iterator<Item = T>) -> PyR
     Ok(all)
 }
 
-/// Where hits go: `t`, `object`, `primitive` and `barycentric`, C-contiguous, of the shapes (n,), (n,), (n,) and (n, 2).
+/// The arrays for hits: `t`, `object`, `primitive` and `barycentric`, C-contiguous, of the shapes
+/// (n,), (n,), (n,) and (n, 2).
 #[derive(FromPyObject)]
 pub(crate) struct HitsOut<'py>(
     PyReadwriteArray1<'py, f64>,
@@ -187,7 +188,7 @@ impl HitsOut<'_> {
     }
 }
 
-/// What [`HitsOut`] became, back again.
+/// The arrays of hits, filled by [`HitsOut`], back again.
 #[derive(FromPyObject)]
 pub(crate) struct HitsIn<'py>(
     PyReadonlyArray1<'py, f64>,

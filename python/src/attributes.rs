@@ -13,7 +13,7 @@ use crate::run::{guarded, report_done, run_reported};
 use crate::scene::Scene;
 use crate::shoot::FEW;
 
-/// What has a property, by its name.
+/// The elements that have a property, by name.
 const OF: [(&str, PropertyOf); 3] = [
     ("vertices", PropertyOf::Vertices),
     ("corners", PropertyOf::Corners),

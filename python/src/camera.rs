@@ -157,7 +157,7 @@ impl Camera {
         py.detach(read).map_err(|error| raise(py, &error))
     }
 
-    /// What an aperture must be with a projection that has no thin lens.
+    /// The expectation for an aperture with a projection that has no thin lens.
     #[staticmethod]
     fn no_thin_lens(projection: &str) -> Option<&'static str> {
         let known: Option<Projection> = projection.parse().ok();
@@ -174,7 +174,7 @@ impl Camera {
         camera.map(Self).map_err(|error| raise(py, &error))
     }
 
-    /// A fisheye or a panorama of so many degrees: its parameters.
+    /// The parameters of a fisheye or a panorama of `fov` degrees.
     #[staticmethod]
     fn with_fov(
         py: Python<'_>,
@@ -197,24 +197,24 @@ impl Camera {
         part.map(Self).map_err(|error| raise(py, &error))
     }
 
-    /// The same picture with other numbers of rows and columns.
+    /// The camera of the picture with other numbers of rows and columns.
     fn resize(&self, py: Python<'_>, rows: usize, columns: usize) -> PyResult<Self> {
         let sized = self.0.resize(rows, columns);
         sized.map(Self).map_err(|error| raise(py, &error))
     }
 
-    /// The same camera with a thin lens.
+    /// The camera with a thin lens.
     fn thin_lens(&self, py: Python<'_>, aperture: f64, focus: f64) -> PyResult<Self> {
         let camera = self.0.thin_lens(aperture, focus);
         camera.map(Self).map_err(|error| raise(py, &error))
     }
 
-    /// How far ahead along the aim a point is.
+    /// The distance of a point ahead along the aim.
     fn depth(&self, point: [f64; 3]) -> f64 {
         self.0.depth(DVec3::from(point))
     }
 
-    /// Where points are seen: columns and rows for each, NaN for nowhere.
+    /// The places in the picture where points are seen: columns and rows for each, NaN for nowhere.
     fn project<'py>(
         &self,
         py: Python<'py>,
@@ -259,7 +259,7 @@ impl Camera {
         .map(Self)
     }
 
-    /// What the camera is made from.
+    /// The view that the camera is made from.
     fn view(&self) -> ViewOut {
         view_out(self.0.view())
     }
@@ -322,7 +322,7 @@ impl Camera {
         distances_of(py, &self.0, is_range, &pixels, &t)
     }
 
-    /// The same camera carried by a body, by the matrix of its pose.
+    /// The camera carried by a body, by the matrix of its pose.
     fn moved(&self, py: Python<'_>, world_from_body: [[f64; 4]; 4]) -> PyResult<Self> {
         let pose = Convention::OpenGl.pose(world_from_body);
         let moved = pose.and_then(|pose| self.0.moved(&pose));
@@ -372,7 +372,7 @@ pub(crate) fn distances_of<'py>(
     ))
 }
 
-/// Pixels, all of which a sensor of so many has.
+/// Checks the numbers of pixels against a sensor of `count` pixels.
 pub(crate) fn checked_pixels(
     pixels: &PyReadonlyArray1<'_, i64>,
     count: usize,
@@ -388,7 +388,8 @@ pub(crate) fn checked_pixels(
     Ok(checked.ok_or_else(outside)?.into_iter())
 }
 
-/// The two arrays of so many rays, which are made in pieces by all threads; few by the calling thread alone.
+/// The two arrays of `count` rays, which are made in pieces by all threads; few by the calling
+/// thread alone.
 pub(crate) fn ray_arrays(
     py: Python<'_>,
     count: usize,

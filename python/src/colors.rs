@@ -4,8 +4,8 @@ use firsthit::geometry::ColorMap;
 use firsthit::scene::{ColorBy, Coloring};
 use pyo3::prelude::*;
 
-/// What gives the numbers, or the numbers of the objects; the map's name; the range; the colours below, above and where there is no
-/// number; whether there is a bar.
+/// The source of the numbers, or the numbers of the objects; the map's name; the range; the colours
+/// below, above and where there is no number; whether there is a bar.
 #[derive(FromPyObject)]
 pub(crate) struct ColorsIn(
     Option<String>,
@@ -18,7 +18,7 @@ pub(crate) struct ColorsIn(
 
 type Triple = (f64, f64, f64);
 
-/// The same on its way out. Tuples, since Python is to compare and hash them.
+/// The colouring on its way out. Tuples, since Python is to compare and hash them.
 pub(crate) type ColorsOut = (
     Option<String>,
     Vec<f64>,

@@ -8,7 +8,7 @@ use crate::errors::raise;
 /// Width, angle, the names of kinds, the lengths of dashes and gaps of what is hidden, and the colour.
 pub(crate) type EdgesOut = (f64, f64, Vec<&'static str>, Option<[f64; 2]>, [f64; 3]);
 
-/// The same.
+/// The edges on their way in.
 #[derive(FromPyObject)]
 pub(crate) struct EdgesIn(f64, f64, Vec<String>, Option<[f64; 2]>, [f64; 3]);
 
@@ -32,8 +32,8 @@ pub(crate) fn edges_out(edges: &Edges) -> EdgesOut {
     (edges.width, edges.angle, edges.kinds.names(), hidden, color)
 }
 
-/// Every kind of edge, and the lines where nobody says how they are; those of what is hidden have the lengths of dashes and gaps
-/// then.
+/// Every kind of edge, and the default lines; those of what is hidden have the lengths of dashes
+/// and gaps then.
 #[pyfunction]
 pub(crate) fn edge_defaults() -> (Vec<&'static str>, EdgesOut) {
     let usual = Edges {

@@ -22,7 +22,7 @@ pub(crate) struct EnvironmentMap(pub(crate) Arc<firsthit::scene::EnvironmentMap>
 
 #[pymethods]
 impl EnvironmentMap {
-    /// From float32 (rows, columns, 3).
+    /// A map from float32 (rows, columns, 3).
     #[new]
     fn new(py: Python<'_>, texels: PyReadonlyArray3<'_, f32>) -> PyResult<Self> {
         let &[rows, columns, 3] = texels.shape() else {
@@ -36,7 +36,7 @@ impl EnvironmentMap {
         Ok(Self(Arc::new(made?)))
     }
 
-    /// From a file; with warnings.
+    /// A map from a file; with warnings.
     #[staticmethod]
     fn read(
         py: Python<'_>,
@@ -82,7 +82,7 @@ pub(crate) struct EnvironmentIn<'py>(
     Option<[f64; 3]>,
 );
 
-/// The same on its way out.
+/// The environment on its way out.
 pub(crate) type EnvironmentOut = (
     &'static str,
     Vec<(f64, f64, f64)>,

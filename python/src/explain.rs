@@ -22,7 +22,7 @@ pub(crate) struct PixelIn<'py>(
     Option<FilterArrays<'py>>,
 );
 
-/// What is explained.
+/// The pixel or the ray that is explained.
 #[derive(FromPyObject)]
 pub(crate) enum Explained<'py> {
     Pixel(PixelIn<'py>),
@@ -30,7 +30,8 @@ pub(crate) enum Explained<'py> {
     Ray(RayArrays<'py>),
 }
 
-/// How many objects are between a camera's eye and its viewplane where its rays meet nothing else; 0 where they do.
+/// The number of objects between a camera's eye and its viewplane where its rays meet nothing else;
+/// 0 where they do.
 #[pyfunction]
 pub(crate) fn before_viewplane(scene: &Scene, camera: &Camera) -> PyResult<usize> {
     let passed = guarded(|| passed_by(&scene.0, &camera.0))?;

@@ -1,4 +1,4 @@
-//! What rays do not meet, in NumPy's memory.
+//! Filters of rays, in NumPy's memory.
 
 use firsthit::shoot::{Viewpoint, visible as see};
 use firsthit::{DVec2, DVec3, Departure, RayFilter, Side, SurfaceId};
@@ -47,7 +47,7 @@ pub(crate) struct Filters<'a> {
 }
 
 impl FilterArrays<'_> {
-    /// For so many rays.
+    /// The filters of `count` rays.
     pub(crate) fn filters(&self, count: usize) -> PyResult<Filters<'_>> {
         let Self(masks, cull, skip, left, only) = self;
         let masks = masks
@@ -104,7 +104,7 @@ fn surface(object: i32, primitive: i32) -> Option<SurfaceId> {
 }
 
 impl Filters<'_> {
-    /// What the ray `index` does not meet.
+    /// The filter of the ray `index`.
     pub(crate) fn filter(&self, index: usize) -> RayFilter {
         let skip = self
             .skip

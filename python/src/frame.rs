@@ -23,7 +23,7 @@ use crate::scene::Scene;
 use crate::sensor::SensorIn;
 use crate::shading::ShadingIn;
 
-/// How PNGs show colours: the exposure in stops, and the tone map's name.
+/// The display of colours in PNGs: the exposure in stops, and the tone map's name.
 #[derive(FromPyObject)]
 pub(crate) struct DisplayIn(f64, String);
 
@@ -49,7 +49,7 @@ fn references<'a>(kinds: &'a [Cow<'static, Kind>]) -> Vec<&'a Kind> {
     kinds.iter().map(|kind| &**kind).collect()
 }
 
-/// How many rays [`render`] reports.
+/// The number of rays that [`render`] reports.
 #[pyfunction]
 pub(crate) fn render_work(
     py: Python<'_>,
@@ -61,15 +61,17 @@ pub(crate) fn render_work(
     Ok(work(pixels, &references(&kinds), samples))
 }
 
-/// The samples of a pixel, and the background (a colour, or horizon, zenith and up), where nobody says.
+/// The default samples of a pixel, and the default background (a colour, or horizon, zenith and
+/// up).
 #[pyfunction]
 pub(crate) fn defaults() -> (u32, Vec<[f64; 3]>) {
     (SAMPLES, background_out(BACKGROUND))
 }
 
-/// What a picture looks like, and what is made of it: the shading; the background (see [`background_in`]); which way is up; the samples of a
-/// pixel; the first row, the one behind the last, and likewise columns; the side that rays pass through; the lines along edges; and the noise
-/// at which pixels have had enough samples.
+/// The settings of a picture: the shading; the background (see [`background_in`]); the direction
+/// upwards; the samples of a pixel; the first row, the one behind the last, and likewise columns;
+/// the side that rays pass through; the lines along edges; and the noise at which pixels have had
+/// enough samples.
 #[derive(FromPyObject)]
 pub(crate) struct PictureIn(
     ShadingIn,
@@ -82,7 +84,7 @@ pub(crate) struct PictureIn(
     Option<f64>,
 );
 
-/// With how many threads, and who is told of the rays that are done.
+/// The number of threads, and the callable that is told of the rays that are done.
 type HowIn<'py> = (usize, Option<Bound<'py, PyAny>>);
 
 impl PictureIn {
@@ -125,8 +127,8 @@ impl PictureIn {
     }
 }
 
-/// Renders channels: a flat array for each, in their order, and the JSON of where they come from. Its state is kept in the file `resume`, if
-/// there is to be one, and goes on from there.
+/// Renders channels: a flat array for each, in their order, and the JSON of where they come from.
+/// The state is kept in the file `resume`, if there is to be one, and is continued from there.
 #[pyfunction]
 pub(crate) fn render<'py>(
     py: Python<'py>,
@@ -147,7 +149,7 @@ pub(crate) fn render<'py>(
     Ok((arrays(py, frame), origin))
 }
 
-/// What is known of the pixels of a picture that goes on.
+/// The state of the pixels of a progressive picture.
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Accumulated(Frame);
 
@@ -175,8 +177,8 @@ pub(crate) fn render_more<'py>(
     Ok((arrays(py, frame), Accumulated(known)))
 }
 
-/// What of a pixel's samples each channel is made of: `accumulated`, of all, and a picture that goes on adds to it; `all`, of all at
-/// once; or `centre`, of the pixel's centre alone.
+/// The samples of a pixel that each channel is made of: `accumulated`, of all, to which a
+/// progressive picture adds; `all`, of all at once; or `centre`, of the pixel's centre alone.
 #[pyfunction]
 pub(crate) fn sampling(py: Python<'_>, channels: Vec<String>) -> PyResult<Vec<&'static str>> {
     let kinds = kinds(py, &channels)?;
@@ -217,7 +219,7 @@ pub(crate) fn array(py: Python<'_>, data: Data) -> Bound<'_, PyAny> {
     }
 }
 
-/// What there is to be said about a frame of that shape, of whose channels one pixel is given, as JSON.
+/// The metadata of a frame of that shape, of whose channels one pixel is given, as JSON.
 #[pyfunction]
 pub(crate) fn metadata(
     py: Python<'_>,
@@ -323,8 +325,8 @@ fn data(array: &Bound<'_, PyAny>) -> PyResult<Data> {
     ))
 }
 
-/// How numbers are stored: the step of distances in PNGs, what becomes of those beyond, whether PNGs of identifiers hold labels, whether an
-/// NPZ is packed.
+/// The storage of numbers: the step of distances in PNGs, what becomes of those beyond, whether
+/// PNGs of identifiers hold labels, whether an NPZ is packed.
 #[derive(FromPyObject)]
 pub(crate) struct StoredIn(Option<f64>, Option<String>, bool, bool);
 

@@ -99,7 +99,7 @@ mod _firsthit {
         env!("CARGO_PKG_VERSION")
     }
 
-    /// What new scenes are shot at with.
+    /// The instruction set that new scenes are traced with.
     #[pyfunction]
     fn instruction_set(py: Python<'_>) -> PyResult<&'static str> {
         firsthit::InstructionSet::current()

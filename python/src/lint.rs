@@ -1,4 +1,4 @@
-//! What is wrong with a scene.
+//! Checks scenes for likely faults.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::errors::raise;
 use crate::run::run;
 use crate::scene::Scene;
 
-/// What was found in a scene.
+/// The findings about a scene.
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Lint(Report);
 

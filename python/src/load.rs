@@ -75,7 +75,7 @@ pub(crate) struct ModelOut {
     up: [f64; 3],
     up_is_guessed: bool,
     warnings: Vec<String>,
-    /// Where the file holds it built.
+    /// The built scene, where the file holds one.
     scene: Option<Scene>,
 }
 

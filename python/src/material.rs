@@ -20,7 +20,7 @@ pub(crate) struct Texels(pub(crate) Arc<Texture>);
 
 #[pymethods]
 impl Texels {
-    /// From uint8 (rows, columns, 4).
+    /// A texture from uint8 (rows, columns, 4).
     #[new]
     fn new(py: Python<'_>, texels: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
         let &[rows, columns, _] = texels.shape() else {
@@ -44,11 +44,11 @@ impl Texels {
 #[derive(FromPyObject)]
 pub(crate) struct MapIn<'py>(PyRef<'py, Texels>, [String; 2], String, [[f64; 3]; 2], bool);
 
-/// What a material is made of: the model's name, and its settings.
+/// The scattering model of a material: the model's name, and its settings.
 #[derive(FromPyObject)]
 struct ModelIn(String, Vec<(String, ValueIn)>);
 
-/// What it gives off, how steep its normal map is, how much its occlusion map counts.
+/// The emission, the scale of the normal map, and the weight of the occlusion map.
 #[derive(FromPyObject)]
 struct StrengthsIn([f64; 3], f64, f64);
 
@@ -70,7 +70,7 @@ pub(crate) struct MaterialIn<'py>(
     Vec<(String, MapIn<'py>)>,
 );
 
-/// What a name stands for.
+/// The value behind a name.
 fn named<T: Copy>(what: &str, name: &str, known: &[(&'static str, T)]) -> PyResult<T> {
     let found = known.iter().find(|&&(known, _)| known == name);
     found.map(|&(_, value)| value).ok_or_else(|| {
@@ -184,7 +184,7 @@ pub(crate) type MaterialOut = (
     Vec<(&'static str, MapOut)>,
 );
 
-/// What Python makes a material from; `number` gives textures their numbers.
+/// The material as Python makes it; `number` gives textures their numbers.
 pub(crate) fn material_out(
     material: &Material,
     mut number: impl FnMut(&Arc<Texture>) -> usize,

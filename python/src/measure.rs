@@ -1,4 +1,4 @@
-//! What is inside objects.
+//! Measures the inside of objects.
 
 use firsthit::measure::{
     By, FillRule, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
@@ -83,7 +83,7 @@ pub(crate) fn path_lengths<'py>(
     Ok(PyArray1::from_vec(py, lengths))
 }
 
-/// Where `count` rays that leave surfaces come out of the objects that they alone meet, as `t`.
+/// The `t` at which `count` rays that leave surfaces come out of the objects that they alone meet.
 #[pyfunction]
 pub(crate) fn thickness<'py>(
     py: Python<'py>,
@@ -107,7 +107,7 @@ pub(crate) fn thickness<'py>(
     Ok(PyArray1::from_vec(py, t))
 }
 
-/// By what it is known whether a point is inside, of each object.
+/// The rule that tells whether a point is inside, of each object.
 #[pyfunction]
 pub(crate) fn rules(py: Python<'_>, scene: &Scene, rule: &str) -> PyResult<Vec<&'static str>> {
     let rule = fill(py, rule)?;

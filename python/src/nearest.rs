@@ -54,7 +54,7 @@ pub(crate) fn closest_points<'py>(
     ))
 }
 
-/// How far each of `points` is from the scene, negative inside.
+/// The distance of each of `points` from the scene, negative inside.
 #[pyfunction]
 pub(crate) fn signed_distances<'py>(
     py: Python<'py>,

@@ -15,7 +15,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::raise;
 
-/// How often the interpreter is asked whether Ctrl-C was pressed.
+/// The time between two questions to the interpreter whether Ctrl-C was pressed.
 const POLL: Duration = Duration::from_millis(50);
 
 /// Stops the work and counts the rays done.
@@ -46,17 +46,18 @@ pub(crate) fn report_done(report: Report<'_, '_>, done: usize) -> PyResult<()> {
 /// The stack of a thread, rayon's own default.
 const STACK_BYTES: usize = 2 << 20;
 
-/// What a thread maps beside its stack: guard pages, and a stack for signal handlers. Where the system refuses
-/// that one, the standard library ends the process.
+/// The bytes that a thread maps beside its stack: guard pages, and a stack for signal handlers.
+/// Where the system refuses that one, the standard library ends the process.
 const BESIDE_STACK_BYTES: usize = 1 << 17;
 
 /// The address space that glibc's allocator reserves for a thread, if there is as much.
 const ARENA_BYTES: usize = 64 << 20;
 
-/// What must be left for the work. A small allocation that fails ends the process.
+/// The bytes that must be left for the work. A small allocation that fails ends the process.
 const SPARE_BYTES: usize = 32 << 20;
 
-/// How many threads are used where nobody says: as many as this process has processors, also by the limits of a control group.
+/// The default number of threads: as many as this process has processors, also by the limits of a
+/// control group.
 #[pyfunction]
 pub(crate) fn all_threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
@@ -82,8 +83,8 @@ fn pool(threads: usize) -> PyResult<ThreadPool> {
     }
 }
 
-/// Whether there is address space for so many threads, which a limit such as `ulimit -v` may deny. A thread alone
-/// does without an arena of its own.
+/// Checks that there is address space for `threads` threads, which a limit such as `ulimit -v` may
+/// deny. A thread alone does without an arena of its own.
 fn check_room(threads: usize) -> std::result::Result<(), String> {
     let stacks = threads.saturating_mul(STACK_BYTES + BESIDE_STACK_BYTES);
     let arenas = (threads - 1).saturating_mul(ARENA_BYTES);
@@ -95,10 +96,10 @@ fn check_room(threads: usize) -> std::result::Result<(), String> {
     refused.map_err(|error| error.to_string())
 }
 
-/// Where the last panic was.
+/// The place of the last panic.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 
-/// From now on panics of this module are not printed: they become exceptions, which say the same.
+/// Silences panics of this module from now on: they become exceptions, which say the same.
 pub(crate) fn silence_panics() {
     set_hook(Box::new(|panic| {
         let place = panic.location().map(ToString::to_string);

@@ -19,8 +19,9 @@ use crate::run::{guarded, run};
 use crate::shading::{LightIn, light_in};
 use crate::shape::Shape;
 
-/// With fewer objects than this, the tree over them is built by the calling thread alone. A pool's threads must be the call's own,
-/// since the global pool does not survive `fork`, and making them takes longer than the move.
+/// The number of objects from which on the tree over them is built by several threads. A pool's
+/// threads must be the call's own, since the global pool does not survive `fork`, and making them
+/// takes longer than the move.
 const FEW_OBJECTS: usize = 4096;
 
 /// A built scene.
@@ -114,7 +115,8 @@ impl Scene {
         ))
     }
 
-    /// The same scene with other objects in the place of some, with objects moved, and some hidden (`true`) or shown.
+    /// The scene with other objects in the place of some, with objects moved, and some hidden
+    /// (`true`) or shown.
     fn changed(
         &self,
         py: Python<'_>,
@@ -164,8 +166,9 @@ impl Scene {
         run(py, 0, |_| changed()).map(Self)
     }
 
-    /// The same scene, where rays meet only the objects that have a bit in common with `mask`, and are in `only` if that is
-    /// given; what is translucent is cut out below an alpha, if that is given.
+    /// The scene in which rays meet only the objects that have a bit in common with `mask`, and are
+    /// in `only` if that is given; translucent surfaces are cut out below an alpha, if that is
+    /// given.
     fn seen_by(
         &self,
         py: Python<'_>,
@@ -204,7 +207,7 @@ impl Scene {
         run(py, 0, |_| seen()).map(Self)
     }
 
-    /// The same scene in another environment, with the sun of a sky; `up` is the scene's.
+    /// The scene in another environment, with the sun of a sky; `up` is the scene's.
     fn lit_by(
         &self,
         py: Python<'_>,
@@ -238,7 +241,7 @@ impl Scene {
         Ok(names.iter().map(ToString::to_string).collect())
     }
 
-    /// Which way is up where by `convention` it is +y or +z, as far as the meshes tell.
+    /// The direction upwards where by `convention` it is +y or +z, as far as the meshes tell.
     fn likely_up(&self, py: Python<'_>, convention: [f64; 3]) -> PyResult<[f64; 3]> {
         let up = run(py, 0, |_| Ok(self.0.likely_up(DVec3::from(convention))))?;
         Ok(up.to_array())

@@ -88,7 +88,7 @@ impl Section {
         self.0.left_out().to_vec()
     }
 
-    /// What is doubtful.
+    /// The doubts about the section.
     fn warnings(&self) -> Vec<String> {
         self.0.warnings().to_vec()
     }

@@ -41,7 +41,7 @@ type ReturnsOut<'py> = (
     Bound<'py, PyArray1<f64>>,
 );
 
-/// What makes the rays of a picture.
+/// The sensor that makes the rays of a picture.
 #[derive(FromPyObject)]
 pub(crate) enum SensorIn<'py> {
     Camera(Bound<'py, Camera>),
@@ -80,7 +80,7 @@ fn pose_of(rows: [[f64; 4]; 4]) -> firsthit::Result<Pose> {
     Pose::from_matrix(&Convention::OpenGl.pose(rows)?)
 }
 
-/// So many zeros, or a `MemoryError`.
+/// An array of `count` zeros, or a `MemoryError`.
 fn zeros<T: Copy + Default>(count: usize) -> PyResult<Vec<T>> {
     collected(count, std::iter::repeat_n(T::default(), count))
 }
@@ -216,7 +216,8 @@ impl Sensor {
         distances_of(py, &*self.any, is_range, &pixels, &t)
     }
 
-    /// Where the sensor is at the times of some pixels' rays and its aim then, NaN where it has none: six numbers for each.
+    /// The sensor's positions at the times of some pixels' rays and its aims then, NaN where it has
+    /// none: six numbers for each.
     fn places<'py>(
         &self,
         py: Python<'py>,
@@ -230,7 +231,8 @@ impl Sensor {
         Ok(PyArray1::from_vec(py, places.into_flattened()))
     }
 
-    /// Directions that fill the cones of the beams of some pixels of a lidar: so many for each, one after the other.
+    /// Directions that fill the cones of the beams of some pixels of a lidar: `count` for each, one
+    /// after the other.
     fn spread<'py>(
         &self,
         py: Python<'py>,
@@ -252,8 +254,8 @@ impl Sensor {
         Ok(PyArray1::from_vec(py, collected(3 * all, flat)?))
     }
 
-    /// What a lidar says of returns, by the pixels of their beams and their ranges: points in the world and in its own frame, flat,
-    /// rings, rows, columns, and times.
+    /// The returns of a lidar, by the pixels of their beams and their ranges: points in the world
+    /// and in its own frame, flat, rings, rows, columns, and times.
     fn returns<'py>(
         &self,
         py: Python<'py>,
@@ -476,7 +478,7 @@ impl Pattern {
         Self::made(py, made)
     }
 
-    /// What made it.
+    /// The source of the pattern: the name of a model or of a kind.
     fn name(&self) -> &str {
         self.0.name()
     }
@@ -623,7 +625,7 @@ impl Trajectory {
         written.map_err(|error| raise(py, &error))
     }
 
-    /// What it is made from.
+    /// The poses and settings that it is made from.
     fn parts<'py>(&self, py: Python<'py>) -> TrajectoryOut<'py> {
         let poses = self.0.poses();
         let positions = poses.iter().flat_map(|pose| pose.position.to_array());
@@ -650,7 +652,7 @@ impl Trajectory {
         Ok(PyArray1::from_vec(py, flat))
     }
 
-    /// The same motion with other axes of the body.
+    /// The motion of the body with other axes.
     fn in_axes(&self, py: Python<'_>, given: &str, wanted: &str) -> PyResult<Self> {
         let axes = |name: &str| name.parse::<BodyAxes>().map_err(|error| raise(py, &error));
         let (given, wanted) = (axes(given)?, axes(wanted)?);

@@ -64,7 +64,7 @@ pub(crate) fn settings_out(settings: Vec<(&'static str, Value)>) -> SettingsOut 
 #[derive(FromPyObject)]
 pub(crate) struct LightIn(String, Vec<(String, ValueIn)>);
 
-/// The same on its way out.
+/// The light on its way out.
 pub(crate) type LightOut = (&'static str, SettingsOut);
 
 pub(crate) fn light_in(LightIn(kind, settings): &LightIn) -> firsthit::Result<Light> {
@@ -91,7 +91,7 @@ pub(crate) struct ShadingIn(
     Option<ColorsIn>,
 );
 
-/// The same on its way out.
+/// The shading on its way out.
 pub(crate) type ShadingOut = (
     Option<&'static str>,
     SettingsOut,
@@ -118,7 +118,8 @@ impl ShadingIn {
         })
     }
 
-    /// With everything decided, in a pool of threads, for what a sensor sees of a scene with that direction upwards.
+    /// Resolves all settings, in a pool of threads, for the view of a sensor in a scene with that
+    /// direction upwards.
     pub(crate) fn resolve(
         &self,
         scene: &firsthit::Scene,
@@ -181,7 +182,7 @@ pub(crate) fn check_shader(
     Ok(settings_out(shader.settings()))
 }
 
-/// The samples of a pixel, and what light was chosen that nobody asked for.
+/// The samples of a pixel, and the light that was chosen automatically.
 #[pyfunction]
 pub(crate) fn resolve(
     py: Python<'_>,

@@ -22,8 +22,9 @@ pub(crate) struct Mesh(pub(crate) Arc<firsthit::Mesh>);
 
 #[pymethods]
 impl Mesh {
-    /// From float64 vertices (n, 3) and uint32 triangles (m, 3); float32 normals, uvs, colours, alphas, second uvs and tangents for
-    /// each vertex (n, k) or for each corner (m, 3, k); and the triangles' faces and slots.
+    /// A mesh from float64 vertices (n, 3) and uint32 triangles (m, 3); float32 normals, uvs,
+    /// colours, alphas, second uvs and tangents for each vertex (n, k) or for each corner (m, 3,
+    /// k); and the triangles' faces and slots.
     #[new]
     fn new(
         py: Python<'_>,
@@ -82,7 +83,7 @@ impl Mesh {
             .map_err(|error| raise(py, &error))
     }
 
-    /// The same triangles and attributes, with other vertices.
+    /// The mesh with other vertices under its triangles and attributes.
     fn moved(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let vertices = vertices.as_slice().map_err(not_contiguous)?;
         let points = copied(vertices.as_chunks::<3>().0)?;
@@ -125,7 +126,7 @@ impl Mesh {
             .collect()
     }
 
-    /// How many vertices and triangles there are.
+    /// The numbers of vertices and triangles.
     fn counts(&self) -> (usize, usize) {
         (self.0.positions().len(), self.0.triangles().len())
     }
@@ -145,7 +146,7 @@ impl Mesh {
         run(py, 1, |_| self.0.volume())
     }
 
-    /// Its parts.
+    /// The parts.
     fn split(&self, py: Python<'_>) -> PyResult<Vec<Self>> {
         let parts = run(py, 1, |_| self.0.split())?;
         Ok(parts.into_iter().map(|part| Self(Arc::new(part))).collect())

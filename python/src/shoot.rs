@@ -49,7 +49,7 @@ pub(crate) fn shoot<'py>(
     })
 }
 
-/// By the calling thread alone.
+/// Shoots rays by the calling thread alone.
 fn shoot_few<R: Rays + ?Sized>(scene: &Scene, rays: &R, out: &mut HitSlices<'_>) {
     for k in 0..rays.len() {
         out.put(k, &Cpu::default().first_hit(&scene.0, &rays.ray(k)));
@@ -143,7 +143,7 @@ pub(crate) fn occluded<'py>(
     answer(py, scene, &rays, threads, Answers::Any(out), report)
 }
 
-/// How many times rays in arrays meet a surface, written to `out`.
+/// Counts how many times rays in arrays meet a surface, written to `out`.
 #[pyfunction]
 pub(crate) fn count<'py>(
     py: Python<'py>,

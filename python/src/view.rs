@@ -19,10 +19,10 @@ use crate::run::run;
 use crate::scene::Scene;
 use crate::shading::ShadingIn;
 
-/// How often it is asked whether the server has ended.
+/// The time between two questions whether the server has ended.
 const POLL: Duration = Duration::from_millis(5);
 
-/// What a page is about.
+/// The viewer of a page.
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Viewer(Arc<firsthit_view::Viewer>);
 
