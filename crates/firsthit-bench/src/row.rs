@@ -29,7 +29,7 @@ pub(crate) enum Row {
     Bounce,
     /// From points all over the scene's box in all directions: the first hit
     Random,
-    /// The same rays: all hits, in order
+    /// All hits of those rays, in order
     AllHits,
     /// The picture of the first row's camera, unlit, four points to a pixel, whole; of Embree the rays alone
     Antialiased,

@@ -87,7 +87,7 @@ pub(crate) struct CameraArgs {
     /// a calibrated camera, such as k1=-0.2,k2=0.05
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = values::parameters, requires = "projection", allow_hyphen_values = true)]
     pub(crate) parameters: Option<Parameters>,
-    /// The same as --projection orthographic
+    /// Make rays parallel, as --projection orthographic does
     #[arg(long)]
     pub(crate) orthographic: bool,
     /// Where rays start, with t = 0. Rays that start on the viewplane do not meet what is between it and the eye

@@ -30,7 +30,7 @@ pub(crate) struct LightingArgs {
     /// clear sky with its sun: elevation above the horizon and azimuth from +x, in degrees
     #[arg(long, value_name = "FILE[@DEGREES]|daylight:ELEVATION[,AZIMUTH]", value_parser = environment::parse, allow_hyphen_values = true)]
     pub(crate) environment: Option<EnvironmentArg>,
-    /// What the --environment is multiplied by [default: 1]
+    /// Multiply the --environment by this factor [default: 1]
     #[arg(long, value_name = "NUMBER", value_parser = values::tolerance, requires = "environment", allow_hyphen_values = true)]
     pub(crate) environment_strength: Option<f64>,
     /// Use the --environment as light only; show the background instead

@@ -158,7 +158,8 @@ pub(crate) struct VisibleArgs {
     /// Where a sensor is: whether each point is seen from there, in place of pairs of points
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) from: Option<DVec3>,
-    /// What is nearer to either point than this hides nothing, in scene units: the error of points that are rounded, as to float32
+    /// Let surfaces nearer to either point than this hide nothing, in scene units: the error of
+    /// points that are rounded, as to float32
     #[arg(long, value_name = "DISTANCE", value_parser = values::tolerance, default_value_t = 0.0, allow_hyphen_values = true)]
     pub(crate) tolerance: f64,
     #[command(flatten)]
@@ -366,7 +367,7 @@ pub(crate) struct ViewArgs {
 /// The arguments of a command that is written in Python, which alone understands them.
 #[derive(Debug, Args)]
 pub(crate) struct InPythonArgs {
-    /// What the command takes: its help comes with the Python package (pip install firsthit)
+    /// The arguments of the command: its help comes with the Python package (pip install firsthit)
     #[arg(
         value_name = "ARGUMENTS",
         trailing_var_arg = true,
