@@ -89,7 +89,7 @@ class AllHits:
 
     @property
     def offsets(self) -> npt.NDArray[np.int64]:
-        """Where the hits of each ray begin, and last m: (n + 1,) int64 for n rays, row by row."""
+        """The index of each ray's first hit, and last m: (n + 1,) int64 for n rays, row by row."""
         lock(self._offsets)
         return self._offsets
 

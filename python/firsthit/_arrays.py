@@ -159,7 +159,7 @@ def vectors(name: str, value: Any, length: int = 3) -> npt.NDArray[Any]:
 
 
 def is_own(value: Any) -> bool:
-    """Tell whether `numbers` makes a new array of something, which nobody else has."""
+    """Tell whether `numbers` makes a new array of a value, without other references."""
     return type(value) in _NO_ARRAYS
 
 
@@ -171,7 +171,7 @@ def locked(value: Any) -> npt.NDArray[np.float64]:
 
 
 def lock(array: Any) -> None:
-    """Make an array read-only, and what it is a view of, lest a view be made writable again."""
+    """Make an array and its bases read-only, so that no view can be made writable again."""
     while isinstance(array, np.ndarray):
         array.setflags(write=False)
         array = array.base

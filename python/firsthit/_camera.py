@@ -799,7 +799,7 @@ class Camera(ReadCameras, Sensor):
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
-        """Where the camera is, in world space, (3,) float64: a copy."""
+        """The camera's position, in world space, (3,) float64: a copy."""
         return np.array(self._arguments[0])
 
     @property
@@ -809,7 +809,7 @@ class Camera(ReadCameras, Sensor):
 
     @property
     def up(self) -> npt.NDArray[np.float64]:
-        """Which way is up, in world space, (3,) float64, as it was given: a copy."""
+        """The direction upwards, in world space, (3,) float64, as it was given: a copy."""
         return np.array(self._arguments[2])
 
     @property
@@ -844,7 +844,7 @@ class Camera(ReadCameras, Sensor):
 
     @property
     def focus(self) -> float | None:
-        """Distance along the aim at which pictures are sharp; ``None`` if nobody said."""
+        """Distance along the aim at which pictures are sharp; ``None`` if it was not given."""
         return self.parameters.get("focus") or None
 
     def _length(self, name: str) -> float | None:
@@ -862,7 +862,7 @@ class Camera(ReadCameras, Sensor):
 
     @property
     def projection(self) -> Projection:
-        """How rays are made: one of those that `Camera` lists."""
+        """The projection: one of those that `Camera` lists."""
         return self._arguments[4][0]
 
     @property

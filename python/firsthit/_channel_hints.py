@@ -1,4 +1,4 @@
-"""Which channel was probably meant by a name that none has."""
+"""Suggestions of channels for a name that none has."""
 
 from __future__ import annotations
 

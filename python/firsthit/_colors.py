@@ -33,7 +33,7 @@ _ATTRIBUTE = "attribute:"
 
 @dataclass(frozen=True, init=False)
 class Colors:
-    """How surfaces are coloured by numbers, in place of their own colours. Immutable.
+    """Colours of surfaces by numbers, in place of their own colours. Immutable.
 
     Every shader lights these colours as it lights others. `render` takes one as ``color_by``, and
     `Shading` as ``colors``.

@@ -1,4 +1,4 @@
-"""How pictures to look at show colours."""
+"""The display of colours in pictures to look at."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _TONE_MAPS = get_args(ToneMapName)
 
 @dataclass(frozen=True, init=False)
 class Display:
-    """How PNGs show linear colours, by default: see `Scene.display`. Immutable.
+    """The default display of linear colours in PNGs: see `Scene.display`. Immutable.
 
     ``docs/outputs.md`` says what the tone maps do.
 

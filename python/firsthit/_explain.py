@@ -70,7 +70,7 @@ class Explanation:
 
     @property
     def hit(self) -> dict[str, Any] | None:
-        """What the ray meets first; ``None`` for a miss. Points, directions and weights are arrays.
+        """The first hit; ``None`` for a miss. Points, directions and weights are arrays.
 
         The keys are t, object, primitive, name, shape, node, mesh, face, position, normal,
         shading_normal, front, barycentric, uv, base_color, material and attributes. There is
@@ -93,7 +93,7 @@ class Explanation:
 
     @property
     def behind_count(self) -> int:
-        """How many crossings there are behind the hit."""
+        """The number of crossings behind the hit."""
         return int(self._record["behind_count"])
 
     @property
@@ -106,12 +106,12 @@ class Explanation:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many objects there are for each reason that occurs."""
+        """The number of objects for each reason that occurs."""
         return dict(self._record["counts"])
 
     @property
     def fault(self) -> str | None:
-        """What is wrong with a ray that cannot meet anything, such as a zero direction."""
+        """The fault of a ray that cannot meet anything, such as a zero direction."""
         fault: str | None = self._record["fault"]
         return fault
 

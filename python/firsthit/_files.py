@@ -1,4 +1,4 @@
-"""What goes into which file."""
+"""The channels that files hold, by their formats."""
 
 from __future__ import annotations
 

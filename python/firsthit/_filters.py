@@ -1,4 +1,4 @@
-"""What rays do not meet."""
+"""Filters of rays."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ALL = 0xFFFFFFFF
 
 
 class Filters:
-    """What rays see: which objects, which side they pass, which surfaces they skip or leave.
+    """Filters of rays: the objects they see, the side they pass, the surfaces they skip or leave.
 
     All arrays are ours, and broadcast against the rays.
     """

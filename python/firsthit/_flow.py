@@ -1,4 +1,4 @@
-"""Where what a pixel shows is in another picture: optical flow, scene flow and disparity."""
+"""Optical flow, scene flow and disparity: where a pixel's point is in another picture."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _ROUNDING = 1e-9
 
 
 class Flow(NamedTuple):
-    """Where what each pixel of a picture shows has moved to, as `optical_flow` finds it.
+    """The motion of the point that each pixel of a picture shows, as `optical_flow` finds it.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Flow(NamedTuple):
 
 
 class Disparity(NamedTuple):
-    """How far to the left a point is in the right picture, as `disparity` finds it.
+    """The distance of points to the left in the right picture, as `disparity` finds it.
 
     Attributes
     ----------

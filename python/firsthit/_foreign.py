@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Part(NamedTuple):
-    """What becomes an object."""
+    """The parts of an object."""
 
     name: str
     shape: Shape
@@ -36,7 +36,7 @@ def is_scene(thing: object) -> TypeGuard[SceneLike]:
 
 
 def objects(scene: SceneLike) -> Iterator[Part]:
-    """Yield a scene's nodes that have meshes. Nodes that share a mesh go on sharing it."""
+    """Yield a scene's nodes that have meshes. Nodes that share a mesh still share it."""
     made: dict[str, tuple[Mesh, Material | None]] = {}
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph.get(node)

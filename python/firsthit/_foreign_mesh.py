@@ -1,4 +1,4 @@
-"""What meshes of other packages, trimesh's above all, bring along, without importing any."""
+"""Conversion of other packages' meshes, trimesh's above all, without importing any."""
 
 from __future__ import annotations
 

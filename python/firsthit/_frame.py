@@ -176,7 +176,7 @@ class Frame:
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """What files of this frame say of it.
+        """The metadata in files of this frame.
 
         That is: each channel's unit, frame, miss value and type; where pixel centres are; the
         camera, also as intrinsic matrix and pose; the scene's fingerprint; the version. A frame
@@ -193,7 +193,7 @@ class Frame:
 
     @property
     def display(self) -> Display:
-        """How PNGs, and notebooks, show ``color`` where `save` is not told otherwise.
+        """The display of ``color`` in PNGs and notebooks, where `save` is not told otherwise.
 
         Of a frame that `render` made it is `Scene.display`, of others it changes nothing. It is set
         to another `Display`; anything else is a ``TypeError``. The arrays stay as they are.

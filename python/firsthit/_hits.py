@@ -1,4 +1,4 @@
-"""What rays met."""
+"""The first hits of rays."""
 
 from __future__ import annotations
 

@@ -140,7 +140,7 @@ def _header(
     returned: npt.NDArray[np.int32],
     place: tuple[float, npt.NDArray[Any], tuple[npt.NDArray[Any], npt.NDArray[Any]]],
 ) -> bytes:
-    """Return the header of a file of so many points, which begin and end at ``places``."""
+    """Return the header of a file whose points begin and end at ``places``."""
     start, end = places
     scale, offset, (low, high) = place
     by_return = [int(np.count_nonzero(returned == k)) for k in range(1, _MOST_RETURNS + 1)]

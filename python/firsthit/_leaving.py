@@ -38,12 +38,12 @@ class LeavingRays:
 
     @property
     def origin(self) -> npt.NDArray[np.float64]:
-        """Where they start, in world space, rounded to float64, (..., 3); NaN for a miss."""
+        """The starts, in world space, rounded to float64, (..., 3); NaN for a miss."""
         return self._rays.origins()
 
     @property
     def direction(self) -> npt.NDArray[np.float64]:
-        """Their directions, in world space, (..., 3) float64."""
+        """The directions, in world space, (..., 3) float64."""
         return self._rays.directions()
 
     def __len__(self) -> int:

@@ -518,12 +518,12 @@ class Lidar(OtherSensor):
 
     @property
     def pose(self) -> npt.NDArray[np.float64]:
-        """Where it stands, (4, 4) float64: to the world, or with a trajectory to the body."""
+        """The pose, (4, 4) float64: to the world, or with a trajectory to the body."""
         return np.array(self._pose)
 
     @property
     def trajectory(self) -> Trajectory | None:
-        """How the body moves that carries it."""
+        """The trajectory of the body that carries it."""
         return self._trajectory
 
     @property

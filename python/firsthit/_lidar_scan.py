@@ -49,7 +49,7 @@ def lacking(extension: str) -> str | None:
 
 
 class ScanOrigin:
-    """What was scanned and how, written out when it is first asked for: its digests take long."""
+    """The scene and the scanner, written out when it is first asked for: its digests take long."""
 
     def __init__(
         self, scene: _firsthit.Scene, sensor: _firsthit.Sensor, settings: dict[str, Any]
@@ -330,12 +330,12 @@ class LidarScan:
 
     @property
     def return_number(self) -> npt.NDArray[np.int32]:
-        """Which return of its beam each is, by range, (n,) int32 from 1 on."""
+        """The number of each return in its beam, by range, (n,) int32 from 1 on."""
         return self._arrays["return_number"]
 
     @property
     def number_of_returns(self) -> npt.NDArray[np.int32]:
-        """How many returns its beam has, (n,) int32.
+        """The number of returns of its beam, (n,) int32.
 
         With ``returns="first"``, no divergence and no range gate the scan knows of no others, and
         says 1. With ``max_returns`` it is no larger.
@@ -354,7 +354,7 @@ class LidarScan:
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """What files of it say: the scanner, how it scanned, the scene, and the arrays.
+        """The metadata in files: the scanner, how it scanned, the scene, and the arrays.
 
         The form is that of `Frame.metadata`, with the shape ``[n]`` and, under ``scan``, the
         settings of `Lidar.scan`; those of `joined` scans have a list ``scans``.

@@ -40,7 +40,7 @@ _STEPS, _FALSE_POSITIONS = 60, 20
 
 
 class Projected(NamedTuple):
-    """Where a sensor projects points; NaN where it does not."""
+    """Projections of points by a sensor; NaN where it does not see them."""
 
     #: Columns from the picture's left edge and rows from its upper edge, (..., 2).
     pixels: Floats

@@ -1,4 +1,4 @@
-"""What may be wrong with meshes."""
+"""Checks of meshes for likely faults."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Place(NamedTuple):
-    """Where something was found."""
+    """The place of a finding."""
 
     #: The object's identifier; of objects that share a mesh the first in which it is found.
     #: ``None`` where the finding is about the whole scene.
@@ -62,7 +62,7 @@ class Finding:
 
 
 class LintReport:
-    """What is wrong with a scene, from `Scene.lint`. Iterating gives the findings. Read-only."""
+    """The findings about a scene, from `Scene.lint`. Iterating gives them. Read-only."""
 
     def __init__(self, built: Built, ignore: tuple[str, ...], places: int, threads: int) -> None:
         self._built, self._settings = built, (ignore, places)
@@ -139,7 +139,7 @@ class LintReport:
         self._native.save(self._built.native, Path(path))
 
     def __len__(self) -> int:
-        """How many findings there are."""
+        """Return the number of findings."""
         return len(self._findings)
 
     def __iter__(self) -> Iterator[Finding]:

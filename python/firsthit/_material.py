@@ -1,4 +1,4 @@
-"""What surfaces look like, and where alpha masks cut them out."""
+"""The look of surfaces, and the alpha masks that cut them out."""
 
 from __future__ import annotations
 
@@ -118,12 +118,12 @@ class Texture:
 
     @property
     def wrap(self) -> tuple[str, str]:
-        """What is beyond the edges: beyond left and right, and beyond top and bottom."""
+        """The continuation beyond the edges: beyond left and right, and beyond top and bottom."""
         return self._wrap
 
     @property
     def filter(self) -> str:
-        """What is between texels: ``linear`` or ``nearest``."""
+        """The filter between texels: ``linear`` or ``nearest``."""
         return self._filter
 
     @property
@@ -217,7 +217,7 @@ _PLAIN = {
 
 @dataclass(frozen=True, init=False, repr=False)
 class Material:
-    """What a surface looks like, and where an alpha mask cuts it out. Immutable.
+    """The look of a surface, and the alpha mask that cuts it out. Immutable.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is inside the objects of a scene."""
+"""Measures of the inside of a scene's objects."""
 
 from __future__ import annotations
 

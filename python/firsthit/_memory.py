@@ -1,4 +1,4 @@
-"""Memory for results, used again once nobody holds it.
+"""Memory for results, used again once no result holds it.
 
 The system clears every page of fresh memory, which for a camera's hits would cost a quarter of the
 time. So the arrays handed out last are remembered, and one that has no other owner is handed out

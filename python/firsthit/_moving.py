@@ -84,7 +84,7 @@ class RollingShutter(OtherSensor):
 
     @property
     def trajectory(self) -> Trajectory:
-        """How the body moves."""
+        """The trajectory of the body."""
         return self._arguments[1]
 
     @property
@@ -95,7 +95,7 @@ class RollingShutter(OtherSensor):
 
     @property
     def direction(self) -> Readout:
-        """Which way the lines are read."""
+        """The order in which the lines are read."""
         return self._arguments[4]
 
     @property
@@ -170,7 +170,7 @@ class Pushbroom(OtherSensor):
 
     @property
     def trajectory(self) -> Trajectory:
-        """How the body moves."""
+        """The trajectory of the body."""
         return self._arguments[1]
 
     @property

@@ -51,7 +51,7 @@ class NotebookView:
 
     @property
     def engine(self) -> Literal["page", "kernel"]:
-        """Who computes the pictures."""
+        """The engine that computes the pictures."""
         return self._engine
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -73,7 +73,7 @@ class Object:
 
     @property
     def name(self) -> str:
-        """Its name; may be empty."""
+        """The name; may be empty."""
         return self._name
 
     @property
@@ -98,7 +98,7 @@ class Object:
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """Its materials, in the order of a mesh's ``slots``; empty if it was given none."""
+        """The materials, in the order of a mesh's ``slots``; empty if it was given none."""
         return self._materials
 
     @property
@@ -108,7 +108,7 @@ class Object:
 
     @property
     def mask(self) -> int:
-        """Its 32 bits: a ray meets it if their masks have a bit in common."""
+        """The mask of 32 bits: a ray meets the object if their masks have a bit in common."""
         return self._mask
 
     @property
@@ -235,7 +235,7 @@ def affine(transform: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 
 def affines(transforms: npt.ArrayLike, count: int) -> npt.NDArray[np.float64]:
-    """Return so many transforms as (n, 4, 4), of one each or one for all, if they can be undone."""
+    """Return ``count`` invertible transforms as (n, 4, 4), of one each or one for all."""
     given = cast(numbers("transform", transforms), np.float64)
     one_for_all = given.shape in ((4, 4), (3, 4))
     if not one_for_all and given.shape not in ((count, 4, 4), (count, 3, 4)):

@@ -54,7 +54,7 @@ class OwnShading(NamedTuple):
         return np.ascontiguousarray(self._colors(hits, pixels, 0), np.float32)
 
     def means(self, samples: int, report: Report | None) -> npt.NDArray[np.float32]:
-        """Return the means of the colours at so many points of each pixel."""
+        """Return the means of the colours of ``samples`` points of each pixel."""
         colors = np.empty((*self.region.shape, 3), np.float32)
         done = 0
         for row, last in self._batches():

@@ -258,7 +258,7 @@ class Picture(NamedTuple):
 
 
 class _Steps(NamedTuple):
-    """How a picture gets better: channels by how they are made, and the samples of each step."""
+    """The steps of a picture: channels by how they are made, and the samples of each step."""
 
     #: Those whose samples are added to those before.
     accumulated: list[str]
@@ -271,7 +271,7 @@ class _Steps(NamedTuple):
 
     @classmethod
     def of(cls, picture: Picture, least: int) -> _Steps:
-        """Return those of a picture, the first with so many samples."""
+        """Return the steps of a picture, the first with ``least`` samples."""
         kinds = dict(zip(picture.asked, _firsthit.sampling(picture.asked), strict=True))
         groups = [
             [name for name, kind in kinds.items() if kind == wanted]

@@ -23,7 +23,7 @@ class _Bar(Protocol):
 
 
 def check(progress: Progress | None) -> None:
-    """Refuse what nobody can follow."""
+    """Refuse a value that is no progress."""
     if not (progress is None or isinstance(progress, bool) or callable(progress)):
         raise TypeError(f"progress must be True or a function of two numbers, got {progress!r}")
 

@@ -32,17 +32,17 @@ class Reach(NamedTuple):
 
     @property
     def width(self) -> int:
-        """How many columns it has."""
+        """The number of columns."""
         return max(self.right - self.left, 0)
 
     @property
     def height(self) -> int:
-        """How many rows it has."""
+        """The number of rows."""
         return max(self.bottom - self.top, 0)
 
     @property
     def size(self) -> int:
-        """How many pixels it has."""
+        """The number of pixels."""
         return self.width * self.height
 
     def within(self, other: Reach) -> Reach:
@@ -62,7 +62,7 @@ def picture(camera: Sensor) -> Reach:
 
 
 class Plane(NamedTuple):
-    """How a flat picture goes on beyond its border.
+    """The plane of a flat picture, beyond its border too.
 
     With x to the right and y down, in the camera's frame and for a perspective camera divided by z,
     the pixel is ``(fx * x + skew * y + cx, fy * y + cy)``.
@@ -76,7 +76,7 @@ class Plane(NamedTuple):
 
 
 def plane(camera: Camera) -> Plane | None:
-    """Return how the picture goes on; ``None`` for one that is not flat."""
+    """Return the plane of a picture; ``None`` for one that is not flat."""
     k = intrinsic_matrix(camera)
     if k is not None:
         return Plane(k[0, 0], k[1, 1], k[0, 2], k[1, 2], k[0, 1])

@@ -1,4 +1,4 @@
-"""What rays can be asked about a scene."""
+"""Queries of rays in a scene."""
 
 from __future__ import annotations
 

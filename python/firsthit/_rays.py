@@ -136,7 +136,7 @@ class Rays:
         return self
 
     def copied(self) -> Rays:
-        """Return the same rays with limits and filters; nobody else has origins and directions."""
+        """Return the rays with limits and filters; their origins and directions are copies."""
         limits, filters = self.arrays[2:], self.filters
         copies = self.own()
         for copy, array in zip(copies, self.arrays[:2], strict=True):

@@ -1,4 +1,4 @@
-"""What a laser scanner measures."""
+"""Scans of a laser scanner."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _NOISE, _DROPOUT = 0, 1
 
 
 class ScanSettings(NamedTuple):
-    """How to scan, checked; see `Lidar.scan`."""
+    """The settings of a scan, checked; see `Lidar.scan`."""
 
     returns: Returns
     divergence: float | None

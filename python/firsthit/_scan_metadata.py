@@ -1,4 +1,4 @@
-"""What files of a laser scan say of it, in the form that files of frames have."""
+"""The metadata of a laser scan in files, in the form that files of frames have."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ _BUILDS: tuple[Build, ...] = ("auto", "fast", "best")
 
 
 class _Last(NamedTuple):
-    """What was built last."""
+    """The scene that was built last."""
 
     built: Built
     #: What changed since something was built from all objects, by identifiers; more may come.
@@ -273,7 +273,7 @@ class Scene(
             )
 
     def _take_built(self, native: _firsthit.Scene) -> None:
-        """Take what is built from the objects and lights there are, lest it be built again."""
+        """Take a scene built from the present objects and lights, so that none is built again."""
         built = Built(self._objects[:], self._lights[:], self._around(), native)
         self._last = _Last(built, self._moves, len(self._moves))
 
@@ -331,7 +331,7 @@ class Scene(
 
     @property
     def up(self) -> Vector:
-        """Which way is up in world space, for `Camera.framing` and `render`; of any length.
+        """The direction upwards in world space, for `Camera.framing` and `render`; of any length.
 
         A scene file says it, and for glTF it is +y. OBJ, STL and PLY files do not say it: it is +y
         for OBJ and +z for STL and PLY, unless the meshes clearly stand on a flat base along the
@@ -378,7 +378,7 @@ class Scene(
 
     @property
     def display(self) -> Display:
-        """How PNGs of pictures of the scene show colours where nobody says, see `Frame.display`.
+        """The default display of PNGs of the scene's pictures, see `Frame.display`.
 
         A ``TypeError`` for what is no `Display`.
         """
@@ -472,11 +472,11 @@ class Scene(
 
     @property
     def build(self) -> Build:
-        """How the trees over meshes are built: ``"auto"``, ``"fast"`` or ``"best"``."""
+        """The trade-off for building trees: ``"auto"``, ``"fast"`` or ``"best"``."""
         return self._build_as
 
     def _view(self) -> Camera:
-        """Return the camera to look through where nobody says."""
+        """Return the default camera."""
         return self._cameras[0].camera if self._has_view else Camera.framing(self)
 
     def _triangles(self) -> int:

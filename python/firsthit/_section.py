@@ -134,7 +134,7 @@ class Section:
         self._native.save(Path(path))
 
     def __len__(self) -> int:
-        """How many curves there are."""
+        """Return the number of curves."""
         return len(self.polylines)
 
     def __iter__(self) -> Iterator[Polyline]:

@@ -1,4 +1,4 @@
-"""What makes rays."""
+"""Sensors: they make rays."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Sensor:
-    """What makes a ray for every pixel of a picture.
+    """A sensor: it makes a ray for every pixel of a picture.
 
     It is a `Camera`, a `RaySensor`, a `RollingShutter`, a `Pushbroom` or a `Lidar`. `render` and
     `Scene.shoot` take any of them. ``docs/sensors.md`` compares them.
@@ -58,7 +58,7 @@ class Sensor:
 
 
 class OtherSensor(Sensor):
-    """What sensors that are no cameras have in common."""
+    """The base of sensors that are no cameras."""
 
     _native: _firsthit.Sensor
 

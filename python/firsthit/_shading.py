@@ -1,4 +1,4 @@
-"""How hits get their colour."""
+"""The shading of hits."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def _value(name: str, domains: dict[str, str], value: Any) -> Setting:
 
 @dataclass(frozen=True, init=False)
 class Shading:
-    """How hits get their colour, by default: see `Scene.shading`. Immutable.
+    """The default shading of hits: see `Scene.shading`. Immutable.
 
     What is ``None`` is decided by the scene and the camera, as `render` says.
 

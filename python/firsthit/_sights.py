@@ -1,4 +1,4 @@
-"""Who sees whom, and how thick things are."""
+"""Lines of sight, and the thickness of objects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the rays of hits come from, and what is computed from them later."""
+"""The source of hits' rays, and the quantities that are computed from them later."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _FEW = SMALL // 16
 
 
 def hits_arrays(length: int) -> Arrays:
-    """Return arrays for so many hits; their elements are anything."""
+    """Return uninitialised arrays for ``length`` hits."""
     # `empty` would do the same for few, but its checks take 1 us of the 11 of a call with one ray.
     make: Callable[..., npt.NDArray[Any]] = np.empty if length < _FEW else empty
     return (
@@ -88,7 +88,7 @@ class Source:
         return self.rays is None and self.pixels is None
 
     def rows_and_columns(self, length: int) -> tuple[npt.NDArray[Any], npt.NDArray[Any]] | None:
-        """Return the rows and columns of the pixels of so many rays, if they are known."""
+        """Return the rows and columns of the pixels of ``length`` rays, if they are known."""
         if self.camera is None or (self.rays is not None and self.pixels is None):
             return None
         pixels = np.arange(length) if self.pixels is None else self.pixels

@@ -1,4 +1,4 @@
-"""How files hold numbers."""
+"""The storage of numbers in files."""
 
 from __future__ import annotations
 

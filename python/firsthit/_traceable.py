@@ -1,4 +1,4 @@
-"""What a scene is to those who only shoot at it or look at it."""
+"""The view of a scene for code that only traces or looks at it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _IDENTITY = np.eye(4)
 
 
 class Built:
-    """What rays are shot at, and what it was built from, none of which changes.
+    """A built scene that rays are shot at, with what it was built from; immutable.
 
     It is pickled as what it was built from.
     """
@@ -122,7 +122,7 @@ class Built:
 
 
 class _Seen(Built):
-    """What rays of one mask meet, or some of the objects; it does not hold all of them built."""
+    """A built scene for rays of one mask, or of some objects; it does not hold all as built."""
 
     def __init__(
         self,
@@ -149,7 +149,7 @@ def _seen_again(
 
 
 class Traceable:
-    """What rays can be traced through, and which way is up there: a `Scene`."""
+    """A scene to trace rays through, with its direction upwards: a `Scene`."""
 
     def _ready(self) -> Built:
         """Return what rays are shot at, with what it was built from."""
@@ -177,5 +177,5 @@ class Traceable:
 
     @property
     def up(self) -> Vector:
-        """Which way is up in the world, of any length."""
+        """The direction upwards in the world, of any length."""
         raise NotImplementedError

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Trajectory:
-    """Where a moving body is, also between the times at which its pose is given. Immutable.
+    """The poses of a moving body, also between the times at which they are given. Immutable.
 
     At the time of a pose it is that pose, bit for bit. The same trajectory and time give the same
     bits on every machine.
@@ -283,12 +283,12 @@ class Trajectory:
 
     @property
     def positions(self) -> npt.NDArray[np.float64]:
-        """Where the body is at those, (n, 3) float64: a copy."""
+        """The positions at those times, (n, 3) float64: a copy."""
         return self._native.parts()[1].reshape(-1, 3)
 
     @property
     def rotations(self) -> npt.NDArray[np.float64]:
-        """How it is turned, quaternions (x, y, z, w), (n, 4) float64: a copy."""
+        """The rotations, quaternions (x, y, z, w), (n, 4) float64: a copy."""
         return self._native.parts()[2].reshape(-1, 4)
 
     @property
@@ -303,17 +303,17 @@ class Trajectory:
 
     @property
     def interpolation(self) -> Interpolation:
-        """What is between poses."""
+        """The interpolation between poses."""
         return self._native.parts()[3][0]
 
     @property
     def extrapolation(self) -> Extrapolation:
-        """What is beyond them."""
+        """The extrapolation beyond the poses."""
         return self._native.parts()[3][1]
 
     @property
     def body(self) -> BodyName:
-        """Which ways the body's axes point."""
+        """The directions of the body's axes."""
         return self._body
 
     def __len__(self) -> int:

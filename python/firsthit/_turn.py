@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class _Here(threading.local):
-    """What this thread does."""
+    """The state of this thread."""
 
     has_turn = False
 

@@ -1,4 +1,4 @@
-"""What a page that shows a scene is about."""
+"""The viewer behind a page that shows a scene."""
 
 from __future__ import annotations
 

@@ -211,7 +211,7 @@ class _Tasks(Executor):
 
     @property
     def _max_workers(self) -> int:
-        """How many tasks the cluster does at once, from which the driver has its window."""
+        """The number of tasks that the cluster does at once, by which the driver has its window."""
         now = time.monotonic()
         if self._counted is None or now - self._counted[0] > _RECENT:
             at_once = sum(int(cpus // self._cpus) for cpus in _cpus_of_nodes(_connected()))
@@ -238,7 +238,7 @@ class _Tasks(Executor):
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002 - as Executor has it
-        """Take no more work; Ray itself goes on."""
+        """Take no more work; Ray itself keeps running."""
         self._is_shut = True
         given = list(self._given)
         if cancel_futures:

@@ -1,4 +1,4 @@
-"""What commands share: how they read arguments, what they say, and their exit codes.
+"""Shared parts of commands: reading arguments, messages, and exit codes.
 
 It is what the Rust program does, so that nobody notices in which language a command is written:
 every error is one line on standard error, ``firsthit: error: ...``, and with ``--json`` there is
@@ -109,7 +109,7 @@ def failure(error: BaseException) -> tuple[int, str]:
 
 
 class _Said:
-    """What goes to standard output and standard error."""
+    """Writes to standard output and standard error."""
 
     def __init__(self, *, as_json: bool) -> None:
         self._as_json = as_json

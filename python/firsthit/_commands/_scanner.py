@@ -1,4 +1,4 @@
-"""Which scanner, where it stands or drives, and when: the options, and what they make."""
+"""The options of a scanner, its place or drive, and its times, and the scanner they make."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Scanner(NamedTuple):
 
 
 class _Period(NamedTuple):
-    """How long a turn is."""
+    """The length of a turn."""
 
     #: Turns in a second.
     rate: float
@@ -377,7 +377,7 @@ def _curve(
     where: dict[str, Any],
     drive: Trajectory | None,
 ) -> Scanner:
-    """Return a scanner of points; its curve goes on from turn to turn."""
+    """Return a scanner of points; its curve continues from turn to turn."""
     _need(arguments, kind, ("frequencies", "points", "point_rate"))
     points, rate = arguments.points, arguments.point_rate
     option = {"rosette": "share", "lissajous": "phase"}[kind]

@@ -1,4 +1,4 @@
-"""Making the parts of a job that are missing, whoever makes them."""
+"""The making of a job's missing parts, by this process or by workers."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def make(
 
 
 def _look_for(path: Path) -> None:
-    """Refuse to go on where workers write to another place: the first part must be seen here."""
+    """Refuse workers that write to another place: the first part must be seen here."""
     tries = 0
     while not path.is_dir():
         tries += 1

@@ -77,7 +77,7 @@ def results(work: Work, tasks: Iterable[Task], on: On) -> Generator[tuple[int, A
 
 
 class _Outcome(NamedTuple):
-    """What came of a task that was not lost."""
+    """The result of a task that was not lost."""
 
     result: Any = None
     error: Exception | None = None
@@ -90,7 +90,7 @@ _heard: list[str] | None = None
 
 
 def keep_warnings() -> None:
-    """Have the driver warn in place of this process, to whose words nobody listens."""
+    """Have the driver show this process's warnings, which would be lost here."""
     global _heard
     _heard = heard = []
     told = warnings.showwarning

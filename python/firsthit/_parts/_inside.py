@@ -1,4 +1,4 @@
-"""Files that a record names, opened with care: whoever wrote the record may mean harm."""
+"""Files that a record names, opened with care: the record's author may mean harm."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ def range_of(part: tuple[int, int] | None, count: int) -> range:
 
 
 def checked_part(part: tuple[int, int] | None) -> tuple[int, int]:
-    """Return which of how many parts a user asked for: the only one where nobody did."""
+    """Return which of how many parts a user asked for; the only one by default."""
     if part is None:
         return 1, 1
     if not isinstance(part, tuple | list) or len(part) != 2:

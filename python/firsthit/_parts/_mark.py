@@ -1,4 +1,4 @@
-"""What tells whether a scene is what it was when a job began."""
+"""A digest that tells whether a scene is as it was when a job began."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Mark(NamedTuple):
-    """What all frames of a scene depend on.
+    """The digests of all that a scene's frames depend on.
 
     Attributes
     ----------

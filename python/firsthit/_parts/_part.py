@@ -40,7 +40,7 @@ _PASSING = (
 
 
 class Form(NamedTuple):
-    """What the parts of a kind of job are called.
+    """The names of the parts of a kind of job.
 
     Attributes
     ----------

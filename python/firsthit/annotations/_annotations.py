@@ -1,4 +1,4 @@
-"""What is annotated: instances, and the pictures that they are in."""
+"""Annotations: instances, and the pictures that they are in."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Part(NamedTuple):
 
 
 class Occlusion(NamedTuple):
-    """What hides an instance.
+    """The occlusion of an instance by another object.
 
     Attributes
     ----------
@@ -161,7 +161,7 @@ class Instance:
 
 
 class Annotations:
-    """What is in one picture of a scene, as `annotate` finds it.
+    """The instances in one picture of a scene, as `annotate` finds them.
 
     Attributes
     ----------

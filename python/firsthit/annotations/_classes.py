@@ -1,4 +1,4 @@
-"""Which objects are of which class, and which of them are one instance."""
+"""The classes of objects, and their grouping into instances."""
 
 from __future__ import annotations
 

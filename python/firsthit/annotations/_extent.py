@@ -1,4 +1,4 @@
-"""How far shapes reach along directions, exactly: what boxes are made of."""
+"""The extent of shapes along directions, exactly: what boxes are made of."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all formats share: pictures by name, classes by number, files that appear whole."""
+"""Shared parts of all formats: pictures by name, classes by number, files that appear whole."""
 
 from __future__ import annotations
 

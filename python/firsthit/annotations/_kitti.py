@@ -151,7 +151,7 @@ def labels(
 
 
 class _Upright:
-    """How objects stand, by their axes."""
+    """The upright poses of objects, by their axes."""
 
     def __init__(self, forward: Axis, up: Axis, tilt_degrees: float) -> None:
         for name, axis in (("forward", forward), ("up", up)):

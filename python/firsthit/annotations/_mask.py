@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Mask:
-    """Which pixels of a picture belong to something, kept as the part that has any.
+    """The pixels of a picture that belong to something, kept as the part that has any.
 
     `array` is the mask of the whole picture. Boxes and polygons are in columns from the left edge
     and rows from the upper edge of the picture, so that a box of one pixel is 1 wide, and the
@@ -105,7 +105,7 @@ class Mask:
 
     @property
     def pixels(self) -> int:
-        """How many pixels belong to it."""
+        """The number of pixels that belong to it."""
         return int(np.count_nonzero(self.crop))
 
     @property

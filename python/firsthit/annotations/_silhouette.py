@@ -1,4 +1,4 @@
-"""What a camera would see of objects if nothing else were there."""
+"""Silhouettes: the view of an instance if nothing else were there."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _MOST_BEYOND = 1 << 20
 
 
 class Silhouette(NamedTuple):
-    """What a camera sees of an instance alone."""
+    """The view of an instance alone."""
 
     #: In the picture.
     mask: Mask

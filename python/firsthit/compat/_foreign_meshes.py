@@ -1,4 +1,4 @@
-"""What the replacements share: arrays of other packages, and the normals of triangles."""
+"""Shared parts of the replacements: arrays of other packages, and the normals of triangles."""
 
 from __future__ import annotations
 

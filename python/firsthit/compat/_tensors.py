@@ -30,11 +30,11 @@ class TriangleMesh(Protocol):
 
     @property
     def vertex(self) -> Any:
-        """What the vertices have: ``positions``."""
+        """The attributes of the vertices: ``positions``."""
 
     @property
     def triangle(self) -> Any:
-        """What the triangles have: ``indices``."""
+        """The attributes of the triangles: ``indices``."""
 
 
 class LegacyMesh(Protocol):
@@ -50,7 +50,7 @@ class LegacyMesh(Protocol):
 
 
 class Asked(NamedTuple):
-    """What is asked about, and what answers are to be like."""
+    """The array that is asked about, and the form of the answers."""
 
     array: npt.NDArray[Any]
     dtype: type[np.float32] | type[np.float64]

@@ -46,7 +46,7 @@ _MOST_NEAR = 16
 
 
 class RayMeshIntersector:
-    """What rays meet of one mesh, in the words of ``trimesh.ray``.
+    """Ray queries of one mesh, in the words of ``trimesh.ray``.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ class RayMeshIntersector:
 
 
 class ProximityQuery:
-    """What of one mesh is nearest to points, in the words of ``trimesh.proximity``.
+    """Nearest-point queries of one mesh, in the words of ``trimesh.proximity``.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ _MOST_FRAMES = 10**9
 
 
 class _Free(NamedTuple):
-    """Which places are taken, and how often another one is tried."""
+    """The conditions for a free place, and the number of tries."""
 
     clearance: float
     outside_objects: bool

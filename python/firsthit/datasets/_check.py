@@ -1,4 +1,4 @@
-"""What can be known of a plan before anything is made."""
+"""Checks of a plan before anything is made."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Checked(NamedTuple):
-    """What a check knows of a scene."""
+    """The facts that a check found about a scene."""
 
     mark: Mark
     #: Which way is up in it.

@@ -1,4 +1,4 @@
-"""What a plan comes to, before anything is made."""
+"""Estimates of a plan's cost without rendering."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _RETURN = {"npz": 100, "ply": 100, "pcd": 68, "csv": 190, "las": 58, "laz": 58, 
 
 
 class Cost(NamedTuple):
-    """What a plan comes to.
+    """The cost of a plan.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Where a plan comes from: its folder, and the lines of its keys."""
+"""The source of a plan: its folder, and the lines of its keys."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What frames are called in the folder of a data set."""
+"""The names of frames in the folder of a data set."""
 
 from firsthit._parts._part import Form
 

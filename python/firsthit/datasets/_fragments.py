@@ -1,4 +1,4 @@
-"""What the annotations of one picture add to the files of all.
+"""The parts that one picture's annotations add to the files of all.
 
 A fragment is plain data, which the record of a frame holds. It is made by the functions that write
 the formats, from one picture; classes stand in it by their names, since their numbers depend on the

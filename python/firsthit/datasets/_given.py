@@ -46,7 +46,7 @@ class Path:
 
     @property
     def count(self) -> int:
-        """How many there are in each scene."""
+        """The number of poses in each scene."""
         return self.number
 
     @classmethod
@@ -180,7 +180,7 @@ class Listed:
 
     @property
     def count(self) -> int:
-        """How many there are in each scene."""
+        """The number of poses in each scene."""
         return len(self.matrices)
 
     @classmethod

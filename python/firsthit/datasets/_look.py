@@ -1,4 +1,4 @@
-"""What pictures of a plan look like: the arguments of `render` that are about colours."""
+"""The look of a plan's pictures: the arguments of `render` that are about colours."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ LOOK = ("samples", *_LIGHT, *_NUMBERS, *_LINES, *_DISPLAY)
 
 
 class Look(NamedTuple):
-    """How colours are made and shown.
+    """The shading and the display of colours.
 
     Attributes
     ----------

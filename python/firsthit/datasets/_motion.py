@@ -27,7 +27,7 @@ _FLOWS, _DISPARITIES = ("flo", "png"), ("png", "pfm")
 
 
 class Motion(NamedTuple):
-    """What is written of how pixels move.
+    """The outputs of the motion of pixels.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a plan asks to be written."""
+"""The outputs that a plan asks for."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ DISTANCES = ("t", "range", "z")
 
 
 class Output(NamedTuple):
-    """What is written of each frame, and at the end.
+    """The outputs of each frame, and at the end.
 
     Attributes
     ----------

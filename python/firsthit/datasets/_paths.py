@@ -1,4 +1,4 @@
-"""Which files a plan may name: those in its folder and below, as scene files have it."""
+"""The files that a plan may name: those in its folder and below, as scene files have it."""
 
 from __future__ import annotations
 

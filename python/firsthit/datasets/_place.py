@@ -1,4 +1,4 @@
-"""What a place of the rig is, and what says where it is."""
+"""Places of the rig, and the sources of its poses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Place(NamedTuple):
-    """Where the rig is, and when.
+    """The pose of the rig, and its time.
 
     Attributes
     ----------
@@ -33,11 +33,11 @@ class Place(NamedTuple):
 
 
 class Poses(Protocol):
-    """What says where the rig is in the frames of a scene."""
+    """A source of the rig's poses in the frames of a scene."""
 
     @property
     def count(self) -> int:
-        """How many there are in each scene."""
+        """The number of poses in each scene."""
 
     @property
     def files(self) -> tuple[Path, ...]:

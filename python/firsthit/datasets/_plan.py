@@ -32,7 +32,7 @@ VERSION = 1
 
 
 class Plan:
-    """What a data set consists of: checked, not yet made.
+    """The content of a data set: checked, not yet made.
 
     A frame is what all sensors see from one pose of the rig in one scene. Frames are numbered from
     0, the poses of the first scene first. ``docs/datasets.md`` has all keys of a plan.
@@ -165,12 +165,12 @@ class Plan:
 
     @property
     def poses_per_scene(self) -> int:
-        """How many poses the rig has in each scene."""
+        """The number of the rig's poses in each scene."""
         return self._poses.count
 
     @property
     def frames(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
         return len(self._scenes) * self._poses.count
 
     @property

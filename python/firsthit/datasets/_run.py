@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class Made(NamedTuple):
-    """What a run came to.
+    """The result of a run.
 
     Attributes
     ----------

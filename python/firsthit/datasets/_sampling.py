@@ -48,7 +48,7 @@ class Uniforms:
 
 
 class Pose(NamedTuple):
-    """Where the rig is: its origin, and the directions of its axes in the world."""
+    """The pose of the rig: its origin, and the directions of its axes in the world."""
 
     position: Vector
     axes: Axes

@@ -33,7 +33,7 @@ class PlannedScene(NamedTuple):
 
     @property
     def annotate_options(self) -> dict[str, Any]:
-        """What `annotate` is told about it."""
+        """The options of `annotate` for the scene."""
         return {"classes": self.classes, "by": self.by, "keypoints": self.keypoints or None}
 
 

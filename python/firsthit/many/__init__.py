@@ -1,4 +1,4 @@
-"""The same job on many workers: parts in a folder, with the same bytes after any kill.
+"""One job on many workers: parts in a folder, with the same bytes after any kill.
 
 `render_many`, `shoot_many` and `visible_many` make the parts that are missing; `parts` says which
 are there, and `pack` packs them for training. A worker is a process with all its threads and one

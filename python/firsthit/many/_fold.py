@@ -28,7 +28,7 @@ Arrays = dict[str, "npt.NDArray[Any]"]
 
 @runtime_checkable
 class Fold(Protocol):
-    """What reduces the hits of a part.
+    """A function that reduces the hits of a part.
 
     It must be picklable, as an object of a module's class is, and its ``repr`` must say its
     parameters: a later run knows the job by them.
@@ -108,7 +108,7 @@ class Minimum:
 
 
 class Histogram:
-    """How many hits have a channel between edges.
+    """The numbers of hits with a channel between edges.
 
     A value counts in the bin that begins at or below it and ends above it; those outside are in
     ``below`` and ``above``, and misses in neither.

@@ -1,4 +1,4 @@
-"""What all kinds of jobs do: claim a folder, share the scene, make what is missing."""
+"""Shared steps of all kinds of jobs: claim a folder, share the scene, make what is missing."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ _SCENE = f"scene{BUILT}"
 
 
 class How(NamedTuple):
-    """How a job is done, which changes no byte of it."""
+    """The settings of doing a job, which change no byte of it."""
 
     on: On
     part: tuple[int, int] | None
@@ -219,7 +219,7 @@ class Job:
 
 
 class Stream(Job):
-    """A job whose parts come one after the other, so that nobody knows how many there are.
+    """A job whose parts come one after the other, in a number unknown beforehand.
 
     Only when all have come does ``job.json`` say how many.
     """

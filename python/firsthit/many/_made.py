@@ -1,4 +1,4 @@
-"""What a run came to."""
+"""The result of a run."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 
 class Made(NamedTuple):
-    """What a run came to.
+    """The result of a run.
 
     Attributes
     ----------

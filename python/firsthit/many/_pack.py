@@ -45,7 +45,7 @@ _BLOCK, _RECORD = tarfile.BLOCKSIZE, tarfile.RECORDSIZE
 
 
 class Packed(NamedTuple):
-    """What packing came to.
+    """The result of packing.
 
     Attributes
     ----------

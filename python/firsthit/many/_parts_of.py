@@ -1,4 +1,4 @@
-"""What is in the folder of a job."""
+"""The content of the folder of a job."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MOST = 10**12
 
 
 class JobState(NamedTuple):
-    """What is in the folder of a job.
+    """The content of the folder of a job.
 
     Attributes
     ----------
@@ -106,7 +106,7 @@ class Found(NamedTuple):
 
     @property
     def missing(self) -> tuple[range, ...]:
-        """What is missing, but for the rest of a stream, of which nobody knows the end."""
+        """The missing parts, without the rest of a stream, whose end is unknown."""
         known = self.state.missing
         return known if self.is_ended or not known else known[:-1]
 

@@ -25,7 +25,7 @@ _T = TypeVar("_T")
 
 
 def processes(workers: int) -> Callable[[], Executor]:
-    """Return what makes a pool of so many processes, to be given as ``on``.
+    """Return a maker of a pool of ``workers`` processes, to be given as ``on``.
 
     Each is started anew, and none is forked: it opens the scene's file for itself. Ctrl-C ends the
     job when the parts that were begun are whole. If the driver is killed, its workers end too. If a
@@ -161,7 +161,7 @@ class _Context(SpawnContext):
 
 
 def _begin() -> None:
-    """Begin a worker: Ctrl-C is the driver's to hear, and nobody works for one that is dead."""
+    """Begin a worker: Ctrl-C is the driver's to handle, and no worker outlives its driver."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     keep_warnings()
     threading.Thread(target=_end_with_driver, daemon=True).start()

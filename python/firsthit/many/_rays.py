@@ -1,4 +1,4 @@
-"""Where the rays of a job come from: arrays, sensors, or files."""
+"""The source of a job's rays: arrays, sensors, or files."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class RaySource(Protocol):
 
 
 def source_of(rays: Any, size: int) -> RaySource:
-    """Return the source of what a user gave, in parts of so many rays."""
+    """Return the source of what a user gave, in parts of ``size`` rays."""
     if isinstance(rays, Sensor):
         return _OfSensors([rays], size)
     if isinstance(rays, str | os.PathLike):

@@ -83,7 +83,7 @@ def render_many(
     verify: bool = False,
     progress: Progress | None = None,
 ) -> Made:
-    """Make pictures of many cameras, on one machine or on many, and go on after any kill.
+    """Make pictures of many cameras, on one machine or on many, and resume after any kill.
 
     A part is a range of cameras. Each has a folder in ``out/parts``, which is there when it is
     whole; a run makes those that are missing. The bytes are those of `render`, whoever makes them.

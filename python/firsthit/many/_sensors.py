@@ -1,4 +1,4 @@
-"""What tells sensors from others."""
+"""Digests that tell sensors from others."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ def shoot_many(
     verify: bool = False,
     progress: Progress | None = None,
 ) -> Made:
-    """Find the first hits of many rays, on one machine or on many, and go on after any kill.
+    """Find the first hits of many rays, on one machine or on many, and resume after any kill.
 
     A part is a range of rays. Each has a folder in ``out/parts`` with its hits, which is there when
     it is whole; a run makes those that are missing. The bytes are those of `Scene.shoot`, whoever

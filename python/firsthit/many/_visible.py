@@ -1,4 +1,4 @@
-"""Who sees whom, of many points: a matrix of bits, by blocks."""
+"""Visibility among many points: a matrix of bits, by blocks."""
 
 from __future__ import annotations
 
