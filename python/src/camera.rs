@@ -413,7 +413,7 @@ pub(crate) fn ray_arrays(
             let origins = origins.par_chunks_mut(PIECE);
             let pieces = origins.zip(directions.par_chunks_mut(PIECE)).enumerate();
             pieces.for_each(|(k, (origins, directions))| {
-                // The interruption is raised by whoever asked to stop.
+                // The caller that asked to stop raises the interruption.
                 if !stop.is_stopped() {
                     make(k * PIECE, origins, directions);
                 }

@@ -158,7 +158,7 @@ pub(crate) fn run_reported<T: Send>(
             let (slot, stop) = (&mut result, &stop);
             scope.spawn(move |_| {
                 *slot = Some(catch_unwind(AssertUnwindSafe(|| work(stop))));
-                // Nobody waits any more only if the scope is being left, where nothing is lost.
+                // No thread waits any more only if the scope is being left, where nothing is lost.
                 let _ = done.send(());
             });
             while waiting.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {

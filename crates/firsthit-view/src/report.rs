@@ -141,7 +141,7 @@ fn data(id: &str, kind: &str, text: &str) -> String {
 /// The page with its style and its scripts inside, and `head` before them.
 fn page(head: &str, still: &str) -> String {
     let bundled = bundle(SCRIPTS);
-    // Nobody who writes a name into a scene can know the nonce of a file that holds this name.
+    // The author of a name in a scene cannot know the nonce of a file that holds this name.
     let mut digest = Digest::default();
     for part in [head, still, &bundled] {
         digest.word(part);

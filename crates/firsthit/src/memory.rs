@@ -24,7 +24,7 @@ pub(crate) fn check(what: &'static str, bytes: usize) -> Result<()> {
     }
     let mut probe = Vec::<u8>::new();
     let refused = probe.try_reserve_exact(bytes).is_err();
-    // Without this the compiler may see that nobody uses what is reserved, and not reserve it.
+    // Without this the compiler may see that the reserved memory is unused, and not reserve it.
     std::hint::black_box(&mut probe);
     if refused {
         return Err(short_of(what, format!("{bytes} bytes")));

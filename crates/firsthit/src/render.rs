@@ -200,7 +200,7 @@ impl<'a> Picture<'a> {
         let lines = self.lines(&region, watch)?;
         let columns = region.columns.len();
         let height = if self.noise.is_some() {
-            // Whether a tile goes on depends on its neighbours.
+            // Whether a tile is active depends on its neighbours.
             region.rows.len()
         } else {
             (SLAB / columns / SLAB_ROWS).max(1) * SLAB_ROWS

@@ -64,8 +64,9 @@ pub(crate) struct LightingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Edges")]
 pub(crate) struct EdgeArgs {
-    /// Draw lines along edges over the colours, so many pixels wide; below 1 they are fainter. The channel edge has their
-    /// coverage [default: no lines, or the file's; 1 with any of the options below]
+    /// Draw lines along edges over the colours, of this width in pixels; below 1 they are fainter.
+    /// The channel edge has their coverage [default: no lines, or the file's; 1 with any of the
+    /// options below]
     #[arg(long, value_name = "WIDTH", value_parser = values::line_width, allow_hyphen_values = true)]
     pub(crate) edges: Option<f64>,
     /// Which edges: silhouette (a surface turns away from the eye), crease (its triangles meet at an angle), boundary (it ends),
@@ -73,7 +74,8 @@ pub(crate) struct EdgeArgs {
     /// commas between [default: silhouette,crease,boundary,material]
     #[arg(long, value_name = "KINDS", value_parser = values::edge_kinds)]
     pub(crate) edge_kinds: Option<EdgeKinds>,
-    /// Neighbours whose own normals are more than so many degrees apart meet in a crease [default: 30]
+    /// Neighbours whose own normals are more than this many degrees apart meet in a crease
+    /// [default: 30]
     #[arg(long, value_name = "DEGREES", value_parser = values::edge_angle, allow_hyphen_values = true)]
     pub(crate) edge_angle: Option<f64>,
     /// The colour of the lines [default: black]

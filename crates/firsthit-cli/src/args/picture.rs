@@ -115,8 +115,9 @@ impl FileArgs {
 /// Options for the display of colours in PNGs.
 #[derive(Debug, Args)]
 pub(crate) struct DisplayArgs {
-    /// Make the colours of a .png brighter by so many stops: each is twice as bright; negative ones are darker. All other files
-    /// keep the colours as they are [default: 0, or the file's]
+    /// Make the colours of a .png brighter by this number of stops: each is twice as bright;
+    /// negative ones are darker. All other files keep the colours as they are [default: 0, or the
+    /// file's]
     #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
     pub(crate) exposure: Option<f64>,
     /// Bring bright colours into a .png, after --exposure: none shows what is above 1 as 1, neutral is Khronos PBR Neutral

@@ -150,7 +150,7 @@ impl Lines {
             let is_in_place = |name: &&str| of(name).is_some_and(|at| set.get(at) == Some(name));
             set.len() == record.len() && known.iter().all(is_in_place)
         };
-        // Names that nobody knows stand for as many numbers as are wanted.
+        // Unknown names stand for as many numbers as are wanted.
         let is_as_wide = self.names.iter().any(|set| set.len() == record.len());
         let names = self.names;
         let unknown = || {

@@ -1,7 +1,8 @@
 //! The page's server: on the loopback interface, for one scene, and for the page that knows its token.
 //!
-//! Nothing of a request is a path. The page's files are compiled in, and the scene was chosen on the command line. Whoever wants to look from
-//! another machine takes a tunnel: `ssh -L PORT:127.0.0.1:PORT host`.
+//! Nothing of a request is a path. The page's files are compiled in, and the scene was chosen on
+//! the command line. To look from another machine takes a tunnel: `ssh -L PORT:127.0.0.1:PORT
+//! host`.
 
 mod guard;
 mod http;
@@ -145,7 +146,7 @@ impl Server {
             // Who has not shown the token makes room for who may: the oldest of them.
             let strangers = || open.iter().filter(|(_, open)| !open.is_known);
             let Some(oldest) = strangers().map(|(&number, _)| number).next() else {
-                // A page that is slow or gone is nobody's business but its own, here and below.
+                // A page that is slow or gone must not disturb others, here and below.
                 let _ = Response::bare(Status::BUSY).write(&mut stream, true);
                 return;
             };
@@ -220,7 +221,7 @@ impl Caller<'_> {
 
     /// Does work that ends when its client is gone.
     fn during<T>(&self, work: impl FnOnce() -> T) -> T {
-        // A look at the connection must not wait. Where it cannot be had, work goes on to its end.
+        // A look at the connection must not wait. Where it cannot be had, work is done to its end.
         let _ = self.stream.set_nonblocking(true);
         let done = work();
         let _ = self.stream.set_nonblocking(false);

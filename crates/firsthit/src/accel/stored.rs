@@ -1,7 +1,7 @@
 //! The arrays of a tree, and the assembly of a tree from untrusted arrays.
 //!
-//! Traversals index nodes, leaves and triangles by what nodes and leaves say, and go on for as long as there are children. So
-//! what is read must be a tree whose every index is there:
+//! Traversals index nodes, leaves and triangles by what nodes and leaves say, and continue for as
+//! long as there are children. So what is read must be a tree whose every index is there:
 //!
 //! 1. Each node but the root is the child of exactly one node, which stands before it. So no traversal visits a node twice.
 //! 2. No node is deeper than a traversal's stack allows.

@@ -108,7 +108,7 @@ mod tests {
             for (one, other) in [(Front, Back), (Left, Right), (Top, Bottom)] {
                 assert_eq!(aim(one), -aim(other));
             }
-            // Whoever looks at the front has x at the right hand.
+            // Seen from the front, x is to the right.
             assert_eq!(aim(Right), DVec3::NEG_X);
         }
     }

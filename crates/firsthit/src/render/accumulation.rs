@@ -302,7 +302,7 @@ mod tests {
         assert_eq!(active.tiles, expected);
         assert!(active.is_any() && active.has(5 * 64 + 40) && !active.has(5 * 64 + 20));
         assert!(!Activity::at(&known, shape, 32, 0.9).is_any());
-        // Not at other numbers: 33 samples are not there yet, so nothing goes on.
+        // Not at other numbers: 33 samples are not there yet, so no tile is active.
         assert!(!Activity::at(&known, shape, 33, 0.0).is_any());
     }
 }

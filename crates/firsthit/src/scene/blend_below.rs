@@ -39,7 +39,7 @@ impl Scene {
             return self.try_clone();
         }
         let alpha_mode = AlphaMode::Mask { cutoff };
-        // Objects that share their materials go on sharing them.
+        // Objects that share their materials still share them.
         let mut made: HashMap<*const Material, Arc<[Material]>> = HashMap::new();
         let mut cut_out = |object: &Object| {
             let materials = object.materials();

@@ -78,7 +78,7 @@ impl Scene {
         for object in &self.objects {
             digest_object(object, &mut known, &mut digest);
         }
-        // Whoever was first has the same.
+        // The first thread's value is equal.
         let _ = self.digests.set(known);
         let own: &[Light] = if self.has_own_lights {
             &self.lights
@@ -116,7 +116,7 @@ fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
     };
     digest.bytes(&shape);
     digest.numbers(&object.transform().world_from_object().to_cols_array());
-    // Nobody's look is the neutral colour, whoever chose it.
+    // An object without a look counts as one in the neutral colour.
     let neutral = [Material::colored(Object::NEUTRAL)];
     let materials = if object.materials().is_empty() {
         &neutral[..]

@@ -3,8 +3,9 @@
 //! A ray comes to all of them at once, as if they were one mesh. One of them, the leader, stands for all in the tree over the objects, and
 //! its number with that of a triangle in the shared tree says what was met ([`Scene::surface_at`]).
 //!
-//! 1. Join objects with the same transform and mask whose meshes nobody else has, that are cut out nowhere and in no other's place, and
-//!    near to each other. Leave out what is so fine beside the others that float32 could not tell its triangles apart.
+//! 1. Join objects with the same transform and mask whose meshes no other object has, that are cut
+//!    out nowhere and in no other's place, and near to each other. Leave out what is so fine beside
+//!    the others that float32 could not tell its triangles apart.
 //! 2. Build one tree over all triangles.
 //! 3. An object that is moved, hidden or changed leaves: its triangles are taken out of the leaves, and it gets a tree of its own.
 

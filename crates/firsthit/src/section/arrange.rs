@@ -4,8 +4,8 @@
 //!    so that they may cross others: again, until none does.
 //! 2. Lines in one place are one, which counts as often as they go one way more than the other.
 //! 3. Count how often the lines go around both sides of each, and keep those with the inside on one side: that becomes their left.
-//! 4. As many of them come to a point as go on from there, so that they are closed curves. Where several go on, the sharpest turn to the
-//!    left is next: then curves that touch in a point stay apart.
+//! 4. As many of them come to a point as leave it, so that they are closed curves. Where several
+//!    leave, the sharpest turn to the left is next: then curves that touch in a point stay apart.
 //!
 //! Every sign is exact, so that what is put together fits. After Hobby, "Practical segment intersection with finite precision output",
 //! Computational Geometry 13(4), 1999, without its grid.
@@ -237,7 +237,7 @@ fn join(nodes: &Nodes, edges: &[Edge], object: i32, section: &mut Section) {
                 let [p, q] = [a, b].map(|k| nodes.line(&edges[k as usize]).to);
                 if is_sharper(line, q, p) { b } else { a }
             });
-            // As many go on as come.
+            // As many leave as come.
             let Some(next) = next else { break };
             current = next;
         }

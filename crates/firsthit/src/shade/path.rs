@@ -3,9 +3,10 @@
 //! 1. At each vertex of a path add the light of sampled lights (next-event estimation, `vertex.rs`).
 //! 2. Sample a direction by the surface's BSDF, and add the light that a ray meets there (`found.rs`). Where both may find the same
 //!    light, they are weighted (multiple importance sampling).
-//! 3. The surface that the ray meets is the next vertex. After some vertices a path goes on by chance only, the rarer the less
-//!    it can bring, and counts as much more (Russian roulette; Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990).
-//!    What refraction takes of its light does not count there, because leaving the medium gives it back.
+//! 3. The surface that the ray meets is the next vertex. After some vertices a path continues by
+//!    chance only, the rarer the less it can bring, and counts as much more (Russian roulette; Arvo
+//!    and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990). What refraction takes of
+//!    its light does not count there, because leaving the medium gives it back.
 //!
 //! All paths of a batch take each step together, so that their rays are shot together.
 

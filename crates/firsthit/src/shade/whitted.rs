@@ -67,7 +67,7 @@ pub(super) fn shade(
             reflections: 0,
         }));
     }
-    // Those that go on through translucent surfaces.
+    // The rays that continue through translucent surfaces.
     let mut through: Vec<Branch> = Vec::new();
     for _ in 0..MOST {
         add_light(settings, shading, &seen, colors);

@@ -42,7 +42,7 @@ impl Engine for BruteForce {
             Answers::Count(counts) => answer_all(scene, rays, counts, watch),
             Answers::All(all) => all.fill(scene, rays, watch, |first, lists| {
                 for (index, list) in (first..).zip(lists) {
-                    // Whoever called looks too, and says so.
+                    // The caller looks too, and says so.
                     if watch.is_stopped() {
                         break;
                     }

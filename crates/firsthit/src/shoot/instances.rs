@@ -3,7 +3,7 @@
 //! 1. Rays at one object go into a packet, which may be traversed together. Most rays are alone at their objects where there are
 //!    thousands: sixteen of them share a packet, with a tree for each lane, and are interleaved.
 //! 2. Make all packets ready, and traverse them.
-//! 3. Hand the answers to the rays' walks, which go on to the next objects.
+//! 3. Hand the answers to the rays' walks, which continue with the next objects.
 
 use super::batch::{Found, Memory, dispatch};
 use super::ray_query::RayQuery;

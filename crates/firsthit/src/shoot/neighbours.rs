@@ -327,7 +327,7 @@ impl Eight {
             };
         }
         let inwards = match object.shape() {
-            // Of flat shapes nobody asks.
+            // Flat shapes are never asked.
             Shape::Mesh(_) | Shape::Plane(_) | Shape::Disc(_) => return leaving,
             Shape::Sphere(sphere) => on!(sphere),
             Shape::Box(cuboid) => on!(cuboid),

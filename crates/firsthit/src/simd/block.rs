@@ -33,8 +33,8 @@ enum Owner {
     Mapping,
 }
 
-// SAFETY: nobody writes the bytes while the block lives, so that any thread may read them; and what gives them back,
-// the vector's drop or `munmap`, may run on any thread.
+// SAFETY: no code writes the bytes while the block lives, so that any thread may read them; and
+// what gives them back, the vector's drop or `munmap`, may run on any thread.
 unsafe impl Send for Block {}
 // SAFETY: as above.
 unsafe impl Sync for Block {}
@@ -85,7 +85,8 @@ impl Block {
             .map_err(|_| io::ErrorKind::OutOfMemory)?;
         lines.resize(count, Line::zeroed());
         let start = NonNull::from(lines.as_mut_slice()).cast::<u8>();
-        // SAFETY: the lines are at least so many bytes, which are all set, and nobody else has the vector.
+        // SAFETY: the lines are at least `length` bytes, which are all set, and this block alone
+        // has the vector.
         let bytes = unsafe { std::slice::from_raw_parts_mut(start.as_ptr(), length) };
         from.take(length as u64).read_exact(bytes)?;
         Ok(Self {
@@ -97,7 +98,8 @@ impl Block {
 
     /// All of it.
     pub(crate) fn bytes(&self) -> &[u8] {
-        // SAFETY: so many bytes from there on belong to the owner, and live and stay as they are as long as it does.
+        // SAFETY: that many bytes from there on belong to the owner, and live and stay as they are
+        // as long as it does.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.length) }
     }
 }
@@ -108,7 +110,7 @@ impl Drop for Block {
             Owner::Lines(_) => {}
             #[cfg(target_os = "linux")]
             Owner::Mapping => {
-                // SAFETY: the mapping is this block's alone, and whoever holds a part of it holds the block.
+                // SAFETY: the mapping is this block's alone, and every part of it holds the block.
                 let unmapped =
                     unsafe { rustix::mm::munmap(self.start.as_ptr().cast(), self.length) };
                 // What cannot be unmapped stays mapped: that costs addresses and nothing else.

@@ -65,8 +65,9 @@ impl<T> Deref for Storage<T> {
 
     #[inline(always)]
     fn deref(&self) -> &[T] {
-        // SAFETY: so many elements from there on are the vector's of `From`, or the slice's of `part`, and live as long
-        // as the owner. Nobody changes them meanwhile: `edit` does only while there is no element here.
+        // SAFETY: that many elements from there on are the vector's of `From`, or the slice's of
+        // `part`, and live as long as the owner. They do not change meanwhile: `edit` does only
+        // while there is no element here.
         unsafe { std::slice::from_raw_parts(self.start.as_ptr(), self.length) }
     }
 }

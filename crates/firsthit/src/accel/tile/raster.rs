@@ -145,7 +145,8 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let x = l.max(l.max(l.abs(ax), l.abs(bx)), l.abs(cx));
         let y = l.max(l.max(l.abs(ay), l.abs(by)), l.abs(cy));
         let h = l.max(l.max(l.abs(ah), l.abs(bh)), l.abs(ch));
-        // The bound of the sides at samples up to so many pixels from the triangle's first sample.
+        // The bound of the sides at samples up to that many pixels from the triangle's first
+        // sample.
         macro_rules! bound_within {
             ($across:expr, $down:expr) => {{
                 let size = l.mul_add(l.add($across, $down), h, l.add(x, y));

@@ -1,7 +1,8 @@
 //! The rays of a camera's tile, 16 by 16 pixels, together through the tree of a mesh.
 //!
 //! 1. Put planes around the tile's rays ([`TileFrustum`]).
-//! 2. At a node, test its sixteen boxes against the planes, and go on with the nearest one that is left.
+//! 2. At a node, test its sixteen boxes against the planes, and continue with the nearest one that
+//!    is left.
 //! 3. At a leaf, rasterise its triangles into the tile's [`VisibilityBuffer`] (`raster.rs`).
 //! 4. Where float32 cannot tell which triangle of a pixel is nearer, ask the [`ExactTest`].
 //!

@@ -1,7 +1,8 @@
 //! Sixteen rays together through the tree of a mesh: neighbours that go nearly the same way.
 //!
 //! 1. Put planes around the rays of the packet ([`PacketFrustum`]); give up when they do not go the same way at all.
-//! 2. At a node, test its sixteen boxes against the planes, and go on with the nearest one that is left.
+//! 2. At a node, test its sixteen boxes against the planes, and continue with the nearest one that
+//!    is left.
 //! 3. At a leaf, test its sixteen triangles against the planes, then each one that is left against the sixteen rays.
 //! 4. Give up when that comes to more work than the rays alone would be.
 //!

@@ -4,7 +4,7 @@
 //! 1. Put a box around the segments of all rays; give up when it is as wide as half the mesh.
 //! 2. At a node, test its sixteen boxes against that box, then each one that is left against the sixteen rays; a child
 //!    goes onto the stack with a mask of the rays that meet it.
-//! 3. At a leaf, or at a node that only one ray meets, go on ray by ray.
+//! 3. At a leaf, or at a node that only one ray meets, continue ray by ray.
 //! 4. Give up when nodes have few rays in common.
 //!
 //! Wald, Slusallek, Benthin and Wagner, "Interactive Rendering with Coherent Ray Tracing", Computer Graphics Forum

@@ -1,7 +1,7 @@
 //! One ray through the tree of a mesh.
 //!
-//! 1. At a node, test the ray against its sixteen boxes at once; go on with the nearest child, and put the others onto
-//!    the stack, in order.
+//! 1. At a node, test the ray against its sixteen boxes at once; continue with the nearest child,
+//!    and put the others onto the stack, in order.
 //! 2. At a leaf, test its sixteen triangles at once in float32 ([`filter`]); the query sees what is left.
 //! 3. Take the next child from the stack that is not beyond the query's limit.
 //!

@@ -234,8 +234,9 @@ impl Bsdf {
         self.inside.filter(|_| !self.is_front)
     }
 
-    /// The index of refraction beyond the surface, divided by that of the side that is seen, for a ray that goes on through it in a direction.
-    /// 1 where the ray stays on its side, and for thin walls. Refraction divides radiance by its square.
+    /// The index of refraction beyond the surface, divided by that of the side that is seen, for a
+    /// ray that continues through it in a direction. 1 where the ray stays on its side, and for
+    /// thin walls. Refraction divides radiance by its square.
     pub fn eta(&self, towards: DVec3) -> f64 {
         match &self.kind {
             Kind::Layered(layered) if towards.dot(self.frame.geometric) < 0.0 => {
@@ -245,8 +246,9 @@ impl Bsdf {
         }
     }
 
-    /// The absorption coefficient beyond the surface of a clear solid, per scene unit, for a ray that goes on through it in a direction; `None`
-    /// where the ray stays on its side. After a length d, exp(-d times this) is left of light (Beer, 1852).
+    /// The absorption coefficient beyond the surface of a clear solid, per scene unit, for a ray
+    /// that continues through it in a direction; `None` where the ray stays on its side. After a
+    /// length d, exp(-d times this) is left of light (Beer, 1852).
     pub fn beyond(&self, towards: DVec3) -> Option<Color> {
         let absorption = self.inside?;
         let goes_through = towards.dot(self.frame.geometric) < 0.0;

@@ -80,7 +80,7 @@ mod tests {
     fn it_is_that_of_the_farthest_corner() {
         let point = |k: u32| [0.37, 0.61, 0.83].map(|step| (f64::from(k) * step).fract() - 0.4);
         let mut points: Vec<[f64; 3]> = (0..3000).map(point).collect();
-        // Nobody's.
+        // No triangle has it.
         points.push([9.0; 3]);
         let triangles: Vec<[u32; 3]> = (0..2990).map(|k| [k, k + 1, k + 7]).collect();
         let mesh = Mesh::new(Positions::compact(points), triangles).unwrap();

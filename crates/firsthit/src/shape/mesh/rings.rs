@@ -1,7 +1,8 @@
 //! Rings of the triangles around a corner.
 //!
 //! The corners of triangles that are in one place are a ring: for each there is the number of the next one. To find all rings takes as
-//! long as to look for the triangles around some corners in the tree: it is done after so many questions.
+//! long as to look for the triangles around some corners in the tree: it is done after a number of
+//! questions.
 
 use super::Mesh;
 use super::weld::Welded;

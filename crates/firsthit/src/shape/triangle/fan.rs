@@ -8,7 +8,8 @@
 //!    edge it is half a circle, taken as two arcs.
 //! 2. Take the shortest way from the ray's direction to the arc of the triangle T that is left. It comes to one of the two sides of T, and
 //!    each arc that it crosses on the way is a change of sides.
-//! 3. So it is known on which side of the whole surface the ray goes on. On the side where it starts it is free.
+//! 3. So it is known on which side of the whole surface the ray continues. On the side where it
+//!    starts it is free.
 //! 4. On the other side it is stopped, if it could have started from any of the triangles: if it is in front of one of them. A ray that
 //!    goes against all of them is meant to go through, as in a face. (One in front of all of them is free, and both are told apart first.)
 //!

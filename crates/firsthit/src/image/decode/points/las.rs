@@ -223,7 +223,7 @@ fn extra_columns(descriptions: &[u8], mut start: usize, row: usize) -> Vec<Plain
             break;
         };
         let kind = match code {
-            // As many bytes as the options say, and nobody knows what they are.
+            // As many bytes as the options say, of unknown meaning.
             0 => {
                 start += usize::from(options);
                 continue;

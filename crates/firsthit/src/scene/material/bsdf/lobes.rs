@@ -124,7 +124,7 @@ impl Layered {
             let reflected = microfacet::reflected(self.out, facet);
             let into = match (is_through, self.ior) {
                 (true, Some(ior)) => microfacet::through(self.out, facet, ior)?,
-                // What goes on below the surface is lost: light is reflected once.
+                // Light that continues below the surface is lost: it is reflected once.
                 _ if reflected.z <= 0.0 => return None,
                 (true, None) => microfacet::thin(reflected),
                 (false, _) => reflected,

@@ -423,7 +423,7 @@ fn light_may_go_either_way() {
             (at(86.0), unit(DVec3::new(-0.5, 0.3, 0.4))),
             (at(86.0), unit(DVec3::new(0.5, -0.7, 0.03))),
         ] {
-            // Whoever looks from below sees the other side of the same wall.
+            // From below, the viewer sees the other side of the same wall.
             let side = b.z.signum();
             let there = seen(&layers, a).value(b) / b.z.abs();
             let turned = |v: DVec3| DVec3::new(v.x, v.y, side * v.z);
