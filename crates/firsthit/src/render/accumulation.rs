@@ -203,8 +203,8 @@ pub(super) struct Activity {
 }
 
 impl Activity {
-    /// The activity before another sample, whose number is `sample`, in a picture of that shape: only
-    /// tiles with as many samples can be active.
+    /// The activity before another sample, whose number is `sample`, in a picture of that shape:
+    /// only tiles with as many samples can be active.
     pub(super) fn at(
         accumulation: &Accumulation,
         [rows, columns]: [usize; 2],

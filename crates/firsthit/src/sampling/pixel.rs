@@ -83,7 +83,8 @@ mod tests {
         }
     }
 
-    /// The test leaves out both departures of `on_lens`: with them one rectangle of each shape has none.
+    /// The test leaves out both departures of `on_lens`: with them one rectangle of each shape has
+    /// none.
     #[test]
     fn rectangles_of_the_lens_have_a_point_each_up_to_32() {
         let square = |k: u32| DVec2::from(DIRECTIONS.map(|each| scrambled(combined(k, &each))));

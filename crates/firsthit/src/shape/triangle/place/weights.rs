@@ -48,8 +48,8 @@ impl<N: Copy> Edges<N> {
     /// rounding.
     ///
     /// `F`'s weight is a ratio of areas. `E`'s is the rest of `r` along `E`, since areas of thin
-    /// triangles have few digits: then the point of these weights is off by a rounding of the longer
-    /// edge, however thin the triangle is.
+    /// triangles have few digits: then the point of these weights is off by a rounding of the
+    /// longer edge, however thin the triangle is.
     #[inline(always)]
     pub(super) fn weights<A: Arithmetic<Number = N>>(&self, a: A, r: &Vector<N>) -> [N; 2] {
         let zero = a.number(0.0);
