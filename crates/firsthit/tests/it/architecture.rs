@@ -1,4 +1,5 @@
-//! The walls of the house: which room may import which (see ARCHITECTURE.md), and where `unsafe` may be.
+//! The walls of the house: which room may import which (see ARCHITECTURE.md), where `unsafe` may be,
+//! and how one-line docs begin.
 
 use std::collections::HashMap;
 use std::fs;
@@ -100,6 +101,34 @@ fn unsafe_code_is_nowhere_but_in_simd() {
         let text = fs::read_to_string(&path).unwrap();
         assert!(is_simd || !text.contains("unsafe"), "{}", path.display());
     }
+}
+
+/// A list of documentation shows first lines alone: each names its item.
+#[test]
+fn one_line_docs_begin_with_their_subject() {
+    const RIDDLES: [&str; 4] = ["What ", "The same", "That of ", "Those of "];
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let is_source =
+        |path: &PathBuf| path.strip_prefix(&crates).unwrap().iter().nth(1) == Some("src".as_ref());
+    let mut docs = 0;
+    for path in sources(&crates).into_iter().filter(is_source) {
+        let mut before_is_doc = false;
+        for line in fs::read_to_string(&path).unwrap().lines() {
+            let line = line.trim_start();
+            let doc = line
+                .strip_prefix("///")
+                .or_else(|| line.strip_prefix("//!"));
+            if let Some(first) = doc.filter(|_| !before_is_doc) {
+                let riddle = RIDDLES
+                    .iter()
+                    .find(|word| first.trim_start().starts_with(**word));
+                assert!(riddle.is_none(), "{}: {line}", path.display());
+                docs += 1;
+            }
+            before_is_doc = doc.is_some();
+        }
+    }
+    assert!(docs > 5000, "{docs}: is this test reading the right files?");
 }
 
 /// The unit test of `shoot/batch.rs` looks for this name where it must not be.
