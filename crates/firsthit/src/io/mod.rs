@@ -25,7 +25,6 @@ mod gltf;
 mod gzip;
 mod loaded;
 pub(crate) mod memory_budget;
-mod mend;
 #[cfg(feature = "obj")]
 mod mtl;
 #[cfg(feature = "obj")]
@@ -40,6 +39,7 @@ mod polygon;
 pub(crate) mod read;
 mod recognize;
 mod report;
+mod sanitize;
 mod scale;
 mod settings;
 mod source;

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
-use super::mend::linear;
 use super::report::Report;
+use super::sanitize::linear;
 use super::surface::{Surface, Vertices, face_attribute};
 use super::text::{self, Lines, Words, next_number, shown};
 use crate::error::{Place, escape_controls};

@@ -63,7 +63,7 @@ pub(crate) fn decoded(bytes: Vec<u8>, report: &mut Report) -> Result<Environment
         report.budget.charge_read(&path, bytes.len())?;
         let bytes = gzip::unpacked(bytes.into(), report)?;
         let mut picture = picture(&bytes, report)?;
-        mend(&mut picture, report);
+        sanitize(&mut picture, report);
         let Picture {
             columns,
             rows,
@@ -107,19 +107,19 @@ fn charge(columns: u64, rows: u64, report: &mut Report) -> Checked<()> {
 }
 
 /// Makes radiance of what is none: NaN and negative numbers become 0, infinity becomes [`BRIGHTEST`].
-fn mend(picture: &mut Picture, report: &mut Report) {
+fn sanitize(picture: &mut Picture, report: &mut Report) {
     let columns = picture.columns.max(1);
     let (mut count, mut first) = (0_u64, String::new());
     for (index, texel) in picture.texels.iter_mut().enumerate() {
-        let mended = texel.map(mended);
-        if mended != *texel {
+        let sanitized = texel.map(sanitized);
+        if sanitized != *texel {
             if count == 0 {
                 let [red, green, blue] = *texel;
                 let (row, column) = (index / columns, index % columns);
                 first = format!("[{red}, {green}, {blue}] in row {row}, column {column}");
             }
             count += 1;
-            *texel = mended;
+            *texel = sanitized;
         }
     }
     if count > 0 {
@@ -131,7 +131,7 @@ fn mend(picture: &mut Picture, report: &mut Report) {
     }
 }
 
-fn mended(value: f32) -> f32 {
+fn sanitized(value: f32) -> f32 {
     if value == f32::INFINITY {
         BRIGHTEST
     } else if value >= 0.0 {

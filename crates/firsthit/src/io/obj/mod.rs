@@ -316,7 +316,7 @@ impl<'a> Reader<'a> {
             self.objects.push(Object::new(stem));
         }
         self.look_up_materials();
-        self.values.mend(self.report);
+        self.values.sanitize(self.report);
         let vertices = Vertices::new(Positions::compact(self.positions));
         let mut gather = Gather::default();
         let (values, materials, report) = (&self.values, &self.materials, self.report);

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::index::NONE;
 use crate::error::Place;
-use crate::io::mend::{Kind, linear, mend, mend_levels};
 use crate::io::report::Report;
+use crate::io::sanitize::{Kind, linear, sanitize, sanitize_levels};
 use crate::scene::Material;
 
 /// Values that corners name by index.
@@ -70,11 +70,11 @@ impl Values {
         }
     }
 
-    pub(super) fn mend(&mut self, report: &mut Report) {
-        mend(&mut self.normals, Kind::Normals, &Place::File, report);
-        mend(&mut self.uvs, Kind::Coordinates, &Place::File, report);
+    pub(super) fn sanitize(&mut self, report: &mut Report) {
+        sanitize(&mut self.normals, Kind::Normals, &Place::File, report);
+        sanitize(&mut self.uvs, Kind::Coordinates, &Place::File, report);
         self.sort_sevenths(report);
-        mend_levels(&mut self.colors, report);
+        sanitize_levels(&mut self.colors, report);
     }
 }
 

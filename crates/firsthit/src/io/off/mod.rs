@@ -6,8 +6,8 @@ mod rows;
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
-use super::mend::{Kind, levels_of_bytes, linear, mend, mend_levels};
 use super::report::Report;
+use super::sanitize::{Kind, levels_of_bytes, linear, sanitize, sanitize_levels};
 use super::surface::{Surface, Vertices, face_attribute};
 use super::text;
 use crate::error::Place;
@@ -73,7 +73,7 @@ impl Colors {
         if reaches_over_one && !self.has_fractions {
             levels_of_bytes(&mut self.values);
         }
-        mend_levels(&mut self.values, report);
+        sanitize_levels(&mut self.values, report);
         self.values
     }
 }
@@ -163,11 +163,11 @@ impl Model {
         let vertices = Vertices::new(Positions::compact(self.points));
         let (mut mesh, _) = self.surface.finish(&vertices, &name, report)?;
         if !self.normals.is_empty() {
-            mend(&mut self.normals, Kind::Normals, &Place::File, report);
+            sanitize(&mut self.normals, Kind::Normals, &Place::File, report);
             mesh = mesh.with_normals(Attribute::per_vertex(self.normals))?;
         }
         if !self.uvs.is_empty() {
-            mend(&mut self.uvs, Kind::Coordinates, &Place::File, report);
+            sanitize(&mut self.uvs, Kind::Coordinates, &Place::File, report);
             mesh = mesh.with_uvs(Attribute::per_vertex(self.uvs))?;
         }
         let colors = if !of_vertices.is_empty() {

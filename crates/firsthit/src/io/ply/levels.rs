@@ -1,7 +1,7 @@
 //! Colours of a PLY file.
 
 use super::header::Type;
-use crate::io::mend::linear;
+use crate::io::sanitize::linear;
 
 /// The encoding of a colour's levels in a property of some type: as sRGB, up to the type's largest
 /// number.

@@ -11,9 +11,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
-use super::mend::{self, mend, mend_levels};
 use super::picture;
 use super::report::Report;
+use super::sanitize::{self, sanitize, sanitize_levels};
 use super::surface::{Surface, Vertices, face_attribute};
 use super::text::shown;
 use crate::error::{Place, escape_controls};
@@ -116,11 +116,11 @@ fn model(
     let count = surface.face_count();
     let (mut mesh, _) = surface.finish(&shared, &name, report)?;
     if let Some(mut normals) = vertices.normals {
-        mend(&mut normals, mend::Kind::Normals, &Place::File, report);
+        sanitize(&mut normals, sanitize::Kind::Normals, &Place::File, report);
         mesh = mesh.with_normals(Attribute::per_vertex(normals))?;
     }
     if let Some(mut uvs) = vertices.uvs {
-        mend(&mut uvs, mend::Kind::Coordinates, &Place::File, report);
+        sanitize(&mut uvs, sanitize::Kind::Coordinates, &Place::File, report);
         mesh = mesh.with_uvs(Attribute::per_vertex(uvs))?;
     }
     let colors = match (vertices.colors, faces.colors) {
@@ -138,7 +138,7 @@ fn model(
         ..Material::default()
     });
     if let Some(mut colors) = colors {
-        (colors.values).edit(|values| mend_levels(values, report));
+        (colors.values).edit(|values| sanitize_levels(values, report));
         mesh = mesh.with_colors(colors)?;
     }
     let object = Object::new(Arc::new(mesh)).named(name);

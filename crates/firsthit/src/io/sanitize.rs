@@ -15,7 +15,7 @@ pub(super) enum Kind {
 
 impl Kind {
     /// The replacement of an unusable value.
-    fn mended<const N: usize>(self, value: [f32; N]) -> [f32; N] {
+    fn sanitized<const N: usize>(self, value: [f32; N]) -> [f32; N] {
         match self {
             // A normal without a length is the triangle's own.
             Self::Normals | Self::Coordinates => {
@@ -49,7 +49,7 @@ impl Kind {
     }
 }
 
-/// The linear value of a level that is encoded as sRGB. What is not from 0 to 1 stays as it is: [`mend_levels`] tells what it means.
+/// The linear value of a level that is encoded as sRGB. What is not from 0 to 1 stays as it is: [`sanitize_levels`] tells what it means.
 pub(super) fn linear(encoded: f64) -> f32 {
     if (0.0..=1.0).contains(&encoded) {
         single(srgb_decode(encoded))
@@ -59,7 +59,7 @@ pub(super) fn linear(encoded: f64) -> f32 {
 }
 
 /// Mends colours whose levels came through [`linear`]. Levels above 1 say that a file counts from 0 to 255, which is a warning.
-pub(super) fn mend_levels(values: &mut [[f32; 3]], report: &mut Report) {
+pub(super) fn sanitize_levels(values: &mut [[f32; 3]], report: &mut Report) {
     let levels = values.iter().flatten().filter(|level| level.is_finite());
     let largest = levels.fold(0.0_f32, |most, &level| most.max(level));
     if (2.0..=255.0).contains(&largest) {
@@ -68,7 +68,7 @@ pub(super) fn mend_levels(values: &mut [[f32; 3]], report: &mut Report) {
         });
         levels_of_bytes(values);
     }
-    mend(values, Kind::Colors, &Place::File, report);
+    sanitize(values, Kind::Colors, &Place::File, report);
 }
 
 /// Makes levels that count from 0 to 255, and came through [`linear`], what they are.
@@ -83,7 +83,7 @@ pub(super) fn levels_of_bytes(values: &mut [[f32; 3]]) {
 
 /// Puts harmless values in the place of unusable ones; how many there are and which one is the first is one
 /// warning.
-pub(super) fn mend<const N: usize>(
+pub(super) fn sanitize<const N: usize>(
     values: &mut [[f32; N]],
     kind: Kind,
     place: &Place,
@@ -91,10 +91,10 @@ pub(super) fn mend<const N: usize>(
 ) {
     let (mut count, mut first) = (0_u64, 0);
     for (index, value) in values.iter_mut().enumerate() {
-        let mended = kind.mended(*value);
+        let sanitized = kind.sanitized(*value);
         // Not equal to itself is NaN; -0 may stay.
-        if mended != *value {
-            *value = mended;
+        if sanitized != *value {
+            *value = sanitized;
             if count == 0 {
                 first = index;
             }
@@ -122,13 +122,13 @@ mod tests {
             [f32::NAN, -5.0, f32::INFINITY],
             [f32::NEG_INFINITY, 1e30, 2.0],
         ];
-        mend(&mut colors, Kind::Colors, &Place::File, &mut report);
+        sanitize(&mut colors, Kind::Colors, &Place::File, &mut report);
         assert_eq!(colors, [[0.5, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]);
         let mut normals = [[0.0, 0.0, 1.0], [0.0, f32::NAN, 1.0]];
-        mend(&mut normals, Kind::Normals, &Place::File, &mut report);
+        sanitize(&mut normals, Kind::Normals, &Place::File, &mut report);
         assert_eq!(normals, [[0.0, 0.0, 1.0], [0.0; 3]]);
         let mut uvs = [[1e38, -3.0]];
-        mend(&mut uvs, Kind::Coordinates, &Place::File, &mut report);
+        sanitize(&mut uvs, Kind::Coordinates, &Place::File, &mut report);
         let lines = report.take_lines();
         assert_eq!(lines.len(), 2, "{lines:?}");
         assert!(lines[0].contains(": 2, the first at index 1;"), "{lines:?}");
