@@ -62,7 +62,7 @@ pub(crate) use material::Lambertian;
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;
 use top_tree::TopTree;
-pub(crate) use top_tree::{Around, Listed, OnTheWay};
+pub(crate) use top_tree::{Around, CandidateList, OnTheWay};
 
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
@@ -434,7 +434,7 @@ impl Scene {
     }
 
     /// The objects that any of some rays may meet; `None` where it is better to ask [for each](Self::on_the_way).
-    pub(crate) fn list_candidates(&self, beam: &Beam) -> Option<Listed<'_>> {
+    pub(crate) fn list_candidates(&self, beam: &Beam) -> Option<CandidateList<'_>> {
         self.top.list_candidates(beam)
     }
 

@@ -285,7 +285,7 @@ impl Around<'_> {
 
 impl TopTree {
     /// The objects that any of some rays may meet; `None` where the tree serves better.
-    pub(super) fn list_candidates(&self, beam: &Beam) -> Option<Listed<'_>> {
+    pub(super) fn list_candidates(&self, beam: &Beam) -> Option<CandidateList<'_>> {
         if self.listed.is_empty() || !beam.is_forward() {
             return None;
         }
@@ -296,7 +296,7 @@ impl TopTree {
         let shapes = met & !u64::MAX.checked_shl(self.lone_shapes).unwrap_or(0);
         let others = met & !shapes;
         let is_short = shapes.count_ones() <= MOST_SHAPES && others.count_ones() <= MOST_OTHERS;
-        is_short.then_some(Listed {
+        is_short.then_some(CandidateList {
             all: &self.listed,
             shapes,
             others,
@@ -306,13 +306,13 @@ impl TopTree {
 
 /// The objects that some rays may meet, a bit for each of those that are listed.
 #[derive(Clone, Copy)]
-pub(crate) struct Listed<'a> {
+pub(crate) struct CandidateList<'a> {
     all: &'a [Candidate],
     shapes: u64,
     others: u64,
 }
 
-impl Listed<'_> {
+impl CandidateList<'_> {
     /// The indices of the lone shapes: of objects that are no meshes, and in whose place is no other.
     #[inline(always)]
     pub(crate) fn lone_shapes(self) -> impl Iterator<Item = u32> {
@@ -372,7 +372,7 @@ pub(crate) struct OnTheWay<'a> {
 impl<'a> OnTheWay<'a> {
     /// The candidates of a [list](TopTree::list_candidates), with the lone shapes or without.
     #[inline(always)]
-    pub(crate) fn among(listed: Listed<'a>, with_shapes: bool) -> Self {
+    pub(crate) fn among(listed: CandidateList<'a>, with_shapes: bool) -> Self {
         let shapes = if with_shapes { listed.shapes } else { 0 };
         Self {
             outside: &[],

@@ -13,7 +13,7 @@ use super::scaled_ray::ScaledRay;
 use super::shapes::{Columns, in_object, longest};
 use crate::accel::RAYS;
 use crate::geometry::{Beam, DVec3, ROUNDED, Ray, RayFilter, Rays, Transform, moderation};
-use crate::scene::{Listed, Object, Scene};
+use crate::scene::{CandidateList, Object, Scene};
 use crate::shape::bundle::crossing;
 use crate::shape::{Shape, Surface};
 use crate::simd::{InLanes, Kernel, Lanes, WIDE, set_bits};
@@ -82,7 +82,7 @@ impl<'r, Q: RayQuery> Neighbours<'r, Q> {
         &mut self,
         l: L,
         scene: &'a Scene,
-    ) -> Option<Listed<'a>> {
+    ) -> Option<CandidateList<'a>> {
         let mut beam = Beam::EMPTY;
         for (index, ray) in self.rays.iter().enumerate() {
             if self.is_plain(index) {
@@ -119,7 +119,7 @@ struct MeetShapes<'r, 'n, 'a, Q> {
     rays: &'r mut Neighbours<'n, Q>,
     /// The first of the eight.
     first: usize,
-    listed: Listed<'a>,
+    listed: CandidateList<'a>,
 }
 
 /// The state of the rays of a [`MeetShapes`].
