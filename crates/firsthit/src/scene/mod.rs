@@ -62,7 +62,7 @@ pub(crate) use material::Lambertian;
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;
 use top_tree::TopTree;
-pub(crate) use top_tree::{Around, CandidateList, OnTheWay};
+pub(crate) use top_tree::{Around, CandidateList, ObjectCandidates};
 
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
@@ -429,11 +429,11 @@ impl Scene {
 
     /// The objects that a ray may meet.
     #[inline(always)]
-    pub(crate) fn on_the_way(&self) -> OnTheWay<'_> {
-        self.top.on_the_way()
+    pub(crate) fn candidates(&self) -> ObjectCandidates<'_> {
+        self.top.candidates()
     }
 
-    /// The objects that any of some rays may meet; `None` where it is better to ask [for each](Self::on_the_way).
+    /// The objects that any of some rays may meet; `None` where it is better to ask [for each](Self::candidates).
     pub(crate) fn list_candidates(&self, beam: &Beam) -> Option<CandidateList<'_>> {
         self.top.list_candidates(beam)
     }

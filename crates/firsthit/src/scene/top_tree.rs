@@ -244,8 +244,8 @@ impl TopTree {
 
     /// The objects that a ray may meet.
     #[inline(always)]
-    pub(super) fn on_the_way(&self) -> OnTheWay<'_> {
-        OnTheWay {
+    pub(super) fn candidates(&self) -> ObjectCandidates<'_> {
+        ObjectCandidates {
             outside: &self.outside,
             listed: &[],
             left: 0,
@@ -357,8 +357,8 @@ pub(super) fn is_unbounded(bounds: &Bounds) -> bool {
     !bounds.is_empty() && !bounds.is_finite()
 }
 
-/// See [`TopTree::on_the_way`].
-pub(crate) struct OnTheWay<'a> {
+/// See [`TopTree::candidates`].
+pub(crate) struct ObjectCandidates<'a> {
     outside: &'a [Candidate],
     /// The listed candidates, of which those with set bits in `left` count.
     listed: &'a [Candidate],
@@ -369,7 +369,7 @@ pub(crate) struct OnTheWay<'a> {
     walk: Option<Walk<'a>>,
 }
 
-impl<'a> OnTheWay<'a> {
+impl<'a> ObjectCandidates<'a> {
     /// The candidates of a [list](TopTree::list_candidates), with the lone shapes or without.
     #[inline(always)]
     pub(crate) fn among(listed: CandidateList<'a>, with_shapes: bool) -> Self {
@@ -384,7 +384,7 @@ impl<'a> OnTheWay<'a> {
     }
 }
 
-impl OnTheWay<'_> {
+impl ObjectCandidates<'_> {
     /// The next object that `ray` may meet at a parameter of at most `t_max`. From call to call `t_max` must not
     /// grow, and `ray` and `stack` must be the same.
     #[inline(always)]

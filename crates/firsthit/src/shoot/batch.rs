@@ -19,7 +19,7 @@ use crate::accel::{
 use crate::error::{Error, Result};
 use crate::geometry::{DVec3, Ray, Rays, SurfaceId};
 use crate::parallel;
-use crate::scene::{Group, OnTheWay, Scene};
+use crate::scene::{Group, ObjectCandidates, Scene};
 use crate::shape::Meshes;
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{self, Kernel, Lanes};
@@ -278,8 +278,8 @@ impl<S: Sink> Batch<'_, S> {
             for (index, number) in (start..start + rays.len()).enumerate() {
                 let known = neighbours.known(index);
                 if has_more && known.is_none_or(RayState::is_open) {
-                    let among = |listed| OnTheWay::among(listed, S::Query::ALL);
-                    let objects = listed.map_or_else(|| scene.on_the_way(), among);
+                    let among = |listed| ObjectCandidates::among(listed, S::Query::ALL);
+                    let objects = listed.map_or_else(|| scene.candidates(), among);
                     if walks.is_empty() {
                         walks.reserve(count - start);
                         numbers.reserve(count - start);

@@ -12,7 +12,7 @@ use super::scaled_ray::ScaledRay;
 use super::start::met_at_start;
 use crate::accel::{END, EachCandidate, MeshQuery, MeshTree, Scratch, WalkStack};
 use crate::geometry::{Hit, Ray};
-use crate::scene::{OnTheWay, Scene};
+use crate::scene::{ObjectCandidates, Scene};
 use crate::shape::triangle::{MeshFilter, Shear};
 use crate::shape::{Meshes, Surface};
 use crate::simd::{Kernel, Lanes};
@@ -29,7 +29,7 @@ pub(super) struct Instance<'a> {
 /// A ray, and the objects that are still to come.
 pub(super) struct SceneWalk<'a, Q> {
     pub(super) state: RayState<Q>,
-    objects: OnTheWay<'a>,
+    objects: ObjectCandidates<'a>,
     /// The last object, and those in the same place that are still to come.
     object: u32,
     duplicates: &'a [u32],
@@ -40,7 +40,7 @@ pub(super) struct SceneWalk<'a, Q> {
 impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     /// Begins, with some objects to come.
     #[inline(always)]
-    pub(super) fn new(state: RayState<Q>, objects: OnTheWay<'a>) -> Self {
+    pub(super) fn new(state: RayState<Q>, objects: ObjectCandidates<'a>) -> Self {
         Self {
             state,
             objects,

@@ -76,7 +76,7 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
         let stack = &mut walk_stacks[0];
         let scene = self.scene;
         let state = RayState::new(self.ray, self.query, self.t_max);
-        let mut walk = SceneWalk::new(state, scene.on_the_way());
+        let mut walk = SceneWalk::new(state, scene.candidates());
         let mut in_mesh = MeshFilter::NONE;
         let is_wanted = |object: u32| self.is_skipped.get(object as usize) != Some(&true);
         while let Some(instance) = walk.next(l, (scratch, &mut in_mesh), (scene, stack), is_wanted)
