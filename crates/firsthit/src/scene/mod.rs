@@ -62,7 +62,7 @@ pub(crate) use material::Lambertian;
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::softened;
 use top_tree::TopTree;
-pub(crate) use top_tree::{Around, CandidateList, ObjectCandidates};
+pub(crate) use top_tree::{CandidateList, NearbyObjects, ObjectCandidates};
 
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
@@ -452,7 +452,7 @@ impl Scene {
     }
 
     /// The objects around a point.
-    pub(crate) fn around(&self, point: DVec3, stack: &mut WalkStack) -> Around<'_> {
+    pub(crate) fn around(&self, point: DVec3, stack: &mut WalkStack) -> NearbyObjects<'_> {
         self.top.around(point, stack)
     }
 

@@ -257,8 +257,8 @@ impl TopTree {
 
 impl TopTree {
     /// The objects around a point.
-    pub(super) fn around(&self, point: DVec3, stack: &mut WalkStack) -> Around<'_> {
-        Around {
+    pub(super) fn around(&self, point: DVec3, stack: &mut WalkStack) -> NearbyObjects<'_> {
+        NearbyObjects {
             outside: &self.outside,
             nearby: self.tree.nearby(point, stack),
         }
@@ -266,12 +266,12 @@ impl TopTree {
 }
 
 /// See [`TopTree::around`].
-pub(crate) struct Around<'a> {
+pub(crate) struct NearbyObjects<'a> {
     outside: &'a [Candidate],
     nearby: Nearby<'a>,
 }
 
-impl Around<'_> {
+impl NearbyObjects<'_> {
     /// The next object of which a point may be at a distance with a square of at most `limit`. From call to call `limit` must
     /// not grow, and `stack` must be the same.
     pub(crate) fn next(&mut self, limit: f64, stack: &mut WalkStack) -> Option<u32> {
