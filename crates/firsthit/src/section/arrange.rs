@@ -13,7 +13,7 @@
 use std::cmp::Ordering;
 use std::collections::HashMap;
 
-use super::outline::{Around, in_plane};
+use super::outline::{Winding, in_plane};
 use super::planar::{Line, Lines, side};
 use super::{Extent, Section};
 use crate::error::Result;
@@ -187,8 +187,8 @@ fn boundary(
     let lines: Vec<Line> = single.iter().map(|edge| nodes.line(edge)).collect();
     let lines = Lines::new(&lines);
     let kept = lines.each(watch, |line, stack| {
-        let mut above = Around::default();
-        let pass = |around: &mut Around, line: usize| {
+        let mut above = Winding::default();
+        let pass = |around: &mut Winding, line: usize| {
             around.turns -= weights[line].0;
             around.crossings += weights[line].1;
         };

@@ -20,12 +20,12 @@ use crate::watch::Watch;
 
 /// The winding number of an outline around a place, and the number of its crossings.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Around {
+pub(super) struct Winding {
     pub(super) turns: i32,
     pub(super) crossings: u32,
 }
 
-impl Around {
+impl Winding {
     pub(super) fn is_inside(self, rule: FillRule) -> bool {
         match rule {
             FillRule::Nonzero => self.turns != 0,
@@ -112,7 +112,7 @@ pub(super) fn judge(
         if meetings[line].is_back || is_judged[polyline] && !is_pinched {
             continue;
         }
-        let mut above = Around::default();
+        let mut above = Winding::default();
         lines.above(line, &mut stack, |other| {
             above.turns -= if lines.all[other].is_rightwards() {
                 1
@@ -122,7 +122,7 @@ pub(super) fn judge(
             above.crossings += 1;
         });
         let is_rightwards = lines.all[line].is_rightwards();
-        let below = Around {
+        let below = Winding {
             turns: above.turns - if is_rightwards { 1 } else { -1 },
             crossings: above.crossings + 1,
         };
