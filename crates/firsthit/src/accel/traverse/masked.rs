@@ -43,7 +43,7 @@ pub(super) fn masked<'a, L: Lanes, Q: MeshQuery>(
     if rays.count_ones() < FEWEST {
         return false;
     }
-    let around = Around::new(l, all, rays);
+    let around = SegmentBounds::new(l, all, rays);
     if around.is_wide(packet) {
         return false;
     }
@@ -121,14 +121,14 @@ fn parts(key: u64) -> (u16, u32) {
 }
 
 /// The box around the segments of a packet's rays, from their starts to where nothing matters any more.
-struct Around {
+struct SegmentBounds {
     low: [f32; 3],
     high: [f32; 3],
     /// The rays that go backwards along an axis.
     back: [u16; 3],
 }
 
-impl Around {
+impl SegmentBounds {
     #[inline(always)]
     fn new<L: Lanes>(l: L, packet: &Packet, rays: u16) -> Self {
         let mut out = Self {
@@ -267,7 +267,7 @@ mod tests {
                 packet.put(lane, &self.ray(lane));
             }
             packet.prepare(l, self.tree, RAYS);
-            let around = Around::new(l, &packet, u16::MAX);
+            let around = SegmentBounds::new(l, &packet, u16::MAX);
             let mut outside = f64::NEG_INFINITY;
             for lane in 0..RAYS {
                 let ray = self.ray(lane);
