@@ -142,7 +142,7 @@ fn rescaled(ray: Ray, rest: f64) -> Ray {
 }
 
 /// The first hit of a ray behind the translucent surfaces that it goes through by chance.
-pub(super) struct Found {
+pub(super) struct StochasticHit {
     /// The last part of it.
     pub(super) ray: Ray,
     /// The hit of that part.
@@ -151,7 +151,7 @@ pub(super) struct Found {
     pub(super) before: f64,
 }
 
-impl Found {
+impl StochasticHit {
     /// The length of the whole ray, up to the hit; infinite for a miss.
     pub(super) fn length(&self) -> f64 {
         self.before + self.hit.t
@@ -160,16 +160,16 @@ impl Found {
 
 /// The first hit of each ray, with a direction of length one, on a surface that it does not pass
 /// through by chance.
-pub(super) fn found(
+pub(super) fn stochastic_hits(
     shading: &Shading<'_>,
     rays: &[Ray],
     filters: &[RayFilter],
     draws: &mut [Draws],
-) -> Vec<Found> {
+) -> Vec<StochasticHit> {
     let hits = first_hits(shading, rays, filters);
     let all = rays.iter().enumerate();
-    let mut found: Vec<Found> = all
-        .map(|(k, &ray)| Found {
+    let mut found: Vec<StochasticHit> = all
+        .map(|(k, &ray)| StochasticHit {
             ray,
             hit: hits.get(k),
             before: 0.0,
@@ -194,8 +194,8 @@ pub(super) fn found(
         let (rays, filters): (Vec<Ray>, Vec<RayFilter>) = through.iter().map(|(_, on)| *on).unzip();
         let hits = first_hits(shading, &rays, &filters);
         for (index, &(k, (ray, _))) in through.iter().enumerate() {
-            let Found { hit, before, .. } = &found[k];
-            found[k] = Found {
+            let StochasticHit { hit, before, .. } = &found[k];
+            found[k] = StochasticHit {
                 before: before + hit.t,
                 ray,
                 hit: hits.get(index),

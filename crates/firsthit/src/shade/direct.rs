@@ -10,7 +10,7 @@
 //! Where both may find the same light, they are weighted (multiple importance sampling). Without shadows only light sampling counts for
 //! lights, because BSDF-sampled rays end on things as always; mirrors show lights all the same.
 
-use super::blend::found;
+use super::blend::stochastic_hits;
 use super::found::{BsdfRay, light_found};
 use super::matte::{MatteVertex, SortedVertices, push};
 use super::shadow::ShadowRays;
@@ -108,7 +108,7 @@ fn add_bsdf_rays(
             draws.push(own_draws);
         }
     }
-    let all_found = found(shading, &rays, &filters, &mut draws);
+    let all_found = stochastic_hits(shading, &rays, &filters, &mut draws);
     for ((ray, (vertex, scattered)), met) in rays.iter().zip(&drawn).zip(&all_found) {
         let bsdf_ray = BsdfRay {
             ray,

@@ -1,7 +1,7 @@
 //! The light that BSDF-sampled rays meet.
 
 use super::Shading;
-use super::blend::Found;
+use super::blend::StochasticHit;
 use super::vertex::{power_heuristic, transmittance};
 use crate::geometry::{Color, Filtered, Ray, RayFilter, is_light};
 use crate::scene::{BsdfSample, SurfaceInteraction};
@@ -38,7 +38,11 @@ pub(super) struct BsdfRay<'a> {
 }
 
 /// The radiance of all light that a ray meets before a surface hides it, weighted against light sampling (multiple importance sampling).
-pub(super) fn light_found(shading: &Shading<'_>, bsdf_ray: &BsdfRay<'_>, found: &Found) -> Color {
+pub(super) fn light_found(
+    shading: &Shading<'_>,
+    bsdf_ray: &BsdfRay<'_>,
+    found: &StochasticHit,
+) -> Color {
     let length = found.length();
     let mut light = bsdf_ray.lights(shading, length);
     if let Some(surface) = shading.scene.interaction(&found.ray, &found.hit) {

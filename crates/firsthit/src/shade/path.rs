@@ -10,7 +10,7 @@
 //!
 //! All paths of a batch take each step together, so that their rays are shot together.
 
-use super::blend::{Found, found};
+use super::blend::{StochasticHit, stochastic_hits};
 use super::found::{BsdfRay, light_found};
 use super::matte::SortedVertices;
 use super::vertex::{Vertex, Way, add_direct_light, first_vertices, transmittance};
@@ -51,7 +51,7 @@ pub(super) fn shade(
         let rays: Vec<Ray> = drawn.iter().map(|drawn| drawn.ray).collect();
         let filters: Vec<RayFilter> = drawn.iter().map(|drawn| drawn.filter).collect();
         let mut draws: Vec<Draws> = drawn.iter().map(|drawn| drawn.draws).collect();
-        let all_found = found(shading, &rays, &filters, &mut draws);
+        let all_found = stochastic_hits(shading, &rays, &filters, &mut draws);
         vertices.clear();
         for (index, drawn) in drawn.iter_mut().enumerate() {
             drawn.draws = draws[index];
@@ -124,7 +124,12 @@ fn drawn(vertex: &mut Vertex, roulette: bool) -> Option<Drawn> {
 
 /// The vertex where a ray meets a surface; `None` for a miss, and for a surface whose colour does not depend on light. That is seen in
 /// mirrors as the camera sees it, and gives others no light.
-fn next(shading: &Shading<'_>, drawn: &Drawn, met: &Found, colors: &mut [Color]) -> Option<Vertex> {
+fn next(
+    shading: &Shading<'_>,
+    drawn: &Drawn,
+    met: &StochasticHit,
+    colors: &mut [Color],
+) -> Option<Vertex> {
     let surface = shading.scene.interaction(&met.ray, &met.hit)?;
     if surface.is_unlit() {
         if drawn.is_specular_path {
