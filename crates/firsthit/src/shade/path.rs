@@ -13,7 +13,7 @@
 use super::blend::{StochasticHit, stochastic_hits};
 use super::found::{BsdfRay, light_found};
 use super::matte::SortedVertices;
-use super::vertex::{Vertex, Way, add_direct_light, first_vertices, transmittance};
+use super::vertex::{PathSegment, Vertex, add_direct_light, first_vertices, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, Domain, Ray, RayFilter, settings};
 use crate::sampling::Draws;
@@ -138,12 +138,12 @@ fn next(
         }
         return None;
     }
-    let way = Way {
+    let segment = PathSegment {
         throughput: drawn.throughput,
         absorption: drawn.absorption,
         length: met.length(),
     };
-    let mut vertex = Vertex::new(&surface, drawn.sum, drawn.draws, way)?;
+    let mut vertex = Vertex::new(&surface, drawn.sum, drawn.draws, segment)?;
     vertex.is_specular_path = drawn.is_specular_path;
     vertex.eta_scale = drawn.eta_scale;
     Some(vertex)

@@ -51,12 +51,12 @@ pub(super) fn first_vertex(
         return None;
     }
     *sum = surface.emitted();
-    Vertex::new(surface, number, draws, Way::of_camera(surface))
+    Vertex::new(surface, number, draws, PathSegment::of_camera(surface))
 }
 
-/// The way of a ray that meets a surface.
+/// The segment of a path, a ray that meets a surface.
 #[derive(Clone, Copy)]
-pub(super) struct Way {
+pub(super) struct PathSegment {
     /// The factor on light from the start of the ray to the camera.
     pub(super) throughput: Color,
     /// The absorption coefficient on its way, per scene unit, as far as is known at its start.
@@ -64,8 +64,8 @@ pub(super) struct Way {
     pub(super) length: f64,
 }
 
-impl Way {
-    /// The way of a ray from the camera.
+impl PathSegment {
+    /// The segment of a ray from the camera.
     pub(super) fn of_camera(surface: &SurfaceInteraction<'_>) -> Self {
         Self {
             throughput: Color::ONE,
@@ -81,17 +81,17 @@ impl Vertex {
         surface: &SurfaceInteraction<'_>,
         sum: usize,
         draws: Draws,
-        way: Way,
+        segment: PathSegment,
     ) -> Option<Self> {
         let bsdf = surface.bsdf()?;
         let (start, filter) = surface.leave(bsdf.geometric());
         // A ray that starts inside a solid learns so where it leaves it.
-        let absorption = bsdf.behind().unwrap_or(way.absorption);
+        let absorption = bsdf.behind().unwrap_or(segment.absorption);
         Some(Self {
             position: start.origin,
             bsdf,
             filter,
-            throughput: way.throughput * transmittance(absorption, way.length),
+            throughput: segment.throughput * transmittance(absorption, segment.length),
             sum,
             draws,
             finds_lights: false,

@@ -5,7 +5,7 @@
 use super::blend::onwards;
 use super::found::{BsdfRay, first_hits};
 use super::shadow::ShadowRays;
-use super::vertex::{Vertex, Way, transmittance};
+use super::vertex::{PathSegment, Vertex, transmittance};
 use super::{Points, Shading};
 use crate::geometry::{Color, DVec2, Domain, Hit, Ray, RayFilter, settings};
 use crate::sampling::Draws;
@@ -61,7 +61,12 @@ pub(super) fn shade(
         if !surface.is_unlit() {
             colors[k] = surface.emitted();
         }
-        let vertex = met(settings, surface, (k, Way::of_camera(surface)), colors);
+        let vertex = met(
+            settings,
+            surface,
+            (k, PathSegment::of_camera(surface)),
+            colors,
+        );
         seen.extend(vertex.map(|vertex| Seen {
             vertex,
             reflections: 0,
@@ -114,12 +119,12 @@ fn strongest(mut branches: Vec<Branch>) -> Vec<Branch> {
 fn met(
     settings: &Whitted,
     surface: &SurfaceInteraction<'_>,
-    (sum, way): (usize, Way),
+    (sum, segment): (usize, PathSegment),
     colors: &mut [Color],
 ) -> Option<Vertex> {
-    let vertex = Vertex::new(surface, sum, Draws::new(0, 0), way);
+    let vertex = Vertex::new(surface, sum, Draws::new(0, 0), segment);
     let throughput = vertex.as_ref().map_or(
-        way.throughput * transmittance(way.absorption, way.length),
+        segment.throughput * transmittance(segment.absorption, segment.length),
         |vertex| vertex.throughput,
     );
     if surface.is_unlit() {
@@ -199,14 +204,14 @@ fn follow(
         return (None, None);
     };
     let opacity = surface.opacity();
-    let way = Way {
+    let segment = PathSegment {
         throughput: opacity * branch.throughput,
         absorption: branch.absorption,
         length: hit.t,
     };
-    *color += way.throughput * bsdf_ray.emission(shading, &surface, hit.t);
+    *color += segment.throughput * bsdf_ray.emission(shading, &surface, hit.t);
     let vertex = if opacity > 0.0 {
-        met(settings, &surface, (branch.sum, way), colors)
+        met(settings, &surface, (branch.sum, segment), colors)
     } else {
         None
     };
