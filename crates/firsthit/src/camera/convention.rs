@@ -47,7 +47,7 @@ named! {
 
 /// The direction of a convention's matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum MatrixForm {
     WorldFromCamera,
     CameraFromWorld,
     /// The matrix maps rows: transposed.
@@ -63,11 +63,11 @@ impl Convention {
         }
     }
 
-    fn way(self) -> Way {
+    fn matrix_form(self) -> MatrixForm {
         match self {
-            Self::OpenCv | Self::Colmap => Way::CameraFromWorld,
-            Self::PyTorch3d => Way::RowsOfCamera,
-            _ => Way::WorldFromCamera,
+            Self::OpenCv | Self::Colmap => MatrixForm::CameraFromWorld,
+            Self::PyTorch3d => MatrixForm::RowsOfCamera,
+            _ => MatrixForm::WorldFromCamera,
         }
     }
 
@@ -87,7 +87,7 @@ impl Convention {
     /// [`Error::Argument`](crate::Error::Argument) for a matrix that is no rigid motion to 1e-4: scaled, mirrored, sheared, or with
     /// another last row than (0, 0, 0, 1).
     pub fn pose(self, matrix: [[f64; 4]; 4]) -> Result<DAffine3> {
-        let rows = if self.way() == Way::RowsOfCamera {
+        let rows = if self.matrix_form() == MatrixForm::RowsOfCamera {
             [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| matrix[column][row]))
         } else {
             matrix
@@ -100,7 +100,7 @@ impl Convention {
         let rotation = DMat3::from_cols(column(0), column(1), column(2));
         require_rotation(&rotation, || format!("{matrix:?}"))?;
         let given = DAffine3::from_mat3_translation(rotation, column(3));
-        let world_from_camera = if self.way() == Way::WorldFromCamera {
+        let world_from_camera = if self.matrix_form() == MatrixForm::WorldFromCamera {
             given
         } else {
             // Of a rotation the inverse is the transpose.
@@ -119,7 +119,7 @@ impl Convention {
     pub fn matrix(self, pose: &DAffine3) -> [[f64; 4]; 4] {
         let signs = DMat3::from_diagonal(self.signs());
         let rotation = pose.matrix3 * signs;
-        let (rotation, translation) = if self.way() == Way::WorldFromCamera {
+        let (rotation, translation) = if self.matrix_form() == MatrixForm::WorldFromCamera {
             (rotation, pose.translation)
         } else {
             let back = rotation.transpose();
@@ -130,7 +130,7 @@ impl Convention {
             [x, y, z, translation[k]]
         };
         let rows = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]];
-        if self.way() == Way::RowsOfCamera {
+        if self.matrix_form() == MatrixForm::RowsOfCamera {
             return [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| rows[column][row]));
         }
         rows
