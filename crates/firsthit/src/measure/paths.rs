@@ -74,9 +74,14 @@ pub fn path_lengths_with<R: Rays>(
             }
             let depth = walk.start(&solids, ray, met, watch)?;
             match by {
-                By::Object => walk.add_each(&solids, (ray, &Way::new(ray)), met, row),
+                By::Object => walk.add_each(&solids, (ray, &RayLength::new(ray)), met, row),
                 By::Union => {
-                    walk.add_union(&solids, (ray, &Way::new(ray)), met, (depth, &mut row[0]));
+                    walk.add_union(
+                        &solids,
+                        (ray, &RayLength::new(ray)),
+                        met,
+                        (depth, &mut row[0]),
+                    );
                 }
             }
             Ok(())
@@ -131,7 +136,7 @@ impl Walk {
     fn add_each(
         &mut self,
         solids: &Solids<'_>,
-        (ray, way): (&Ray, &Way),
+        (ray, lengths): (&Ray, &RayLength),
         met: &Met<'_>,
         sums: &mut [f64],
     ) {
@@ -146,7 +151,7 @@ impl Walk {
             if before == 0 {
                 self.since[object] = crossed.t;
             } else if behind == 0 {
-                sums[object] += way.length(self.since[object], crossed.t);
+                sums[object] += lengths.length(self.since[object], crossed.t);
             }
         }
         for &object in &solids.open {
@@ -160,11 +165,11 @@ impl Walk {
     fn add_union(
         &mut self,
         solids: &Solids<'_>,
-        (ray, way): (&Ray, &Way),
+        (ray, lengths): (&Ray, &RayLength),
         met: &Met<'_>,
         (mut depth, sum): (usize, &mut f64),
     ) {
-        let mut since = way.t_min;
+        let mut since = lengths.t_min;
         for crossed in met.crossings() {
             if solids.rules[crossed.object] == Rule::Nothing {
                 continue;
@@ -180,7 +185,7 @@ impl Walk {
             } else if behind == 0 {
                 depth -= 1;
                 if depth == 0 {
-                    *sum += way.length(since, crossed.t);
+                    *sum += lengths.length(since, crossed.t);
                 }
             }
         }
@@ -193,7 +198,7 @@ impl Walk {
 }
 
 /// The conversion from a ray's parameters to lengths.
-struct Way {
+struct RayLength {
     t_min: f64,
     t_max: f64,
     /// The direction's length, times a power of two that brings its square into range.
@@ -201,7 +206,7 @@ struct Way {
     scale: f64,
 }
 
-impl Way {
+impl RayLength {
     fn new(ray: &Ray) -> Self {
         let scale = moderation(ray.direction);
         Self {
