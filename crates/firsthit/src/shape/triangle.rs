@@ -270,12 +270,12 @@ impl Doubtful {
     /// Decides by exact arithmetic.
     #[inline(never)]
     pub(crate) fn settle(self) -> Option<TriangleHit> {
-        self.settle_in_place()
+        self.settle_inlined()
     }
 
     /// [`settle`](Self::settle), inlined into a kernel.
     #[inline(always)]
-    pub(crate) fn settle_in_place(self) -> Option<TriangleHit> {
+    pub(crate) fn settle_inlined(self) -> Option<TriangleHit> {
         let meeting = &self.meeting;
         let plain = if self.is_met {
             None

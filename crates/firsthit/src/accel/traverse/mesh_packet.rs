@@ -199,7 +199,7 @@ impl Kernel for SettleExactly {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Self::Output {
-        self.0.settle_in_place()
+        self.0.settle_inlined()
     }
 }
 
