@@ -60,7 +60,7 @@ pub(crate) use light::{PreparedLight, Sun, form_factor};
 pub(crate) use material::Lambertian;
 #[cfg(feature = "fhs")]
 pub(crate) use stored::SceneParts;
-pub(crate) use terminator::softened;
+pub(crate) use terminator::terminator_factor;
 use top_tree::TopTree;
 pub(crate) use top_tree::{CandidateList, NearbyObjects, ObjectCandidates};
 

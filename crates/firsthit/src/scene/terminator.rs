@@ -5,7 +5,7 @@
 /// and goes to 0 smoothly where the flat faces of a mesh would cut off the light of their smooth
 /// normals (Chiang, Li and Burley, "Taming the Shadow Terminator", SIGGRAPH Talks 2019).
 #[inline(always)]
-pub(crate) fn softened(smooth: f64, flat: f64, between: f64) -> f64 {
+pub(crate) fn terminator_factor(smooth: f64, flat: f64, between: f64) -> f64 {
     let share = flat / (smooth * between);
     if share < 1.0 {
         share * (1.0 + share * (1.0 - share))

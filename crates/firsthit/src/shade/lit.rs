@@ -6,7 +6,7 @@ use super::shadow::ShadowRays;
 use super::{Points, Shading, seen_normal};
 use crate::geometry::rows::{ROW, Vectors};
 use crate::geometry::{Color, DVec2, DVec3, unit};
-use crate::scene::{LightSample, PreparedLight, SurfaceInteraction, softened};
+use crate::scene::{LightSample, PreparedLight, SurfaceInteraction, terminator_factor};
 use crate::simd::{self, Kernel, Lanes};
 
 /// The reflection model of a surface. Functions that are not inlined are not compiled to lanes.
@@ -130,7 +130,7 @@ pub(super) struct Incoming {
     pub(super) towards: DVec3,
     /// The cosine to the normal.
     pub(super) cosine: f64,
-    /// The factor on light near the shadow terminator, from 0 to 1; see [`softened`].
+    /// The factor on light near the shadow terminator, from 0 to 1; see [`terminator_factor`].
     pub(super) share: f64,
     /// The irradiance over pi of a surface that faces the light.
     pub(super) light: Color,
@@ -163,7 +163,7 @@ impl Lit {
         let share = if self.normal == self.geometric {
             1.0
         } else {
-            softened(cosine, towards.dot(self.geometric), between)
+            terminator_factor(cosine, towards.dot(self.geometric), between)
         };
         let incoming = Incoming {
             towards,

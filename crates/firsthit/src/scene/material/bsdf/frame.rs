@@ -1,7 +1,7 @@
 //! The shading frame: normals, and the direction to the viewer.
 
 use crate::geometry::{DVec3, unit};
-use crate::scene::softened;
+use crate::scene::terminator_factor;
 
 /// A point of a surface that is seen. All directions are in the world, of length one; normals are on the side that is seen.
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +52,7 @@ impl Frame {
 fn share(normal: DVec3, geometric: DVec3, towards: DVec3) -> f64 {
     let (smooth, flat) = (towards.dot(normal), towards.dot(geometric));
     if smooth > 0.0 && flat > 0.0 {
-        softened(smooth, flat, normal.dot(geometric))
+        terminator_factor(smooth, flat, normal.dot(geometric))
     } else {
         0.0
     }
