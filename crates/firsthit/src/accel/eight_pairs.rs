@@ -1,14 +1,14 @@
 //! Up to eight rays, each with a triangle of a leaf that it is known to meet, gathered one by one and located in lanes.
 //!
 //! 1. Copy the ray and the triangle's corners, which are float32 in the leaf; or where float32 does not hold them float64 from the mesh.
-//! 2. Bring the corners into the space of the mesh in lanes, and compute `t` and the weights there ([`locate8_at`]).
+//! 2. Bring the corners into the space of the mesh in lanes, and compute `t` and the weights there ([`eight_crossings_at`]).
 
 #![expect(
     clippy::needless_range_loop,
     reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
-use super::locate8::{RayBundle, locate8_at};
+use super::eight_crossings::{RayBundle, eight_crossings_at};
 use super::mesh_tree::MeshTree;
 use crate::geometry::{DVec3, Ray, arrays};
 use crate::shape::Meshes;
@@ -131,7 +131,7 @@ impl EightPairs {
         }
         #[expect(clippy::cast_possible_truncation, reason = "eight bits")]
         let wanted = ((1_u32 << count) - 1) as u8;
-        let (sound, crossings) = locate8_at(l, &rays, &corners, wanted);
+        let (sound, crossings) = eight_crossings_at(l, &rays, &corners, wanted);
         let t = crossings[0];
         let held = l.lt64(number(6), t) & l.le64(t, number(7));
         let mut numbers = Aligned([[0.0; WIDE]; 3]);

@@ -3,8 +3,8 @@
 use super::square::BlockOfHits;
 use super::tile::TileTask;
 use crate::accel::{
-    BLOCK, Corners, MeshTree, RayBundle, SharedTriangle, TriangleId, VisibilityBuffer, locate8,
-    product_along, row_and_column,
+    BLOCK, Corners, MeshTree, RayBundle, SharedTriangle, TriangleId, VisibilityBuffer,
+    eight_crossings, product_along, row_and_column,
 };
 use crate::geometry::Hit;
 use crate::geometry::arithmetic::quotient_by_inverse;
@@ -147,7 +147,7 @@ impl TileTask<'_> {
         macro_rules! half {
             ($half:literal) => {{
                 let rays = self.rays_in_object(l, seen, 2 * block + $half);
-                locate8(l, &rays, &corners, $half, u8::MAX)
+                eight_crossings(l, &rays, &corners, $half, u8::MAX)
             }};
         }
         let halves = [half!(0), half!(1)];
@@ -175,8 +175,8 @@ impl TileTask<'_> {
             ));
         }
         let Some(common) = common else { return false };
-        let first = common.locate8(l, &rays);
-        let second = common.locate8(l, &self.rays_in_object(l, seen, 2 * block + 1));
+        let first = common.eight_crossings(l, &rays);
+        let second = common.eight_crossings(l, &self.rays_in_object(l, seen, 2 * block + 1));
         let primitives = [common.triangle(); LANES];
         put_sound(
             l,
@@ -218,7 +218,7 @@ impl TileTask<'_> {
                 continue;
             }
             let rays = self.rays_in_object(l, seen, 2 * block + half);
-            let (sound, numbers) = locate8(l, &rays, &corners, half, lanes);
+            let (sound, numbers) = eight_crossings(l, &rays, &corners, half, lanes);
             hits.put_half(l, half, lanes & sound, numbers);
             for lane in set_bits((lanes & !sound).into()) {
                 let lane = WIDE * half + lane;

@@ -165,19 +165,19 @@ impl Corners {
 /// `t` and the weights of the corners 1 and 2, and the lanes in which they are those of the exact test. In the others,
 /// which are few, the exact test itself is needed.
 #[inline(always)]
-pub(crate) fn locate8<L: Lanes>(
+pub(crate) fn eight_crossings<L: Lanes>(
     l: L,
     rays: &RayBundle<L>,
     corners: &Corners,
     half: usize,
     wanted: u8,
 ) -> (u8, [L::Doubles; 3]) {
-    locate8_at(l, rays, &corners.half(l, half), wanted)
+    eight_crossings_at(l, rays, &corners.half(l, half), wanted)
 }
 
-/// [`locate8`] with the corners in lanes.
+/// [`eight_crossings`] with the corners in lanes.
 #[inline(always)]
-pub(super) fn locate8_at<L: Lanes>(
+pub(super) fn eight_crossings_at<L: Lanes>(
     l: L,
     rays: &RayBundle<L>,
     corners: &[[L::Doubles; 3]; 3],
@@ -302,9 +302,13 @@ impl SharedTriangle {
         self.triangle
     }
 
-    /// As [`locate8`]. All lanes take the same arithmetic, or none is sound.
+    /// As [`eight_crossings`]. All lanes take the same arithmetic, or none is sound.
     #[inline(always)]
-    pub(crate) fn locate8<L: Lanes>(&self, l: L, rays: &RayBundle<L>) -> (u8, [L::Doubles; 3]) {
+    pub(crate) fn eight_crossings<L: Lanes>(
+        &self,
+        l: L,
+        rays: &RayBundle<L>,
+    ) -> (u8, [L::Doubles; 3]) {
         let a = InLanes(l);
         let mut same = u8::MAX;
         for axis in 0..3 {
