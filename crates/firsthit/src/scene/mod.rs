@@ -433,7 +433,8 @@ impl Scene {
         self.top.candidates()
     }
 
-    /// The objects that any of some rays may meet; `None` where it is better to ask [for each](Self::candidates).
+    /// The objects that any of some rays may meet; `None` where it is better to ask [for
+    /// each](Self::candidates).
     pub(crate) fn list_candidates(&self, beam: &Beam) -> Option<CandidateList<'_>> {
         self.top.list_candidates(beam)
     }

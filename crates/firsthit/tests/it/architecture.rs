@@ -1,5 +1,5 @@
-//! The walls of the house: which room may import which (see ARCHITECTURE.md), where `unsafe` may be,
-//! and how one-line docs begin.
+//! The walls of the house: which room may import which (see ARCHITECTURE.md), where `unsafe` may
+//! be, and how one-line docs begin.
 
 use std::collections::HashMap;
 use std::fs;
