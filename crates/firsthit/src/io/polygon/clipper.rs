@@ -1,10 +1,11 @@
 //! Ear clipping with a queue.
 
+use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use robust::orient2d;
-
-use super::columns::{Columns, Point};
+use super::columns::Columns;
+use super::turn;
+use crate::geometry::DVec2;
 
 const NONE: u32 = u32::MAX;
 
@@ -14,7 +15,7 @@ const PATIENCE: u64 = 1 << 13;
 
 /// A polygon whose ears are being cut off.
 pub(super) struct Clipper<'a> {
-    points: &'a [Point],
+    points: &'a [DVec2],
     /// The ring of corners that are left.
     next: Vec<u32>,
     previous: Vec<u32>,
@@ -52,7 +53,7 @@ enum Test {
 
 impl<'a> Clipper<'a> {
     /// Starts on a counter-clockwise polygon of at least three corners, fewer than 2^32 - 1.
-    pub(super) fn new(points: &'a [Point]) -> Self {
+    pub(super) fn new(points: &'a [DVec2]) -> Self {
         let count = points.len();
         #[expect(clippy::cast_possible_truncation, reason = "the contract above")]
         let corners = 0..count as u32;
@@ -81,7 +82,7 @@ impl<'a> Clipper<'a> {
             patience: PATIENCE.saturating_mul(count as u64),
             triangles: Vec::with_capacity(count - 2),
         };
-        let blocking: Vec<u32> = corners.filter(|&k| clipper.turn(k) <= 0.0).collect();
+        let blocking: Vec<u32> = corners.filter(|&k| clipper.turn(k).is_le()).collect();
         for &k in &blocking {
             clipper.blocks[k as usize] = true;
         }
@@ -117,7 +118,7 @@ impl<'a> Clipper<'a> {
             }
         }
         while let Some(corner) = self.straight.pop() {
-            if self.is_left[corner as usize] && self.turn(corner) == 0.0 {
+            if self.is_left[corner as usize] && self.turn(corner).is_eq() {
                 return corner;
             }
         }
@@ -132,7 +133,7 @@ impl<'a> Clipper<'a> {
             }
             self.patience -= 1;
             self.walk = self.next[self.walk as usize];
-            if self.turn(self.walk) > 0.0 {
+            if self.turn(self.walk).is_gt() {
                 return self.walk;
             }
         }
@@ -141,16 +142,13 @@ impl<'a> Clipper<'a> {
     }
 
     fn test(&mut self, corner: u32) -> Test {
-        let turn = self.turn(corner);
-        if turn == 0.0 {
-            return Test::Straight;
-        }
-        if turn < 0.0 {
-            return Test::Reflex;
-        }
-        match self.blocker(corner) {
-            Some(blocker) => Test::BlockedBy(blocker),
-            None => Test::Ear,
+        match self.turn(corner) {
+            Ordering::Equal => Test::Straight,
+            Ordering::Less => Test::Reflex,
+            Ordering::Greater => match self.blocker(corner) {
+                Some(blocker) => Test::BlockedBy(blocker),
+                None => Test::Ear,
+            },
         }
     }
 
@@ -161,11 +159,7 @@ impl<'a> Clipper<'a> {
         }
         let triangle = self.triangle(corner);
         let [a, b, c] = triangle.map(|k| self.points[k as usize]);
-        let end = |of: fn(f64, f64) -> f64| Point {
-            x: of(of(a.x, b.x), c.x),
-            y: of(of(a.y, b.y), c.y),
-        };
-        let (low, high) = (end(f64::min), end(f64::max));
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let mut seen = 1;
         let blocker = self.columns.within(self.points, low, high).find(|&k| {
             seen += 1;
@@ -176,7 +170,7 @@ impl<'a> Clipper<'a> {
     }
 
     /// Whether a corner lies in a triangle or on its border in a way that keeps it from being an ear.
-    fn is_inside(&self, corner: u32, [a, b, c]: [Point; 3]) -> bool {
+    fn is_inside(&self, corner: u32, [a, b, c]: [DVec2; 3]) -> bool {
         let point = self.points[corner as usize];
         // Corners at the same point, as at both ends of a bridge to a hole, do not block: their
         // neighbours do, if they lie inside. Those at the ear's tip block when they point into it.
@@ -186,11 +180,13 @@ impl<'a> Clipper<'a> {
         if point == b {
             let within = |k: u32| {
                 let q = self.points[k as usize];
-                orient2d(a, b, q) > 0.0 && orient2d(b, c, q) > 0.0
+                turn([a, b, q]).is_gt() && turn([b, c, q]).is_gt()
             };
             return within(self.next[corner as usize]) || within(self.previous[corner as usize]);
         }
-        orient2d(a, b, point) >= 0.0 && orient2d(b, c, point) >= 0.0 && orient2d(c, a, point) >= 0.0
+        [[a, b], [b, c], [c, a]]
+            .iter()
+            .all(|&[from, to]| turn([from, to, point]).is_ge())
     }
 
     fn clip(&mut self, corner: u32) {
@@ -205,7 +201,7 @@ impl<'a> Clipper<'a> {
         }
         self.unblock(corner);
         for neighbour in [before, after] {
-            if self.turn(neighbour) > 0.0 {
+            if self.turn(neighbour).is_gt() {
                 self.unblock(neighbour);
             }
             self.enqueue(neighbour);
@@ -249,9 +245,8 @@ impl<'a> Clipper<'a> {
         [before, corner, after]
     }
 
-    /// Positive at a left turn, exactly zero on a straight line.
-    fn turn(&self, corner: u32) -> f64 {
-        let [a, b, c] = self.triangle(corner).map(|k| self.points[k as usize]);
-        orient2d(a, b, c)
+    /// Greater at a left turn, equal on a straight line.
+    fn turn(&self, corner: u32) -> Ordering {
+        turn(self.triangle(corner).map(|k| self.points[k as usize]))
     }
 }
