@@ -59,7 +59,9 @@ impl Scene {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub fn catalog(&self) -> &Catalog {
-        parallel::once::<Arc<_>>(&self.catalog, || Arc::new(Catalog::of(&self.objects)))
+        parallel::once::<Arc<_>>(&self.derived.catalog, || {
+            Arc::new(Catalog::of(&self.objects))
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use super::{Scene, extent};
+use super::{Places, Scene, extent};
 use crate::error::{Error, Result};
 use crate::geometry::Transform;
 
@@ -95,7 +95,7 @@ impl Scene {
             self.objects[object].hide(is_hidden);
         }
         self.top.rebuild(&self.objects, &self.trees);
-        self.first_open = OnceLock::new();
+        self.derived.first_open = OnceLock::new();
         self.forget_places();
         Ok(())
     }
@@ -112,10 +112,7 @@ impl Scene {
 
     /// Forgets all that was computed from where the visible objects are.
     fn forget_places(&mut self) {
-        self.bounds = OnceLock::new();
-        self.seen = OnceLock::new();
-        self.endless = OnceLock::new();
-        self.emitters = OnceLock::new();
-        self.fingerprint = OnceLock::new();
+        self.derived.places = Places::default();
+        self.derived.fingerprint = OnceLock::new();
     }
 }

@@ -12,7 +12,7 @@ use crate::parallel;
 impl Scene {
     /// The smallest box around all objects in the world, infinite and hidden ones left out; empty without any.
     pub fn bounds(&self) -> Bounds {
-        *parallel::once(&self.bounds, || self.smallest_bounds())
+        *parallel::once(&self.derived.places.bounds, || self.smallest_bounds())
     }
 
     /// Around each end the objects are asked for their smallest boxes whose wide boxes go beyond what was found, the farthest first.
@@ -67,7 +67,7 @@ impl Scene {
         let mut boxed = self.objects.iter().zip(self.top.boxes());
         let is_endless =
             || boxed.any(|(object, bounds)| !object.is_hidden() && top_tree::is_unbounded(bounds));
-        if *parallel::once(&self.endless, is_endless) {
+        if *parallel::once(&self.derived.places.endless, is_endless) {
             return None;
         }
         let Bounds { low, high } = self.bounds();

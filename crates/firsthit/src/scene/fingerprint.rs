@@ -16,7 +16,7 @@ impl Scene {
     /// `blake3:` and 32 hexadecimal digits: the first half of the BLAKE3 digest of all that numbers say. Made
     /// once for a scene, by all threads of the current rayon pool.
     pub fn fingerprint(&self) -> &str {
-        parallel::once::<String>(&self.fingerprint, || self.digest().name())
+        parallel::once::<String>(&self.derived.fingerprint, || self.digest().name())
     }
 
     /// Adds all that shines but surfaces, the scene's own and borrowed lights alike.
@@ -74,12 +74,12 @@ impl Scene {
         // To be changed with whatever is added here: then no old fingerprint can be met by chance.
         digest.word("firsthit scene 1");
         digest.count(self.objects.len());
-        let mut known = self.digests.get().cloned().unwrap_or_default();
+        let mut known = self.derived.digests.get().cloned().unwrap_or_default();
         for object in &self.objects {
             digest_object(object, &mut known, &mut digest);
         }
         // The first thread's value is equal.
-        let _ = self.digests.set(known);
+        let _ = self.derived.digests.set(known);
         let own: &[Light] = if self.has_own_lights {
             &self.lights
         } else {

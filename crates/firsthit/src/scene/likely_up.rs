@@ -47,7 +47,7 @@ impl Scene {
             DVec3::Z => (1, 0),
             _ => return convention,
         };
-        let seen = *parallel::once(&self.seen, || self.all_seen());
+        let seen = *parallel::once(&self.derived.places.seen, || self.all_seen());
         // Half of the projected area faces down.
         let share = |part: DVec2, axis: usize| part[axis] / (0.5 * seen.all[axis]);
         let base = share(seen.bottom, other);

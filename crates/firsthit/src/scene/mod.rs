@@ -94,8 +94,7 @@ pub struct Scene {
     /// The settings that the trees were built with, and that further ones will be.
     build: BuildSettings,
     top: TopTree,
-    /// See [`Scene::bounds`]; made when first asked for.
-    bounds: OnceLock<Bounds>,
+    derived: Derived,
     lights: Vec<Light>,
     has_own_lights: bool,
     environment: Option<Arc<Environment>>,
@@ -104,23 +103,35 @@ pub struct Scene {
     colored: Option<Arc<Colored>>,
     /// See [`Scene::up`].
     up: Option<DVec3>,
-    /// See [`Scene::likely_up`]; made when first asked for.
-    seen: OnceLock<likely_up::Seen>,
-    /// Made when first asked for.
+}
+
+/// What follows from the rest of a scene; made when first asked for.
+#[derive(Clone, Default)]
+struct Derived {
+    places: Places,
     fingerprint: OnceLock<String>,
-    /// See [`Scene::first_open_object`]; made when first asked for.
+    /// See [`Scene::first_open_object`].
     first_open: OnceLock<Option<usize>>,
-    /// See [`Scene::has_translucent`]; made when first asked for.
+    /// See [`Scene::has_translucent`].
     translucent: OnceLock<bool>,
-    /// Whether something visible has no end; made when first asked for.
-    endless: OnceLock<bool>,
-    /// See [`Scene::emitters`]; made when first asked for.
-    emitters: OnceLock<Arc<Emitters>>,
-    /// See [`Scene::catalog`]; made when first asked for, and shared by all scenes that are this one with objects moved.
+    /// See [`Scene::catalog`]; shared by all scenes that are this one with objects moved.
     catalog: OnceLock<Arc<Catalog>>,
     /// Digests of meshes and textures, shared by all scenes that are this one with objects moved.
     #[cfg(feature = "frame")]
     digests: Arc<OnceLock<fingerprint::Known>>,
+}
+
+/// What follows from where the visible objects are.
+#[derive(Clone, Default)]
+struct Places {
+    /// See [`Scene::bounds`].
+    bounds: OnceLock<Bounds>,
+    /// See [`Scene::likely_up`].
+    seen: OnceLock<likely_up::Seen>,
+    /// Whether something visible has no end.
+    endless: OnceLock<bool>,
+    /// See [`Scene::emitters`].
+    emitters: OnceLock<Arc<Emitters>>,
 }
 
 // The first objects, and how much there is.
@@ -240,34 +251,37 @@ impl Scene {
         let trees = object_trees(&objects, build, before)?;
         let unmoved = before.filter(|before| before.is_in_place(&objects, &trees));
         let (top, bounds) = if let Some(before) = unmoved {
-            (before.top.clone(), before.bounds.clone())
+            (before.top.clone(), before.derived.places.bounds.clone())
         } else {
             let around = |k: usize, object: &Object| extent::box_around(object, trees[k].own());
             let boxes = extent::in_parts(&objects, around);
             (TopTree::new(&objects, &trees, boxes), OnceLock::new())
         };
-        Ok(Self {
+        Ok(Self::over((objects, trees), build, top, bounds))
+    }
+
+    /// The scene of objects and their trees, without light.
+    fn over(
+        (objects, trees): (Vec<Object>, Vec<ObjectTree>),
+        build: BuildSettings,
+        top: TopTree,
+        bounds: OnceLock<Bounds>,
+    ) -> Self {
+        let mut derived = Derived::default();
+        derived.places.bounds = bounds;
+        Self {
             objects,
             trees,
             build,
             top,
-            bounds,
+            derived,
             lights: Vec::new(),
             has_own_lights: true,
             environment: None,
             has_own_environment: true,
             colored: None,
             up: None,
-            seen: OnceLock::new(),
-            fingerprint: OnceLock::new(),
-            first_open: OnceLock::new(),
-            translucent: OnceLock::new(),
-            endless: OnceLock::new(),
-            emitters: OnceLock::new(),
-            catalog: OnceLock::new(),
-            #[cfg(feature = "frame")]
-            digests: Arc::default(),
-        })
+        }
     }
 
     /// Whether the objects are in the places of this scene's and joined alike, whatever they look
@@ -294,36 +308,33 @@ impl Scene {
     }
 
     /// The scene with other lights.
-    pub fn with_lights(self, lights: Vec<Light>) -> Self {
+    pub fn with_lights(mut self, lights: Vec<Light>) -> Self {
+        self.derived.fingerprint = OnceLock::new();
         Self {
             lights,
             has_own_lights: true,
-            fingerprint: OnceLock::new(),
             ..self
         }
     }
 
     /// The scene with another environment, or none.
-    pub fn with_environment(self, environment: Option<Arc<Environment>>) -> Self {
+    pub fn with_environment(mut self, environment: Option<Arc<Environment>>) -> Self {
+        self.derived.fingerprint = OnceLock::new();
         Self {
             environment,
             has_own_environment: true,
-            fingerprint: OnceLock::new(),
             ..self
         }
     }
 
     /// The scene with lights that were chosen automatically, such as one that goes with the camera:
     /// they are not part of its [fingerprint](Self::fingerprint).
-    pub fn with_borrowed_lights(self, lights: Vec<Light>) -> Self {
-        let has_none = self.lights.is_empty() || !self.has_own_lights;
+    pub fn with_borrowed_lights(mut self, lights: Vec<Light>) -> Self {
+        // With none of its own, the fingerprint is still true.
+        if !self.lights.is_empty() && self.has_own_lights {
+            self.derived.fingerprint = OnceLock::new();
+        }
         Self {
-            // Made already, it is still true.
-            fingerprint: if has_none {
-                self.fingerprint
-            } else {
-                OnceLock::new()
-            },
             lights,
             has_own_lights: false,
             ..self
@@ -331,14 +342,11 @@ impl Scene {
     }
 
     /// The scene with an environment that was chosen automatically, or none.
-    pub fn with_borrowed_environment(self, environment: Option<Arc<Environment>>) -> Self {
-        let has_none = self.environment.is_none() || !self.has_own_environment;
+    pub fn with_borrowed_environment(mut self, environment: Option<Arc<Environment>>) -> Self {
+        if self.environment.is_some() && self.has_own_environment {
+            self.derived.fingerprint = OnceLock::new();
+        }
         Self {
-            fingerprint: if has_none {
-                self.fingerprint
-            } else {
-                OnceLock::new()
-            },
             environment,
             has_own_environment: false,
             ..self
@@ -362,13 +370,17 @@ impl Scene {
 
     /// The surfaces that shine.
     pub(crate) fn emitters(&self) -> &Emitters {
-        parallel::once::<Arc<_>>(&self.emitters, || Arc::new(Emitters::new(self)))
+        parallel::once::<Arc<_>>(&self.derived.places.emitters, || {
+            Arc::new(Emitters::new(self))
+        })
     }
 
     /// Whether some surfaces may let light through by their alpha.
     pub fn has_translucent(&self) -> bool {
         let has_some = |object: &Object| object.materials().iter().any(Material::is_translucent);
-        *parallel::once(&self.translucent, || self.objects.iter().any(has_some))
+        *parallel::once(&self.derived.translucent, || {
+            self.objects.iter().any(has_some)
+        })
     }
 
     /// Fails for light that makes no sense, the scene's own or borrowed: lights, an environment and
@@ -449,7 +461,9 @@ impl Scene {
         let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();
         let is_nothing = |object: &Object| object.is_hidden() || object.is_empty_mesh();
         let is_open = |object: &Object| !is_nothing(object) && has_gaps(object);
-        *parallel::once(&self.first_open, || self.objects.iter().position(is_open))
+        *parallel::once(&self.derived.first_open, || {
+            self.objects.iter().position(is_open)
+        })
     }
 
     /// The objects around a point.

@@ -1,6 +1,6 @@
 //! The parts of a built scene, and their assembly from untrusted data.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use super::duplicates::Duplicates;
 use super::joined::ObjectTree;
@@ -73,27 +73,12 @@ impl Scene {
             }
         }
         let top = TopTree::with_duplicates(&objects, &trees, boxes, duplicates);
-        Ok(Self {
-            objects,
-            trees,
-            build: BuildSettings::default(),
+        let bounds = OnceLock::from(bounds);
+        Ok(Self::over(
+            (objects, trees),
+            BuildSettings::default(),
             top,
-            bounds: OnceLock::from(bounds),
-            first_open: OnceLock::new(),
-            translucent: OnceLock::new(),
-            endless: OnceLock::new(),
-            emitters: OnceLock::new(),
-            catalog: OnceLock::new(),
-            lights: Vec::new(),
-            has_own_lights: true,
-            environment: None,
-            has_own_environment: true,
-            colored: None,
-            up: None,
-            seen: OnceLock::new(),
-            fingerprint: OnceLock::new(),
-            #[cfg(feature = "frame")]
-            digests: Arc::default(),
-        })
+            bounds,
+        ))
     }
 }
