@@ -165,6 +165,14 @@ impl Camera {
         (!has).then_some(Projection::NO_THIN_LENS)
     }
 
+    /// The names of a projection's numbers.
+    #[staticmethod]
+    fn settings(projection: &str) -> Vec<&'static str> {
+        let known: Option<Projection> = projection.parse().ok();
+        let settings = known.map_or_else(Vec::new, Projection::settings);
+        settings.into_iter().map(|setting| setting.name).collect()
+    }
+
     /// The camera that made an output, from the JSON of its record.
     #[staticmethod]
     fn of_record(py: Python<'_>, json: &str) -> PyResult<Self> {

@@ -704,7 +704,7 @@ def test_a_shifted_and_tilted_viewplane_is_the_chapters():
     ("make", "what"),
     [
         (lambda: fh.Camera.from_opencv([1, 1, 0, 0], (1, 2, 3), rows=2, columns=2), "0, 4, 5, 8"),
-        (lambda: fh.Camera.from_opencv([0, 1, 0, 0], rows=2, columns=2), "fx must be positive"),
+        (lambda: fh.Camera.from_opencv([0, 1, 0, 0], rows=2, columns=2), "fx must be a positive"),
         (
             lambda: fh.Camera.from_opencv(
                 [1, 1, 0, 0], rvec=(0, 0, 0), R=np.eye(3), rows=2, columns=2
@@ -734,7 +734,7 @@ def test_a_shifted_and_tilted_viewplane_is_the_chapters():
         ),
         (
             lambda: fh.Camera.fisheye((0, 0, 0), (0, 0, 1), (0, 1, 0), 361, rows=2, columns=2),
-            "fov must be above 0 and up to 360",
+            "fov must be a number above 0 and up to 360",
         ),
         (
             lambda: fh.Camera.from_projection_matrix(np.zeros((3, 4)), rows=2, columns=2),

@@ -61,7 +61,7 @@ def test_rays_and_distances_are_the_specifications_formulas(projection, ray_star
     [
         ({"aim": (0, 0, 0)}, "aim must be a finite direction, not zero"),
         ({"up": (0, 0.2, 6)}, "up must be in another direction than aim"),
-        ({"focal_length": 0}, "focal_length must be positive"),
+        ({"focal_length": 0}, "focal_length must be a positive, finite number"),
         ({"rows": 0}, "rows must be at least 1"),
         ({"rows": 2.5}, "rows must be a whole number, got 2.5"),
         ({"columns": -1}, "columns must be zero or more"),

@@ -1,5 +1,6 @@
 //! Errors, grouped by who can put them right.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +34,7 @@ pub enum Error {
         /// The parameter's name, in the words of the interface.
         name: &'static str,
         /// The expected value.
-        expected: &'static str,
+        expected: Cow<'static, str>,
         /// The value that came.
         got: String,
     },
@@ -90,8 +91,12 @@ pub enum Error {
 
 impl Error {
     /// An [`Error::Argument`] from anything printable.
-    pub fn argument(name: &'static str, expected: &'static str, got: impl fmt::Display) -> Self {
-        let got = got.to_string();
+    pub fn argument(
+        name: &'static str,
+        expected: impl Into<Cow<'static, str>>,
+        got: impl fmt::Display,
+    ) -> Self {
+        let (expected, got) = (expected.into(), got.to_string());
         Self::Argument {
             name,
             expected,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from firsthit import _firsthit
 from firsthit._camera import Camera
 from firsthit._types import Convention, Projection, RayStart
 
@@ -14,15 +15,12 @@ if TYPE_CHECKING:
 
     from ._table import Table
 
-#: The numbers of lenses that are keys of their own, as `docs/cameras.md` lists them.
-_PARAMETERS = (
-    *("horizontal_fov", "vertical_fov", "shift_x", "shift_y", "tilt_x", "tilt_y"),
-    *("k0", "k1", "k2", "k3", "k4", "k5", "k6", "p0", "p1", "p2", "s0", "s1", "s2", "s3", "s4"),
-    *("sx1", "sy1", "tau_x", "tau_y", "xi", "alpha", "beta", "omega"),
-)
 _FISHEYES = ("equidistant", "equisolid", "stereographic", "orthographic_fisheye")
 _FLAT = ("perspective", "orthographic")
+_LENGTHS = ("focal_length", "width", "height")
 _MATRIX = ("fx", "fy", "cx", "cy")
+#: The numbers of lenses that are told apart; the others are parameters.
+_APART = (*_LENGTHS, *_MATRIX, "skew", "fov", "aperture", "focus")
 
 #: The rig's forwards and up: its axes are forwards, left, up.
 FORWARDS, UP = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
@@ -33,7 +31,8 @@ def camera(table: Table, *, one_row: bool = False) -> Camera:
     projection = table.text("projection", "perspective", get_args(Projection))
     columns = table.whole("columns", least=1)
     rows = 1 if one_row else table.whole("rows", least=1)
-    given = {name: table.number(name) for name in _PARAMETERS if name in table}
+    names = [name for name in _firsthit.Camera.settings(projection) if name not in _APART]
+    given = {name: table.number(name) for name in names if name in table}
     convention = table.text("convention", None, get_args(Convention))
     start = table.text("ray_start", "eye", get_args(RayStart))
     has_matrix = any(name in table for name in (*_MATRIX, "skew"))
@@ -60,7 +59,7 @@ def _by_matrix(
     shape: tuple[int, int],
     given: dict[str, float],
 ) -> Camera:
-    for name in ("focal_length", "width", "height"):
+    for name in _LENGTHS:
         if name in table:
             raise table.refused(name, f"`{name}` is given by `fx` to `cy` already")
     if convention is None:
@@ -94,8 +93,7 @@ def _by_angle(
         return Camera(*ahead, None, None, None, rows, columns, projection, "eye", parameters)
     if projection not in _FLAT:
         return Camera(*ahead, None, None, None, rows, columns, projection, start, given)
-    names = "focal_length", "width", "height"
-    if not any(name in table for name in names):
+    if not any(name in table for name in _LENGTHS):
         made = Camera.look_at(
             (0.0, 0.0, 0.0), ahead[1], ahead[2], table.number("fov", 45.0), rows, columns
         )

@@ -10,10 +10,10 @@ use super::distortion::{Distortion, Limit};
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
 use super::quick::square;
-use super::thin_lens::check_thin_lens;
+use super::thin_lens::{THIN_LENS, check_thin_lens};
 use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, Setting, Settings, Value, require};
 
 /// A calibrated camera with one of the models of [`distortion`](super::distortion). Rays start at the camera.
 ///
@@ -62,11 +62,12 @@ impl<D> Calibrated<D> {
 }
 
 /// The lens whose limit, as a circle around the middle, touches the longer edges of the picture.
-pub(super) fn within<D: Distortion>(
+pub(super) fn within<D: Distortion + Settings>(
     distortion: D,
     [rows, columns]: [usize; 2],
 ) -> Result<Calibrated<D>> {
-    let radius = distortion.limit(0.0)?.distorted;
+    distortion.check()?;
+    let radius = distortion.limit(0.0).distorted;
     let focal_length = 0.5 * rows.min(columns).max(1) as f64 / radius;
     let matrix = PixelMatrix {
         fx: focal_length,
@@ -88,20 +89,26 @@ impl<D: PartialEq> PartialEq for Calibrated<D> {
     }
 }
 
-impl<D: Distortion> Parameters for Calibrated<D> {
-    fn each(&mut self, visit: &mut dyn FnMut(&'static str, &mut f64)) {
+impl<D: Distortion + Settings> Parameters for Calibrated<D> {
+    fn each(&mut self, visit: &mut dyn FnMut(&'static Setting, &mut f64)) {
         self.matrix.each(visit);
         self.distortion.each(visit);
         if D::IS_PERSPECTIVE {
-            visit("aperture", &mut self.aperture);
-            visit("focus", &mut self.focus);
+            let [aperture, focus] = &THIN_LENS;
+            visit(aperture, &mut self.aperture);
+            visit(focus, &mut self.focus);
         }
     }
 
-    /// Cameras without a lens do not speak of one.
+    /// Cameras without a lens do not speak of one, nor polynomials that see all around of an end.
     fn is_silent(&self, name: &str) -> bool {
         let has_lens = self.aperture != 0.0 || self.focus != 0.0;
-        !has_lens && matches!(name, "aperture" | "focus") || self.distortion.is_silent(name)
+        let all_around = ("fov", Value::Number(360.0));
+        match name {
+            "aperture" | "focus" => !has_lens,
+            "fov" => D::LIST.len() > 1 && self.distortion.named_values().contains(&all_around),
+            _ => false,
+        }
     }
 }
 
@@ -144,14 +151,6 @@ impl<D: Distortion> Central for Calibrated<D> {
     const IS_UNIT: bool = D::IS_UNIT;
 
     fn prepare(&mut self, [rows, columns]: [usize; 2]) -> Result<()> {
-        self.matrix.check()?;
-        let mut fine = Ok(());
-        self.distortion.each(&mut |name, value| {
-            if fine.is_ok() {
-                fine = require(name, "finite", value.is_finite(), *value);
-            }
-        });
-        fine?;
         check_thin_lens(self.aperture, self.focus)?;
         let expected = "zero for a tilted sensor: what is in focus would be tilted too";
         let fine = self.aperture == 0.0 || !self.distortion.is_tilted();
@@ -160,7 +159,7 @@ impl<D: Distortion> Central for Calibrated<D> {
         let corners = ends(columns).map(|x| ends(rows).map(|y| DVec2::new(x, y)));
         let corners = corners.iter().flatten();
         let radii = corners.map(|&corner| self.matrix.point(corner).length());
-        self.limit = self.distortion.limit(radii.fold(0.0, f64::max))?;
+        self.limit = self.distortion.limit(radii.fold(0.0, f64::max));
         Ok(())
     }
 

@@ -6,7 +6,6 @@
 )]
 
 use super::lens::{Model, Reach};
-use super::parameters::Parameters;
 use super::pose::Pose;
 use super::quick::square;
 use crate::error::Result;
@@ -17,12 +16,14 @@ use crate::simd::{InLanes, InstructionSet, Kernel, Lanes, WIDE, run};
 /// The contract of every such lens. Directions are in the camera's coordinates x to the right, y
 /// down, z ahead, as in OpenCV; pixel coordinates are counted from the picture's upper left corner,
 /// to the right and down. `size` is rows and columns.
-pub(super) trait Central: Parameters + Send + Sync {
+pub(super) trait Central: Send + Sync {
     /// Whether its directions have length one, but for rounding.
     const IS_UNIT: bool = false;
 
     /// Checks its numbers for a picture of a size, and computes what depends on them alone.
-    fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
+    fn prepare(&mut self, _size: [usize; 2]) -> Result<()> {
+        Ok(())
+    }
     /// The direction that is seen at a point of the picture, of any length; `None` where nothing is.
     fn direction(&self, size: [usize; 2], pixel: DVec2) -> Option<DVec3>;
     /// The directions for a single point or for several at once, with a mask of where they are

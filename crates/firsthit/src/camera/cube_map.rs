@@ -13,11 +13,10 @@
 //! lower edge of U and the upper edge of D touch F. In the cross what is no face sees nothing.
 
 use super::central::Central;
-use super::parameters::parameters;
 use crate::error::Result;
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, require, settings};
 
-parameters! {
+settings! {
     /// See [`Projection::CubeMap`](super::Projection::CubeMap). Rays start at the camera.
     pub struct CubeMap {}
 }

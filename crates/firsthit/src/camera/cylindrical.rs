@@ -1,18 +1,16 @@
 //! A panorama on a cylinder around `up`: longitude is linear across, and straight lines along `up` stay straight.
 
 use super::central::Central;
-use super::equirectangular::{check_horizontal_fov, radians};
-use super::parameters::parameters;
-use crate::error::Result;
-use crate::geometry::{DVec2, DVec3, require};
+use super::equirectangular::radians;
+use crate::geometry::{DVec2, DVec3, Domain, settings};
 
-parameters! {
+settings! {
     /// See [`Projection::Cylindrical`](super::Projection::Cylindrical). Rays start at the camera.
     pub struct Cylindrical {
-        /// Degrees of longitude from the left edge to the right one, up to 360.
-        horizontal_fov = 360.0,
-        /// Degrees from the lower edge to the upper one, below 180.
-        vertical_fov = 90.0,
+        /// Degrees of longitude from the left edge to the right one. Default: 360.
+        horizontal_fov: f64, Domain::UpTo(360.0), default 360.0;
+        /// Degrees from the lower edge to the upper one. Default: 90.
+        vertical_fov: f64, Domain::Between(0.0, 180.0), default 90.0;
     }
 }
 
@@ -24,13 +22,6 @@ impl Cylindrical {
 }
 
 impl Central for Cylindrical {
-    fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
-        check_horizontal_fov(self.horizontal_fov)?;
-        let fine = self.vertical_fov > 0.0 && self.vertical_fov < 180.0;
-        let expected = "above 0 and below 180 degrees";
-        require("vertical_fov", expected, fine, self.vertical_fov)
-    }
-
     fn direction(&self, [rows, columns]: [usize; 2], pixel: DVec2) -> Option<DVec3> {
         let longitude = radians(self.horizontal_fov) * (pixel.x / columns as f64 - 0.5);
         let (across, ahead) = libm::sincos(longitude);

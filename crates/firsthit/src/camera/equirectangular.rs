@@ -10,19 +10,17 @@
 use std::f64::consts::TAU;
 
 use super::central::Central;
-use super::parameters::parameters;
 use super::quick::sincos;
-use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, Domain, settings};
 
-parameters! {
+settings! {
     /// See [`Projection::Equirectangular`](super::Projection::Equirectangular). Rays start at the camera.
     pub struct Equirectangular {
-        /// Degrees of longitude from the left edge to the right one, up to 360.
-        horizontal_fov = 360.0,
-        /// Degrees of latitude from the lower edge to the upper one, up to 180.
-        vertical_fov = 180.0,
+        /// Degrees of longitude from the left edge to the right one. Default: 360.
+        horizontal_fov: f64, Domain::UpTo(360.0), default 360.0;
+        /// Degrees of latitude from the lower edge to the upper one. Default: 180.
+        vertical_fov: f64, Domain::UpTo(180.0), default 180.0;
     }
 }
 
@@ -31,26 +29,8 @@ pub(super) fn radians(degrees: f64) -> f64 {
     TAU * (degrees / 360.0)
 }
 
-/// Refuses what is no horizontal field of view of a panorama.
-pub(super) fn check_horizontal_fov(degrees: f64) -> Result<()> {
-    let fine = degrees > 0.0 && degrees <= 360.0;
-    require(
-        "horizontal_fov",
-        "above 0 and up to 360 degrees",
-        fine,
-        degrees,
-    )
-}
-
 impl Central for Equirectangular {
     const IS_UNIT: bool = true;
-
-    fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
-        check_horizontal_fov(self.horizontal_fov)?;
-        let fine = self.vertical_fov > 0.0 && self.vertical_fov <= 180.0;
-        let expected = "above 0 and up to 180 degrees";
-        require("vertical_fov", expected, fine, self.vertical_fov)
-    }
 
     fn direction(&self, size: [usize; 2], pixel: DVec2) -> Option<DVec3> {
         let (direction, _) = self.directions(Scalar, size, pixel.to_array());

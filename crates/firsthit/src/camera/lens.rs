@@ -14,12 +14,12 @@ use super::parameters::{self, Parameters};
 use super::pose::Pose;
 use super::viewplane::Viewplane;
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, named};
+use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, Setting, named};
 use crate::simd::InstructionSet;
 
 /// The contract of every lens, for a camera of a pose and with `size` rows and columns of pixels.
 pub(super) trait Model {
-    /// Checks its numbers, and computes what depends on them alone.
+    /// Checks how its numbers, each in its domain, go together, and computes what depends on them alone.
     fn prepare(&mut self, size: [usize; 2]) -> Result<()>;
     /// The ray through a point of a pixel, its direction of length one; NaN where nothing is seen. `offset` runs from 0 to 1
     /// rightwards and upwards.
@@ -90,7 +90,7 @@ macro_rules! lenses {
                 }
             }
 
-            pub(super) fn model_mut(&mut self) -> &mut dyn Model {
+            fn model_mut(&mut self) -> &mut dyn Model {
                 match self {
                     Self::Flat(lens) => lens,
                     $(Self::$variant(lens) => lens,)*
@@ -150,6 +150,18 @@ macro_rules! lenses {
         }
 
         impl Projection {
+            /// The numbers of its lenses: names, meanings and domains.
+            ///
+            /// ```
+            /// let names = firsthit::Projection::Ucm.settings().into_iter().map(|setting| setting.name);
+            /// assert_eq!(names.collect::<Vec<_>>(), ["fx", "fy", "cx", "cy", "skew", "alpha"]);
+            /// ```
+            pub fn settings(self) -> Vec<&'static Setting> {
+                let mut all = Vec::new();
+                self.lens().parameters_mut().each(&mut |setting, _| all.push(setting));
+                all
+            }
+
             /// A lens of this kind with its default numbers.
             fn lens(self) -> Lens {
                 match self {
@@ -265,6 +277,12 @@ impl Lens {
                 return Err(Error::argument("fov", expected, projection.name()));
             }
         })
+    }
+
+    /// Refuses numbers that make no lens, and computes what depends on them and the picture's size alone.
+    pub(super) fn prepare(&mut self, size: [usize; 2]) -> Result<()> {
+        parameters::check(self.parameters_mut())?;
+        self.model_mut().prepare(size)
     }
 
     /// Whether it is a panorama, of the whole sphere or of a part of it. Cameras with one stand in the middle of a scene.

@@ -38,6 +38,10 @@ pub use lens::{Lens, Projection};
 pub use octahedral::Octahedral;
 pub use pixel_matrix::PixelMatrix;
 pub use standard::StandardView;
+#[cfg(feature = "scene-file")]
+pub(crate) use thin_lens::THIN_LENS;
+#[cfg(feature = "scene-file")]
+pub(crate) use viewplane::VIEWPLANE;
 pub use viewplane::{RayStart, Viewplane};
 
 use std::ops::Range;
@@ -150,7 +154,7 @@ impl Camera {
             aim: pose.aim,
             ..view
         };
-        view.lens.model_mut().prepare([view.rows, view.columns])?;
+        view.lens.prepare([view.rows, view.columns])?;
         Ok(Self { view, pose })
     }
 

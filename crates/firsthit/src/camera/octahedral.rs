@@ -3,11 +3,9 @@
 //! Engelhardt and Dachsbacher, "Octahedron Environment Maps", VMV 2008.
 
 use super::central::Central;
-use super::parameters::parameters;
-use crate::error::Result;
-use crate::geometry::{DVec2, DVec3};
+use crate::geometry::{DVec2, DVec3, settings};
 
-parameters! {
+settings! {
     /// See [`Projection::Octahedral`](super::Projection::Octahedral). Rays start at the camera.
     pub struct Octahedral {}
 }
@@ -22,10 +20,6 @@ fn folded(point: DVec2) -> DVec2 {
 }
 
 impl Central for Octahedral {
-    fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
-        Ok(())
-    }
-
     fn direction(&self, [rows, columns]: [usize; 2], pixel: DVec2) -> Option<DVec3> {
         let point = 2.0 * pixel / DVec2::new(columns as f64, rows as f64) - DVec2::ONE;
         let ahead = 1.0 - point.x.abs() - point.y.abs();

@@ -1,55 +1,47 @@
 //! Numbers by name: what files, the command line and Python say about a lens.
 
 use crate::error::{Error, Result};
+use crate::geometry::{Setting, Settings, Value};
 
-/// Numbers that have names.
+/// A lens' numbers, each with its name, its meaning and its domain.
 pub(super) trait Parameters {
-    /// Visits each with its name.
-    fn each(&mut self, visit: &mut dyn FnMut(&'static str, &mut f64));
+    /// Visits each.
+    fn each(&mut self, visit: &mut dyn FnMut(&'static Setting, &mut f64));
     /// Whether a number is left out where all are listed: it has its default value.
     fn is_silent(&self, _name: &str) -> bool {
         false
     }
 }
 
-/// Makes a struct of named numbers, all of which are zero unless said otherwise. One that is `silent` is not listed while it is what
-/// it is by default.
-macro_rules! parameters {
-    ($(#[$doc:meta])* pub struct $kind:ident $((silent $silent:ident))? {
-        $($(#[$of_field:meta])* $field:ident = $default:expr,)*
-    }) => {
-        $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct $kind {
-            $($(#[$of_field])* pub $field: f64,)*
-        }
-
-        impl Default for $kind {
-            fn default() -> Self {
-                Self { $($field: $default,)* }
+impl<S: Settings> Parameters for S {
+    fn each(&mut self, visit: &mut dyn FnMut(&'static Setting, &mut f64)) {
+        for (place, value) in self.values().into_iter().enumerate() {
+            if let (Some(setting), Value::Number(mut number)) = (S::LIST.get(place), value) {
+                visit(setting, &mut number);
+                self.put(place, Value::Number(number));
             }
         }
-
-        impl crate::camera::parameters::Parameters for $kind {
-            fn each(&mut self, _visit: &mut dyn FnMut(&'static str, &mut f64)) {
-                $(_visit(stringify!($field), &mut self.$field);)*
-            }
-            $(
-                fn is_silent(&self, name: &str) -> bool {
-                    name == stringify!($silent) && self.$silent == Self::default().$silent
-                }
-            )?
-        }
-    };
+    }
 }
-pub(super) use parameters;
 
 /// Every parameter with its value.
 pub(super) fn values(parameters: &mut dyn Parameters) -> Vec<(&'static str, f64)> {
     let mut values = Vec::new();
-    parameters.each(&mut |name, value| values.push((name, *value)));
+    parameters.each(&mut |setting, value| values.push((setting.name, *value)));
     values.retain(|(name, _)| !parameters.is_silent(name));
     values
+}
+
+/// Refuses numbers that are out of their domains.
+pub(super) fn check(parameters: &mut dyn Parameters) -> Result<()> {
+    let mut fine = Ok(());
+    parameters.each(&mut |setting, &mut number| {
+        let checked = setting.domain.checked(setting.name, Value::Number(number));
+        if fine.is_ok() {
+            fine = checked.map(drop);
+        }
+    });
+    fine
 }
 
 /// Sets those that are given.
@@ -61,9 +53,9 @@ pub(super) fn set(parameters: &mut dyn Parameters, given: &[(&str, f64)]) -> Res
     for &(name, value) in given {
         let mut names = Vec::new();
         let mut is_known = false;
-        parameters.each(&mut |own, number| {
-            names.push(own);
-            if own == name {
+        parameters.each(&mut |setting, number| {
+            names.push(setting.name);
+            if setting.name == name {
                 *number = value;
                 is_known = true;
             }

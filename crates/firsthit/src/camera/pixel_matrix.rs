@@ -1,10 +1,9 @@
 //! The intrinsic matrix K: from normalised image coordinates to pixels and back.
 
-use super::parameters::parameters;
 use crate::error::Result;
-use crate::geometry::{DMat3, DVec2, DVec3, require, require_positive};
+use crate::geometry::{DMat3, DVec2, DVec3, Domain, Settings, require, settings};
 
-parameters! {
+settings! {
     /// The intrinsic matrix: `u = fx x + skew y + cx`, `v = fy y + cy`, where x counts to the right and y downwards.
     ///
     /// Pixels are counted from the picture's upper left corner, so that the centre of the first one is at (0.5, 0.5), as in COLMAP.
@@ -18,16 +17,16 @@ parameters! {
     /// assert_eq!(matrix.pixel(DVec2::new(0.1, -0.1)), DVec2::new(370.0, 189.0));
     /// ```
     pub struct PixelMatrix {
-        /// Focal length in columns.
-        fx = 0.0,
-        /// Focal length in rows.
-        fy = 0.0,
-        /// The principal point: columns from the left edge.
-        cx = 0.0,
-        /// The principal point: rows from the upper edge.
-        cy = 0.0,
-        /// Columns for each unit of y.
-        skew = 0.0,
+        /// The focal length in columns.
+        fx: f64, Domain::Positive, required 0.0;
+        /// The focal length in rows.
+        fy: f64, Domain::Positive, required 0.0;
+        /// The principal point's column: from the left edge, or as a convention counts them.
+        cx: f64, Domain::Number, required 0.0;
+        /// The principal point's row: from the upper edge, or as a convention counts them.
+        cy: f64, Domain::Number, required 0.0;
+        /// The matrix' second number in the first row: columns for each unit of y. Default: 0.
+        skew: f64, Domain::Number, default 0.0;
     }
 }
 
@@ -76,14 +75,6 @@ impl PixelMatrix {
         };
         matrix.check()?;
         Ok(matrix)
-    }
-
-    pub(super) fn check(&self) -> Result<()> {
-        require_positive("fx", self.fx)?;
-        require_positive("fy", self.fy)?;
-        require("cx", "finite", self.cx.is_finite(), self.cx)?;
-        require("cy", "finite", self.cy.is_finite(), self.cy)?;
-        require("skew", "finite", self.skew.is_finite(), self.skew)
     }
 
     /// The matrix for a part of the picture, which begins at a row and a column.

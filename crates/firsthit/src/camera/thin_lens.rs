@@ -7,7 +7,7 @@
 
 use super::{Camera, Lens, Projection, View};
 use crate::error::{Error, Result};
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, Domain, Setting, Value, require, setting_list};
 
 impl Camera {
     /// The camera with a thin lens: a disc around `position`, at right angles to the aim, of
@@ -119,12 +119,21 @@ impl Projection {
     }
 }
 
+/// The numbers of a thin lens.
+pub(crate) const THIN_LENS: &[Setting; 2] = setting_list! {
+    /// The diameter of the lens: colours of several samples are sharp at focus, and blurred nearer and farther. Default: 0, a pinhole.
+    aperture: Domain::NonNegative, default;
+    /// The distance along the aim at which the picture is sharp.
+    focus: Domain::NonNegative, default;
+};
+
 /// Refuses numbers that no thin lens has.
 pub(super) fn check_thin_lens(aperture: f64, focus: f64) -> Result<()> {
-    let is_length = |length: f64| length >= 0.0 && length.is_finite();
-    let expected = "finite and not negative";
-    require("aperture", expected, is_length(aperture), aperture)?;
-    require("focus", expected, is_length(focus), focus)?;
+    for (setting, number) in THIN_LENS.iter().zip([aperture, focus]) {
+        setting
+            .domain
+            .checked(setting.name, Value::Number(number))?;
+    }
     let expected = "a positive distance for a camera with an aperture";
     require("focus", expected, aperture == 0.0 || focus > 0.0, focus)
 }

@@ -4,9 +4,11 @@ use super::lens::{Model, Reach};
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
 use super::pose::Pose;
-use super::thin_lens::check_thin_lens;
+use super::thin_lens::{THIN_LENS, check_thin_lens};
 use crate::error::Result;
-use crate::geometry::{DMat3, DVec2, DVec3, PixelGrid, Ray, named, require, require_positive};
+use crate::geometry::{
+    DMat3, DVec2, DVec3, Domain, PixelGrid, Ray, Setting, Settings, named, require, setting_list,
+};
 
 /// A flat viewplane in front of the camera. Lengths are in scene units. Unless rays start at the eye, what is nearer than the viewplane is not
 /// seen; `explain::before_viewplane` tells of what.
@@ -68,18 +70,43 @@ impl Default for Viewplane {
     }
 }
 
+/// A viewplane's numbers: its size and place, its shift, its tilt, and its skew.
+pub(crate) const VIEWPLANE: &[Setting; 8] = setting_list! {
+    /// The distance from the camera to the viewplane.
+    focal_length: Domain::Positive, default;
+    /// The viewplane's width.
+    width: Domain::Positive, default;
+    /// The viewplane's height.
+    height: Domain::Positive, default;
+    /// From where the aim meets the viewplane to its middle, to the right. Default: 0.
+    shift_x: Domain::Number, default;
+    /// From where the aim meets the viewplane to its middle, upwards. Default: 0.
+    shift_y: Domain::Number, default;
+    /// Degrees by which the viewplane is turned about its vertical, its right edge nearer. Default: 0.
+    tilt_x: Domain::Between(-90.0, 90.0), default;
+    /// Degrees by which the viewplane is turned about its horizontal, its upper edge nearer. Default: 0.
+    tilt_y: Domain::Between(-90.0, 90.0), default;
+    /// How far to the right a column leans for each unit upwards. Default: 0.
+    skew: Domain::Number, default;
+};
+
 impl Parameters for Viewplane {
-    fn each(&mut self, visit: &mut dyn FnMut(&'static str, &mut f64)) {
-        visit("focal_length", &mut self.focal_length);
-        visit("width", &mut self.width);
-        visit("height", &mut self.height);
-        visit("shift_x", &mut self.shift.x);
-        visit("shift_y", &mut self.shift.y);
-        visit("tilt_x", &mut self.tilt.x);
-        visit("tilt_y", &mut self.tilt.y);
-        visit("skew", &mut self.skew);
-        visit("aperture", &mut self.aperture);
-        visit("focus", &mut self.focus);
+    fn each(&mut self, visit: &mut dyn FnMut(&'static Setting, &mut f64)) {
+        let numbers = [
+            &mut self.focal_length,
+            &mut self.width,
+            &mut self.height,
+            &mut self.shift.x,
+            &mut self.shift.y,
+            &mut self.tilt.x,
+            &mut self.tilt.y,
+            &mut self.skew,
+            &mut self.aperture,
+            &mut self.focus,
+        ];
+        for (setting, number) in VIEWPLANE.iter().chain(THIN_LENS).zip(numbers) {
+            visit(setting, number);
+        }
     }
 
     /// Cameras without a lens do not speak of one.
@@ -281,13 +308,6 @@ impl Viewplane {
 
 impl Model for Viewplane {
     fn prepare(&mut self, _: [usize; 2]) -> Result<()> {
-        require_positive("focal_length", self.focal_length)?;
-        require_positive("width", self.width)?;
-        require_positive("height", self.height)?;
-        require("shift", "finite", self.shift.is_finite(), self.shift)?;
-        require("skew", "finite", self.skew.is_finite(), self.skew)?;
-        let is_flat = self.tilt.abs().max_element() < 90.0;
-        require("tilt", "between -90 and 90 degrees", is_flat, self.tilt)?;
         let fine = !self.parallel || self.tilt == DVec2::ZERO;
         require("tilt", "zero for parallel rays", fine, self.tilt)?;
         self.check_lens()

@@ -52,7 +52,7 @@ pub(crate) use require::{require, require_direction, require_finite, require_pos
 pub use rotation::rotation;
 pub(crate) use rotation::upright;
 pub use settings::{Domain, Field, Kind, Setting, Settings, Value};
-pub(crate) use settings::{kinds, settings};
+pub(crate) use settings::{kinds, setting_list, settings};
 pub use tone_map::ToneMap;
 pub use transform::Transform;
 

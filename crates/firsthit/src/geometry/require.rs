@@ -1,5 +1,6 @@
 //! Checks of constructors' arguments.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 
 use super::DVec3;
@@ -8,7 +9,7 @@ use crate::error::{Error, Result};
 /// [`Error::Argument`] unless the value is fine.
 pub(crate) fn require(
     name: &'static str,
-    expected: &'static str,
+    expected: impl Into<Cow<'static, str>>,
     fine: bool,
     got: impl Display,
 ) -> Result<()> {

@@ -1,6 +1,9 @@
 //! Values with names: what files, the command line, Python and metadata say of lights and shaders.
 
-use super::{Color, DVec3, color_of};
+use std::borrow::Cow;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::{Color, DVec3, color_of, require};
 use crate::error::{Error, Result};
 
 /// The value of a setting.
@@ -19,8 +22,16 @@ pub enum Value {
 pub enum Domain {
     /// Yes or no.
     Flag,
+    /// A finite number.
+    Number,
     /// A number from the first to the last, both included.
     From(f64, f64),
+    /// A number between two, both excluded.
+    Between(f64, f64),
+    /// A number above another.
+    Above(f64),
+    /// A number above zero, up to another.
+    UpTo(f64),
     /// Zero or a number above it.
     NonNegative,
     /// A number above zero.
@@ -111,56 +122,61 @@ pub trait Settings: Clone {
 
 impl Domain {
     /// The expected values, for messages.
-    pub fn expected(self) -> &'static str {
-        match self {
-            Self::Flag => "true or false",
-            Self::From(..) => "a number in its range",
-            Self::NonNegative => "zero or a positive, finite number",
-            Self::Positive => "a positive, finite number",
-            Self::PositiveOrInfinite => "a positive number, or infinity",
-            Self::Whole(..) => "a whole number in its range",
-            Self::Position => "three finite numbers",
-            Self::Direction => "three finite numbers that are not all zero",
-            Self::Color | Self::Light => "a colour of finite numbers that are not negative",
-        }
-    }
-
-    /// The range, for messages.
-    fn range(self) -> String {
-        match self {
-            Self::From(least, most) => format!(" (from {least} to {most})"),
-            Self::Whole(least, most) => format!(" (from {least} to {most})"),
-            _ => String::new(),
-        }
+    pub fn expected(self) -> Cow<'static, str> {
+        let range = match self {
+            Self::Flag => return "true or false".into(),
+            Self::Number => return "a finite number".into(),
+            Self::NonNegative => return "zero or a positive, finite number".into(),
+            Self::Positive => return "a positive, finite number".into(),
+            Self::PositiveOrInfinite => return "a positive number, or infinity".into(),
+            Self::Position => return "three finite numbers".into(),
+            Self::Direction => return "three finite numbers that are not all zero".into(),
+            Self::Color | Self::Light => {
+                return "a colour of finite numbers that are not negative".into();
+            }
+            Self::From(least, most) => format!("a number from {} to {}", end(least), end(most)),
+            Self::Between(low, high) => format!("a number between {} and {}", end(low), end(high)),
+            Self::Above(low) => format!("a finite number above {low}"),
+            Self::UpTo(most) => format!("a number above 0 and up to {most}"),
+            Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
+        };
+        range.into()
     }
 
     /// The value, if it is one of these. A number serves as a grey colour.
-    fn checked(self, name: &'static str, value: Value) -> Result<Value> {
+    pub(crate) fn checked(self, name: &'static str, value: Value) -> Result<Value> {
         let value = match (self, value) {
             (Self::Color | Self::Light, Value::Number(grey)) => Value::Vector(DVec3::splat(grey)),
             _ => value,
         };
-        let fits = match (self, value) {
-            (Self::Flag, Value::Flag(_)) => true,
-            (Self::From(least, most), Value::Number(x)) => (least..=most).contains(&x),
-            (Self::NonNegative, Value::Number(x)) => (0.0..f64::INFINITY).contains(&x),
-            (Self::Positive, Value::Number(x)) => x > 0.0 && x < f64::INFINITY,
-            (Self::PositiveOrInfinite, Value::Number(x)) => x > 0.0,
-            (Self::Whole(least, most), Value::Number(x)) => {
+        let fits = match value {
+            Value::Flag(_) => self == Self::Flag,
+            Value::Number(number) => self.has_number(number),
+            Value::Vector(v) => match self {
+                Self::Position => v.is_finite(),
+                Self::Direction => v.is_finite() && v != DVec3::ZERO,
+                Self::Color | Self::Light => v.is_finite() && v.min_element() >= 0.0,
+                _ => false,
+            },
+        };
+        require(name, self.expected(), fits, value.text()).map(|()| value)
+    }
+
+    /// Whether a number is one of these.
+    fn has_number(self, x: f64) -> bool {
+        match self {
+            Self::Number => x.is_finite(),
+            Self::From(least, most) => (least..=most).contains(&x),
+            Self::Between(low, high) => low < x && x < high,
+            Self::Above(low) => x > low && x < f64::INFINITY,
+            Self::UpTo(most) => x > 0.0 && x <= most,
+            Self::NonNegative => (0.0..f64::INFINITY).contains(&x),
+            Self::Positive => x > 0.0 && x < f64::INFINITY,
+            Self::PositiveOrInfinite => x > 0.0,
+            Self::Whole(least, most) => {
                 (f64::from(least)..=f64::from(most)).contains(&x) && x.fract() == 0.0
             }
-            (Self::Position, Value::Vector(v)) => v.is_finite(),
-            (Self::Direction, Value::Vector(v)) => v.is_finite() && v != DVec3::ZERO,
-            (Self::Color | Self::Light, Value::Vector(v)) => {
-                v.is_finite() && v.min_element() >= 0.0
-            }
             _ => false,
-        };
-        if fits {
-            Ok(value)
-        } else {
-            let got = value.text() + &self.range();
-            Err(Error::argument(name, self.expected(), got))
         }
     }
 
@@ -169,20 +185,26 @@ impl Domain {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         match self {
             Self::Flag => text.trim().parse().ok().map(Value::Flag),
-            Self::From(..)
-            | Self::NonNegative
-            | Self::Positive
-            | Self::PositiveOrInfinite
-            | Self::Whole(..) => number(text).map(Value::Number),
+            Self::Position | Self::Direction => vector(text),
             Self::Color | Self::Light => {
                 let named = color_of(text).map(Value::Vector);
                 named
                     .or_else(|| vector(text))
                     .or_else(|| number(text).map(Value::Number))
             }
-            Self::Position | Self::Direction => vector(text),
+            _ => number(text).map(Value::Number),
         }
     }
+}
+
+/// The end of a range, of angles by its name.
+fn end(number: f64) -> String {
+    let pi = match number.abs() {
+        PI => "pi",
+        FRAC_PI_2 => "pi/2",
+        _ => return number.to_string(),
+    };
+    format!("{}{pi}", if number < 0.0 { "-" } else { "" })
 }
 
 /// Three numbers with commas between.
@@ -274,10 +296,23 @@ impl Field for Color {
     }
 }
 
+/// A list of settings, each with its domain, and `default`, or `required` where it has to be given.
+macro_rules! setting_list {
+    (@required required) => { true };
+    (@required default) => { false };
+    ($($(#[doc = $about:literal])+ $field:ident: $domain:expr, $need:ident;)*) => {
+        &[$($crate::geometry::Setting {
+            name: stringify!($field),
+            about: concat!($($about),+).trim_ascii(),
+            domain: $domain,
+            is_required: $crate::geometry::setting_list!(@required $need),
+        },)*]
+    };
+}
+pub(crate) use setting_list;
+
 /// Makes a struct of settings, each with its domain and its default value, or `required`.
 macro_rules! settings {
-    (@required required $_default:expr) => { true };
-    (@required default $_default:expr) => { false };
     ($(#[$doc:meta])* pub struct $kind:ident {
         $($(#[doc = $about:literal])+ $field:ident: $type:ty, $domain:expr, $need:ident $default:expr;)*
     }) => {
@@ -295,17 +330,15 @@ macro_rules! settings {
         }
 
         impl $crate::geometry::Settings for $kind {
-            const LIST: &'static [$crate::geometry::Setting] = &[$($crate::geometry::Setting {
-                name: stringify!($field),
-                about: concat!($($about),+).trim_ascii(),
-                domain: $domain,
-                is_required: $crate::geometry::settings!(@required $need $default),
-            },)*];
+            const LIST: &'static [$crate::geometry::Setting] = $crate::geometry::setting_list! {
+                $($(#[doc = $about])+ $field: $domain, $need;)*
+            };
 
             fn values(&self) -> Vec<$crate::geometry::Value> {
                 vec![$($crate::geometry::Field::value(self.$field),)*]
             }
 
+            #[allow(unused_mut, unused_variables, reason = "some structs have no field")]
             fn put(&mut self, place: usize, value: $crate::geometry::Value) {
                 let mut fields = 0..;
                 $(if fields.next() == Some(place)

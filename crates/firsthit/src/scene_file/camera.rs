@@ -1,15 +1,19 @@
 //! Cameras of a scene file.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use super::form::matrix;
 use super::section::Section;
+use super::settings;
 use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, required};
-use crate::camera::{
-    Aim, Convention, Description, Focus, Lens, Opening, PixelMatrix, Projection, RayStart,
-    Viewplane, orthonormalised, rounded_pose,
+use crate::camera::distortion::{
+    DoubleSphere, Equidistant, Equisolid, Eucm, Fov, KannalaBrandt, Mei, OpenCv, OpenCvFisheye,
+    OrthographicFisheye, RadTanThinPrismFisheye, Stereographic, ThinPrismFisheye, Ucm,
 };
-use crate::geometry::{Bounds, DVec3};
+use crate::camera::{
+    Aim, Convention, CubeMap, Cylindrical, Description, Equirectangular, Focus, Lens, Octahedral,
+    Opening, PixelMatrix, Projection, RayStart, THIN_LENS, VIEWPLANE, Viewplane, orthonormalised,
+    rounded_pose,
+};
+use crate::geometry::{Bounds, DVec3, Settings};
 use crate::io::Report;
 use crate::io::fault::Checked;
 use crate::world::{NamedCamera, World};
@@ -83,222 +87,43 @@ const BOTH_PIXELS: &[Key] = keys! {
     rows: required(Form::Whole(1, MOST_PIXELS)),
 };
 
-const PINHOLE: &[Key] = keys! {
-    /// The focal length in columns: the intrinsic matrix, instead of fov, or of focal_length, width and height.
-    fx: optional(Form::Positive),
-    /// The focal length in rows.
-    fy: optional(Form::Positive),
-    /// The principal point's column, as the convention counts them.
-    cx: optional(Form::Number),
-    /// The principal point's row.
-    cy: optional(Form::Number),
+/// The keys of settings, none of which has to be given.
+macro_rules! optional_keys {
+    ($settings:expr) => {
+        const { &settings::optional_keys::<{ $settings.len() }>($settings) }
+    };
+}
+
+/// The keys of a lens' own settings.
+macro_rules! own {
+    ($lens:ty) => {
+        const { &settings::keys::<{ <$lens>::LIST.len() }>(<$lens>::LIST) }
+    };
+}
+
+/// The intrinsic matrix' keys.
+const MATRIX: &[Key] = own!(PixelMatrix);
+/// The intrinsic matrix in place of `fov`, or of `focal_length`, `width` and `height`.
+const PINHOLE: &[Key] = optional_keys!(PixelMatrix::LIST.split_at(4).0);
+
+const SKEW: &[Key] = keys! {
     /// The matrix' second number in the first row; of a viewplane how far columns lean to the right for each unit upwards.
     skew: optional(Form::Number),
 };
 
-const MATRIX: &[Key] = keys! {
-    /// The focal length in columns.
-    fx: required(Form::Positive),
-    /// The focal length in rows.
-    fy: required(Form::Positive),
-    /// The principal point's column, as the convention counts them.
-    cx: required(Form::Number),
-    /// The principal point's row.
-    cy: required(Form::Number),
-    /// The matrix' second number in the first row. Default: 0.
-    skew: optional(Form::Number),
-};
-
-const SHIFT: &[Key] = keys! {
-    /// The distance from where the aim meets the viewplane to its middle, to the right. Default: 0.
-    shift_x: optional(Form::Number),
-    /// The distance from there to the middle upwards. Default: 0.
-    shift_y: optional(Form::Number),
-};
-
-const TILT: &[Key] = keys! {
-    /// Degrees by which the viewplane is turned about its vertical, its right edge nearer. Default: 0.
-    tilt_x: optional(Form::Between(-90.0, 90.0)),
-    /// Degrees by which it is turned about its horizontal, its upper edge nearer. Default: 0.
-    tilt_y: optional(Form::Between(-90.0, 90.0)),
-};
-
-/// The fields of view of a panorama, the vertical one in this form.
-macro_rules! panorama {
-    ($form:expr) => {
-        keys! {
-            /// Degrees from the left edge to the right one. Default: 360.
-            horizontal_fov: optional(Form::UpTo(360.0)),
-            /// Degrees from the lower edge to the upper one. Default: 180, of a cylinder 90.
-            vertical_fov: optional($form),
-        }
-    };
-}
-
-/// The field of view of a fisheye in this form.
-macro_rules! fisheye {
-    ($form:expr) => {
-        keys! {
-            /// Degrees of the circle that touches the picture's longer edges; beyond it nothing is seen. Default: 180.
-            fov: optional($form),
-        }
-    };
-}
-
-const EQUIRECTANGULAR: &[Key] = panorama!(Form::UpTo(180.0));
-const CYLINDRICAL: &[Key] = panorama!(Form::Between(0.0, 180.0));
-const WHOLE_SPHERE: &[Key] = fisheye!(Form::UpTo(360.0));
-const NEARLY_WHOLE_SPHERE: &[Key] = fisheye!(Form::Between(0.0, 360.0));
-const HALF_SPHERE: &[Key] = fisheye!(Form::UpTo(180.0));
-
-const OPENCV: &[Key] = keys! {
-    /// Radial distortion.
-    k1: optional(Form::Number),
-    /// Radial distortion.
-    k2: optional(Form::Number),
-    /// Radial distortion.
-    k3: optional(Form::Number),
-    /// Radial distortion, in the divisor.
-    k4: optional(Form::Number),
-    /// Radial distortion, in the divisor.
-    k5: optional(Form::Number),
-    /// Radial distortion, in the divisor.
-    k6: optional(Form::Number),
-    /// Tangential distortion.
-    p1: optional(Form::Number),
-    /// Tangential distortion.
-    p2: optional(Form::Number),
-    /// Thin prism distortion.
-    s1: optional(Form::Number),
-    /// Thin prism distortion.
-    s2: optional(Form::Number),
-    /// Thin prism distortion.
-    s3: optional(Form::Number),
-    /// Thin prism distortion.
-    s4: optional(Form::Number),
-    /// The sensor's tilt about x, in radians.
-    tau_x: optional(Form::Between(-FRAC_PI_2, FRAC_PI_2)),
-    /// The sensor's tilt about y, in radians.
-    tau_y: optional(Form::Between(-FRAC_PI_2, FRAC_PI_2)),
-};
-
-const ANGLE_POLYNOMIAL: &[Key] = keys! {
-    /// A coefficient of the polynomial in the angle to the axis.
-    k1: optional(Form::Number),
-    /// The next.
-    k2: optional(Form::Number),
-    /// The next.
-    k3: optional(Form::Number),
-    /// The next.
-    k4: optional(Form::Number),
-    /// Degrees across the circle beyond which nothing is seen. Default: 360.
-    fov: optional(Form::UpTo(360.0)),
-};
-
-const KANNALA_BRANDT: &[Key] = keys! {
-    /// The slope of the radius on the axis. Default: 1.
-    k1: optional(Form::Positive),
-    /// A coefficient of the polynomial in the angle to the axis.
-    k2: optional(Form::Number),
-    /// The next.
-    k3: optional(Form::Number),
-    /// The next.
-    k4: optional(Form::Number),
-    /// The last.
-    k5: optional(Form::Number),
-};
-
-const ALPHA: &[Key] = keys! {
-    /// The weight from 0, a pinhole, to 1.
-    alpha: optional(Form::From(0.0, 1.0)),
-};
-
-const BETA: &[Key] = keys! {
-    /// Positive. Default: 1.
-    beta: optional(Form::Positive),
-};
-
-/// The parameter xi in this form.
-macro_rules! xi {
-    ($form:expr) => {
-        keys! {
-            /// The distance between the spheres' centres, or of the point of view behind the sphere's. Default: 0.
-            xi: optional($form),
-        }
-    };
-}
-
-const XI: &[Key] = xi!(Form::Above(-1.0));
-const MEI_XI: &[Key] = xi!(Form::NonNegative);
-
-const MEI: &[Key] = keys! {
-    /// Radial distortion.
-    k1: optional(Form::Number),
-    /// Radial distortion.
-    k2: optional(Form::Number),
-    /// Tangential distortion.
-    p1: optional(Form::Number),
-    /// Tangential distortion.
-    p2: optional(Form::Number),
-};
-
-const OMEGA: &[Key] = keys! {
-    /// The field of view of an ideal fisheye, in radians. Default: 0, a pinhole.
-    omega: optional(Form::Between(-PI, PI)),
-};
-
-const THIN_PRISM: &[Key] = keys! {
-    /// Radial distortion, of the square of the angle to the axis.
-    k1: optional(Form::Number),
-    /// Radial distortion, of its fourth power.
-    k2: optional(Form::Number),
-    /// Tangential distortion.
-    p1: optional(Form::Number),
-    /// Tangential distortion.
-    p2: optional(Form::Number),
-    /// Radial distortion, of the sixth power.
-    k3: optional(Form::Number),
-    /// Radial distortion, of the eighth power.
-    k4: optional(Form::Number),
-    /// Thin prism distortion, across.
-    sx1: optional(Form::Number),
-    /// Thin prism distortion, down.
-    sy1: optional(Form::Number),
-};
-
-const RAD_TAN_THIN_PRISM: &[Key] = keys! {
-    /// A coefficient of the polynomial in the angle to the axis.
-    k0: optional(Form::Number),
-    /// The next.
-    k1: optional(Form::Number),
-    /// The next.
-    k2: optional(Form::Number),
-    /// The next.
-    k3: optional(Form::Number),
-    /// The next.
-    k4: optional(Form::Number),
-    /// The last.
-    k5: optional(Form::Number),
-    /// Tangential distortion.
-    p0: optional(Form::Number),
-    /// Tangential distortion.
-    p1: optional(Form::Number),
-    /// Thin prism distortion, across.
-    s0: optional(Form::Number),
-    /// Thin prism distortion, across.
-    s1: optional(Form::Number),
-    /// Thin prism distortion, down.
-    s2: optional(Form::Number),
-    /// Thin prism distortion, down.
-    s3: optional(Form::Number),
-};
-
-/// A calibrated lens with its own keys and its own rules.
+/// A calibrated lens; with rules it may have an aperture.
 macro_rules! calibrated {
-    ($name:literal, $($own:expr),*) => {
-        calibrated!($name, $($own),*;)
+    ($name:literal, $lens:ty) => {
+        calibrated!(@ $name, [own!($lens)], [])
     };
-    ($name:literal, $($own:expr),*; $($rule:expr),*) => {
+    ($name:literal, $lens:ty; $($rule:expr),*) => {
+        calibrated!(@ $name, [own!($lens), APERTURE, FOCUS], [
+            Rule::Needs("focus", "aperture"),
+            Rule::Needs("aperture", "focus")
+            $(, $rule)*
+        ])
+    };
+    (@ $name:literal, [$($own:expr),*], [$($rule:expr),*]) => {
         Variant {
             pick: Pick::Tag(PROJECTION, $name),
             keys: &[VIEW, POSE, NEEDED_CONVENTION, BOTH_PIXELS, MATRIX, $($own),*],
@@ -309,10 +134,16 @@ macro_rules! calibrated {
 
 /// A lens that an angle or nothing is enough for.
 macro_rules! uncalibrated {
-    ($name:literal, $($own:expr),*) => {
+    ($name:literal, $lens:ty) => {
         Variant {
             pick: Pick::Tag(PROJECTION, $name),
-            keys: &[VIEW, POSE, CONVENTION, PIXELS, $($own),*],
+            keys: &[
+                VIEW,
+                POSE,
+                CONVENTION,
+                PIXELS,
+                optional_keys!(<$lens>::LIST),
+            ],
             rules: view_rules![],
         }
     };
@@ -324,18 +155,12 @@ const FOV: &[Key] = keys! {
     fov: optional(Form::Between(0.0, 180.0)),
 };
 
-const VIEWPLANE: &[Key] = keys! {
-    /// The distance from the camera to the viewplane.
-    focal_length: optional(Form::Positive),
-    /// The viewplane's width.
-    width: optional(Form::Positive),
-    /// The viewplane's height.
-    height: optional(Form::Positive),
-};
+const LENGTHS: &[Key] = optional_keys!(VIEWPLANE.split_at(3).0);
+const SHIFT: &[Key] = optional_keys!(VIEWPLANE.split_at(3).1.split_at(2).0);
+const TILT: &[Key] = optional_keys!(VIEWPLANE.split_at(5).1.split_at(2).0);
+const APERTURE: &[Key] = optional_keys!(THIN_LENS.split_at(1).0);
 
-const THIN_LENS: &[Key] = keys! {
-    /// The diameter of the lens: colours of several samples are sharp at focus, and blurred nearer and farther. Default: 0, a pinhole.
-    aperture: optional(Form::NonNegative),
+const FOCUS: &[Key] = keys! {
     /// The plane in focus: the distance along the aim, or a point at that distance.
     focus: optional(Form::Focus),
 };
@@ -347,8 +172,8 @@ pub(super) static CAMERA: Record = Record {
         Variant {
             pick: Pick::Default(PROJECTION, "perspective"),
             keys: &[
-                VIEW, POSE, CONVENTION, RAY_START, PIXELS, FOV, VIEWPLANE, PINHOLE, SHIFT, TILT,
-                THIN_LENS,
+                VIEW, POSE, CONVENTION, RAY_START, PIXELS, FOV, LENGTHS, PINHOLE, SKEW, SHIFT,
+                TILT, APERTURE, FOCUS,
             ],
             rules: view_rules![
                 Rule::NotBoth("fov", "focal_length"),
@@ -382,7 +207,7 @@ pub(super) static CAMERA: Record = Record {
         },
         Variant {
             pick: Pick::Tag(PROJECTION, "orthographic"),
-            keys: &[VIEW, POSE, CONVENTION, RAY_START, PIXELS, VIEWPLANE, SHIFT],
+            keys: &[VIEW, POSE, CONVENTION, RAY_START, PIXELS, LENGTHS, SHIFT],
             rules: view_rules![
                 Rule::Needs("focal_length", "width"),
                 Rule::Needs("width", "height"),
@@ -391,32 +216,27 @@ pub(super) static CAMERA: Record = Record {
                 Rule::Needs("shift_y", "width"),
             ],
         },
-        uncalibrated!("equirectangular", EQUIRECTANGULAR),
-        uncalibrated!("cylindrical", CYLINDRICAL),
-        uncalibrated!("cube_map",),
-        uncalibrated!("octahedral",),
-        calibrated!("opencv", OPENCV, THIN_LENS;
-            Rule::Needs("focus", "aperture"),
-            Rule::Needs("aperture", "focus"),
+        uncalibrated!("equirectangular", Equirectangular),
+        uncalibrated!("cylindrical", Cylindrical),
+        uncalibrated!("cube_map", CubeMap),
+        uncalibrated!("octahedral", Octahedral),
+        calibrated!("opencv", OpenCv;
             Rule::NotBoth("aperture", "tau_x"),
             Rule::NotBoth("aperture", "tau_y")
         ),
-        calibrated!("opencv_fisheye", ANGLE_POLYNOMIAL),
-        calibrated!("kannala_brandt", KANNALA_BRANDT),
-        calibrated!("double_sphere", XI, ALPHA),
-        calibrated!("eucm", ALPHA, BETA),
-        calibrated!("ucm", ALPHA),
-        calibrated!("mei", MEI_XI, MEI),
-        calibrated!("fov", OMEGA, THIN_LENS;
-            Rule::Needs("focus", "aperture"),
-            Rule::Needs("aperture", "focus")
-        ),
-        calibrated!("thin_prism_fisheye", THIN_PRISM),
-        calibrated!("rad_tan_thin_prism_fisheye", RAD_TAN_THIN_PRISM),
-        uncalibrated!("equidistant", WHOLE_SPHERE),
-        uncalibrated!("equisolid", WHOLE_SPHERE),
-        uncalibrated!("stereographic", NEARLY_WHOLE_SPHERE),
-        uncalibrated!("orthographic_fisheye", HALF_SPHERE),
+        calibrated!("opencv_fisheye", OpenCvFisheye),
+        calibrated!("kannala_brandt", KannalaBrandt),
+        calibrated!("double_sphere", DoubleSphere),
+        calibrated!("eucm", Eucm),
+        calibrated!("ucm", Ucm),
+        calibrated!("mei", Mei),
+        calibrated!("fov", Fov;),
+        calibrated!("thin_prism_fisheye", ThinPrismFisheye),
+        calibrated!("rad_tan_thin_prism_fisheye", RadTanThinPrismFisheye),
+        uncalibrated!("equidistant", Equidistant),
+        uncalibrated!("equisolid", Equisolid),
+        uncalibrated!("stereographic", Stereographic),
+        uncalibrated!("orthographic_fisheye", OrthographicFisheye),
     ],
 };
 
@@ -491,7 +311,6 @@ fn description(section: &Section<'_, '_>, report: &mut Report) -> Checked<Descri
 }
 
 /// The field of view of a camera.
-#[expect(clippy::too_many_lines, reason = "a step for each way to say it")]
 fn opening(
     section: &Section<'_, '_>,
     projection: Projection,
@@ -513,14 +332,8 @@ fn opening(
         let lens = if projection == Projection::Perspective {
             section.checked(Viewplane::from_pixel_matrix(&matrix, rows, columns).map(Lens::Flat))?
         } else {
-            let known = section
-                .checked(Lens::named(projection, &[]))?
-                .parameters()
-                .into_iter();
-            let numbers = known.filter_map(|(name, _)| Some((name, section.number(name)?)));
-            let mut numbers: Vec<(&str, f64)> = numbers.collect();
+            let mut numbers = numbers(section, projection);
             numbers.extend([("cx", matrix.cx), ("cy", matrix.cy)]);
-            numbers.extend(section.number("fov").map(|fov| ("fov", fov)));
             section.checked(Lens::named(projection, &numbers))?
         };
         let size = [rows, columns];
@@ -531,29 +344,9 @@ fn opening(
     }
     let (width, height) = (section.number("width"), section.number("height"));
     let focal_length = section.number("focal_length");
-    let own = [
-        "shift_x",
-        "shift_y",
-        "tilt_x",
-        "tilt_y",
-        "skew",
-        "horizontal_fov",
-        "vertical_fov",
-    ];
-    let own = own
-        .into_iter()
-        .filter_map(|name| Some((name, section.number(name)?)));
-    let own: Vec<(&str, f64)> = own.collect();
-    if !own.is_empty() {
-        let lengths = [
-            ("width", width),
-            ("height", height),
-            ("focal_length", focal_length),
-        ];
-        let lengths = lengths
-            .into_iter()
-            .filter_map(|(name, length)| Some((name, length?)));
-        let numbers: Vec<(&str, f64)> = lengths.chain(own).collect();
+    let lengths = ["focal_length", "width", "height"];
+    let numbers = numbers(section, projection);
+    if numbers.iter().any(|(name, _)| !lengths.contains(name)) {
         let lens = section.checked(Lens::named(projection, &numbers))?;
         let whole = Description {
             opening: width.zip(height).map(|(width, height)| Opening::Viewplane {
@@ -575,6 +368,17 @@ fn opening(
         height,
         focal_length,
     }))
+}
+
+/// The numbers of a lens that its table gives, without those of a thin one.
+fn numbers(section: &Section<'_, '_>, projection: Projection) -> Vec<(&'static str, f64)> {
+    let all = projection
+        .settings()
+        .into_iter()
+        .map(|setting| setting.name);
+    let all = all.filter(|name| !matches!(*name, "aperture" | "focus"));
+    all.filter_map(|name| Some((name, section.number(name)?)))
+        .collect()
 }
 
 /// The cameras with what they leave open decided by the objects.

@@ -16,7 +16,7 @@ macro_rules! variants {
         const COUNT: usize = $kinds.len();
 
         static KEYS: [[Key; settings::MOST]; COUNT] = {
-            let mut keys = [settings::keys(&[]); COUNT];
+            let mut keys = [settings::keys::<{ settings::MOST }>(&[]); COUNT];
             let mut kind = 0;
             while kind < COUNT {
                 keys[kind] = settings::keys($kinds[kind].settings);
@@ -52,8 +52,8 @@ pub(super) use variants;
 /// The most settings of a kind.
 pub(super) const MOST: usize = 16;
 
-/// The keys of a kind's settings, and more that are not used.
-pub(super) const fn keys(settings: &'static [Setting]) -> [Key; MOST] {
+/// The keys of settings, and more that are not used.
+pub(super) const fn keys<const MOST: usize>(settings: &'static [Setting]) -> [Key; MOST] {
     let mut keys = [optional(Form::Number); MOST];
     let mut place = 0;
     while place < settings.len() {
@@ -74,6 +74,17 @@ pub(super) const fn keys(settings: &'static [Setting]) -> [Key; MOST] {
     keys
 }
 
+/// The keys of settings, none of which has to be given.
+pub(super) const fn optional_keys<const MOST: usize>(settings: &'static [Setting]) -> [Key; MOST] {
+    let mut keys = keys(settings);
+    let mut place = 0;
+    while place < MOST {
+        keys[place].is_required = false;
+        place += 1;
+    }
+    keys
+}
+
 /// A variant that has this tag, and these groups of keys.
 pub(super) const fn variant(pick: Pick, keys: &'static [&'static [Key]]) -> Variant {
     let rules = &[];
@@ -83,6 +94,10 @@ pub(super) const fn variant(pick: Pick, keys: &'static [&'static [Key]]) -> Vari
 const fn form(domain: Domain) -> Form {
     match domain {
         Domain::Flag => Form::Boolean,
+        Domain::Number => Form::Number,
+        Domain::Between(low, high) => Form::Between(low, high),
+        Domain::Above(low) => Form::Above(low),
+        Domain::UpTo(most) => Form::UpTo(most),
         Domain::From(least, most) => Form::From(least, most),
         Domain::NonNegative => Form::NonNegative,
         Domain::Positive | Domain::PositiveOrInfinite => Form::Positive,

@@ -521,12 +521,12 @@ fn what_is_no_thin_lens_is_refused() {
         (
             -1.0,
             2.0,
-            "aperture must be finite and not negative, got -1",
+            "aperture must be zero or a positive, finite number, got -1",
         ),
         (
             f64::NAN,
             2.0,
-            "aperture must be finite and not negative, got NaN",
+            "aperture must be zero or a positive, finite number, got NaN",
         ),
         (1.0, 0.0, "focus must be positive and finite, got 0"),
         (

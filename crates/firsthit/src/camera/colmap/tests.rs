@@ -194,15 +194,15 @@ fn a_lens_that_is_none_is_told_of_its_line() {
     for (line, said) in [
         (
             "1 PINHOLE 640 480 -500 510 320 240",
-            "cameras.txt:2: fx must be positive",
+            "cameras.txt:2: fx must be a positive",
         ),
         (
             "1 FOV 64 48 50 51 32 24 4",
-            "cameras.txt:2: omega must be between -pi and pi",
+            "cameras.txt:2: omega must be a number between -pi and pi",
         ),
         (
             "1 EUCM 64 48 50 51 32 24 0.5 -1",
-            "cameras.txt:2: beta must be positive",
+            "cameras.txt:2: beta must be a positive",
         ),
     ] {
         let cameras = format!("# one\n{line}\n");

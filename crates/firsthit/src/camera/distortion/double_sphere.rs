@@ -2,32 +2,23 @@
 //!
 //! Usenko, Demmel and Cremers, "The Double Sphere Camera Model", 3DV 2018, equations 40 to 42 and 46 to 52.
 
-use super::unified::{backmost, check_alpha, height};
+use super::unified::{backmost, height};
 use super::{Distortion, Limit};
-use crate::camera::parameters::parameters;
 use crate::camera::quick::square;
-use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, Domain, settings};
 
-parameters! {
+settings! {
     /// The double sphere model.
     pub struct DoubleSphere {
-        /// The distance between the spheres' centres; above -1. Above 1 directions are seen whose -z is below 1 / xi of their length.
-        xi = 0.0,
-        /// The weight from 0 to 1, as in the unified model.
-        alpha = 0.0,
+        /// The distance between the spheres' centres. Above 1 directions are seen whose -z is below 1 / xi of their length.
+        xi: f64, Domain::Above(-1.0), default 0.0;
+        /// From 0, a pinhole, to 1, as in the unified model.
+        alpha: f64, Domain::From(0.0, 1.0), default 0.0;
     }
 }
 
 impl Distortion for DoubleSphere {
-    fn limit(&self, _: f64) -> Result<Limit> {
-        check_alpha(self.alpha)?;
-        let fine = self.xi > -1.0 && self.xi.is_finite();
-        require("xi", "above -1", fine, self.xi)?;
-        Ok(Limit::default())
-    }
-
     #[inline(always)]
     fn directions<A: Arithmetic>(
         &self,

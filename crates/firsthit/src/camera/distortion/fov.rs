@@ -8,17 +8,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Limit;
 use super::radial::RadialModel;
-use crate::camera::parameters::parameters;
 use crate::camera::quick::{sincos, square};
-use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::require;
+use crate::geometry::{Domain, settings};
 
-parameters! {
+settings! {
     /// The field-of-view model, which sees what is in front.
     pub struct Fov {
-        /// The field of view of an ideal fisheye, in radians, between -pi and pi, where the sign does not matter; 0 is a pinhole.
-        omega = 0.0,
+        /// The field of view of an ideal fisheye, in radians; the sign does not matter. Default: 0, a pinhole.
+        omega: f64, Domain::Between(-PI, PI), default 0.0;
     }
 }
 
@@ -48,10 +46,8 @@ impl Fov {
 impl RadialModel for Fov {
     const IS_PERSPECTIVE: bool = true;
 
-    fn largest_angle(&self) -> Result<f64> {
-        let fine = self.omega.abs() < PI;
-        require("omega", "between -pi and pi", fine, self.omega)?;
-        Ok(FRAC_PI_2)
+    fn largest_angle(&self) -> f64 {
+        FRAC_PI_2
     }
 
     fn radius(&self, angle: f64) -> f64 {

@@ -4,25 +4,23 @@
 
 use super::opencv::OpenCv;
 use super::{Distortion, Limit};
-use crate::camera::parameters::parameters;
 use crate::camera::quick::square;
-use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, Domain, settings};
 
-parameters! {
+settings! {
     /// Mei's model.
     pub struct Mei {
-        /// The distance of the point of view behind the sphere's centre; 0 is a pinhole.
-        xi = 0.0,
-        /// Radial, of the square of the radius.
-        k1 = 0.0,
-        /// Radial, of its fourth power.
-        k2 = 0.0,
-        /// Tangential.
-        p1 = 0.0,
-        /// Tangential.
-        p2 = 0.0,
+        /// The distance of the point of view behind the sphere's centre. Default: 0, a pinhole.
+        xi: f64, Domain::NonNegative, default 0.0;
+        /// Radial distortion: the coefficient of r².
+        k1: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of r⁴.
+        k2: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p1: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p2: f64, Domain::Number, default 0.0;
     }
 }
 
@@ -40,8 +38,7 @@ impl Mei {
 }
 
 impl Distortion for Mei {
-    fn limit(&self, farthest: f64) -> Result<Limit> {
-        require("xi", "not negative", self.xi >= 0.0, self.xi)?;
+    fn limit(&self, farthest: f64) -> Limit {
         self.distortion().limit(farthest)
     }
 

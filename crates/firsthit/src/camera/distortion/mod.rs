@@ -30,9 +30,7 @@ pub use radial::{
 pub use thin_prism::{RadTanThinPrismFisheye, ThinPrismFisheye};
 pub use unified::{Eucm, Ucm};
 
-use super::parameters::Parameters;
 use super::quick::Start;
-use crate::error::Result;
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3};
 
@@ -66,7 +64,7 @@ impl Default for Limit {
 }
 
 /// A model of a lens.
-pub(super) trait Distortion: Parameters + Copy + Send + Sync {
+pub(super) trait Distortion: Copy + Send + Sync {
     /// Whether its directions have length one, but for rounding.
     const IS_UNIT: bool = false;
 
@@ -77,11 +75,11 @@ pub(super) trait Distortion: Parameters + Copy + Send + Sync {
     fn is_tilted(&self) -> bool {
         false
     }
-    /// Checks its parameters, which are finite, and finds out where it folds over.
+    /// Finds out where it folds over.
     ///
     /// `farthest` is how far from the middle the image's points are that will be asked for, about: a start for these is prepared.
-    fn limit(&self, _farthest: f64) -> Result<Limit> {
-        Ok(Limit::default())
+    fn limit(&self, _farthest: f64) -> Limit {
+        Limit::default()
     }
     /// [`unproject`](Self::unproject) for a single point or several at once, and where it is known.
     #[inline(always)]

@@ -12,44 +12,44 @@
 //! Evaluation", PAMI 14(10), 1992; Louhichi and others, "Self-calibration of Scheimpflug cameras", Measurement Science and Technology
 //! 18(8), 2007.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::brown::Brown;
 use super::{Distortion, Limit};
-use crate::camera::parameters::parameters;
-use crate::error::Result;
 use crate::geometry::arithmetic::Arithmetic;
-use crate::geometry::{DMat3, DVec2, DVec3, require};
+use crate::geometry::{DMat3, DVec2, DVec3, Domain, settings};
 
-parameters! {
+settings! {
     /// See [`Projection::OpenCv`](crate::Projection::OpenCv). The defaults distort nothing.
     pub struct OpenCv {
-        /// Radial, of q.
-        k1 = 0.0,
-        /// Radial, of q².
-        k2 = 0.0,
-        /// Tangential.
-        p1 = 0.0,
-        /// Tangential.
-        p2 = 0.0,
-        /// Radial, of q³.
-        k3 = 0.0,
-        /// Radial, of q, in the divisor.
-        k4 = 0.0,
-        /// Radial, of q², in the divisor.
-        k5 = 0.0,
-        /// Radial, of q³, in the divisor.
-        k6 = 0.0,
-        /// Thin prism, across, of q.
-        s1 = 0.0,
-        /// Thin prism, across, of q².
-        s2 = 0.0,
-        /// Thin prism, down, of q.
-        s3 = 0.0,
-        /// Thin prism, down, of q².
-        s4 = 0.0,
-        /// Tilt of the sensor about x, in radians.
-        tau_x = 0.0,
-        /// Tilt of the sensor about y, in radians.
-        tau_y = 0.0,
+        /// Radial distortion: the coefficient of r².
+        k1: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of r⁴.
+        k2: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p1: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p2: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of r⁶.
+        k3: f64, Domain::Number, default 0.0;
+        /// Radial distortion, in the divisor: the coefficient of r².
+        k4: f64, Domain::Number, default 0.0;
+        /// Radial distortion, in the divisor: the coefficient of r⁴.
+        k5: f64, Domain::Number, default 0.0;
+        /// Radial distortion, in the divisor: the coefficient of r⁶.
+        k6: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, across: the coefficient of r².
+        s1: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, across: the coefficient of r⁴.
+        s2: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, down: the coefficient of r².
+        s3: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, down: the coefficient of r⁴.
+        s4: f64, Domain::Number, default 0.0;
+        /// The sensor's tilt about x, in radians.
+        tau_x: f64, Domain::Between(-FRAC_PI_2, FRAC_PI_2), default 0.0;
+        /// The sensor's tilt about y, in radians.
+        tau_y: f64, Domain::Between(-FRAC_PI_2, FRAC_PI_2), default 0.0;
     }
 }
 
@@ -93,17 +93,8 @@ impl Distortion for OpenCv {
         self.tau_x != 0.0 || self.tau_y != 0.0
     }
 
-    fn limit(&self, farthest: f64) -> Result<Limit> {
-        const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
-        for (name, tilt) in [("tau_x", self.tau_x), ("tau_y", self.tau_y)] {
-            require(
-                name,
-                "between -pi/2 and pi/2",
-                tilt.abs() < RIGHT_ANGLE,
-                tilt,
-            )?;
-        }
-        Ok(self.flat().limit(farthest))
+    fn limit(&self, farthest: f64) -> Limit {
+        self.flat().limit(farthest)
     }
 
     #[inline(always)]

@@ -10,19 +10,17 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::newton::invert;
 use super::polynomial::{sign_changes, value};
 use super::{Distortion, Limit};
-use crate::camera::parameters::{Parameters, parameters};
 use crate::camera::quick::{Start, negative, polynomial, sincos};
-use crate::error::Result;
 use crate::geometry::arithmetic::Arithmetic;
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, Domain, settings};
 
 /// A radius for each angle to the axis, in radians, that rises up to the limit.
-pub(super) trait RadialModel: Parameters + Copy + Send + Sync {
+pub(super) trait RadialModel: Copy + Send + Sync {
     /// As in [`Distortion`].
     const IS_PERSPECTIVE: bool = false;
 
-    /// Checks the parameters, and says up to which angle the radius rises.
-    fn largest_angle(&self) -> Result<f64>;
+    /// The angle up to which the radius rises.
+    fn largest_angle(&self) -> f64;
     /// The radius of an angle.
     fn radius(&self, angle: f64) -> f64;
     /// The angle of a radius, which is that of an angle up to `largest`.
@@ -46,21 +44,21 @@ impl<M: RadialModel> Distortion for M {
     const IS_UNIT: bool = true;
     const IS_PERSPECTIVE: bool = M::IS_PERSPECTIVE;
 
-    fn limit(&self, farthest: f64) -> Result<Limit> {
-        let undistorted = self.largest_angle()?;
+    fn limit(&self, farthest: f64) -> Limit {
+        let undistorted = self.largest_angle();
         let distorted = self.radius(undistorted);
         let end = farthest.min(0.999 * distorted);
         let factor = |q: f64| {
             let radius = q.sqrt();
             Some(self.angle(radius, undistorted) / radius)
         };
-        Ok(Limit {
+        Limit {
             undistorted,
             distorted,
             outermost: undistorted,
             probed: undistorted,
             start: Start::through(end * end, factor),
-        })
+        }
     }
 
     #[inline(always)]
@@ -110,52 +108,50 @@ impl<M: RadialModel> Distortion for M {
     }
 }
 
-/// Half the field of view in radians, if it is above zero and up to `most` degrees.
-fn half_fov(fov: f64, most: f64) -> Result<f64> {
-    let expected = if most == 180.0 {
-        "above 0 and up to 180 degrees"
-    } else {
-        "above 0 and up to 360 degrees"
-    };
-    require("fov", expected, fov > 0.0 && fov <= most, fov)?;
-    Ok(PI * (fov / 360.0))
+/// Half the field of view in radians.
+fn half_fov(fov: f64) -> f64 {
+    PI * (fov / 360.0)
 }
 
-parameters! {
+settings! {
     /// The radius is the angle.
     pub struct Equidistant {
-        /// The field of view in degrees: what is beyond it is not seen.
-        fov = 360.0,
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
+        /// is 180 by default.
+        fov: f64, Domain::UpTo(360.0), default 360.0;
     }
 }
 
-parameters! {
+settings! {
     /// The radius is 2 sin(angle / 2): equal solid angles have equal areas.
     pub struct Equisolid {
-        /// The field of view in degrees: what is beyond it is not seen.
-        fov = 360.0,
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
+        /// is 180 by default.
+        fov: f64, Domain::UpTo(360.0), default 360.0;
     }
 }
 
-parameters! {
+settings! {
     /// The radius is 2 tan(angle / 2): angles between curves are as they are seen.
     pub struct Stereographic {
-        /// The field of view in degrees, below 360: what is beyond it is not seen.
-        fov = 350.0,
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
+        /// is 180 by default.
+        fov: f64, Domain::Between(0.0, 360.0), default 350.0;
     }
 }
 
-parameters! {
+settings! {
     /// The radius is sin(angle).
     pub struct OrthographicFisheye {
-        /// The field of view in degrees, up to 180: what is beyond it is not seen.
-        fov = 180.0,
+        /// Degrees across the circle beyond which nothing is seen. Without an intrinsic matrix it touches the picture's longer edges, and
+        /// is 180 by default.
+        fov: f64, Domain::UpTo(180.0), default 180.0;
     }
 }
 
 impl RadialModel for Equidistant {
-    fn largest_angle(&self) -> Result<f64> {
-        half_fov(self.fov, 360.0)
+    fn largest_angle(&self) -> f64 {
+        half_fov(self.fov)
     }
 
     fn radius(&self, angle: f64) -> f64 {
@@ -178,8 +174,8 @@ impl RadialModel for Equidistant {
 }
 
 impl RadialModel for Equisolid {
-    fn largest_angle(&self) -> Result<f64> {
-        half_fov(self.fov, 360.0)
+    fn largest_angle(&self) -> f64 {
+        half_fov(self.fov)
     }
 
     fn radius(&self, angle: f64) -> f64 {
@@ -208,10 +204,8 @@ impl RadialModel for Equisolid {
 }
 
 impl RadialModel for Stereographic {
-    fn largest_angle(&self) -> Result<f64> {
-        let fine = self.fov < 360.0;
-        require("fov", "below 360 degrees", fine, self.fov)?;
-        half_fov(self.fov, 360.0)
+    fn largest_angle(&self) -> f64 {
+        half_fov(self.fov)
     }
 
     fn radius(&self, angle: f64) -> f64 {
@@ -240,8 +234,8 @@ impl RadialModel for Stereographic {
 }
 
 impl RadialModel for OrthographicFisheye {
-    fn largest_angle(&self) -> Result<f64> {
-        half_fov(self.fov, 180.0)
+    fn largest_angle(&self) -> f64 {
+        half_fov(self.fov)
     }
 
     fn radius(&self, angle: f64) -> f64 {
@@ -266,35 +260,35 @@ impl RadialModel for OrthographicFisheye {
     }
 }
 
-parameters! {
+settings! {
     /// The radius is k1 a + k2 a³ + k3 a⁵ + k4 a⁷ + k5 a⁹ for an angle a.
     pub struct KannalaBrandt {
-        /// The coefficient of the angle; positive.
-        k1 = 1.0,
+        /// The coefficient of the angle: the slope of the radius on the axis. Default: 1.
+        k1: f64, Domain::Positive, default 1.0;
         /// The coefficient of the angle's third power.
-        k2 = 0.0,
-        /// The coefficient of its fifth power.
-        k3 = 0.0,
-        /// The coefficient of its seventh power.
-        k4 = 0.0,
-        /// The coefficient of its ninth power.
-        k5 = 0.0,
+        k2: f64, Domain::Number, default 0.0;
+        /// The coefficient of the angle's fifth power.
+        k3: f64, Domain::Number, default 0.0;
+        /// The coefficient of the angle's seventh power.
+        k4: f64, Domain::Number, default 0.0;
+        /// The coefficient of the angle's ninth power.
+        k5: f64, Domain::Number, default 0.0;
     }
 }
 
-parameters! {
+settings! {
     /// The radius is a (1 + k1 a² + k2 a⁴ + k3 a⁶ + k4 a⁸) for an angle a, as in `cv2.fisheye`.
-    pub struct OpenCvFisheye (silent fov) {
+    pub struct OpenCvFisheye {
         /// The coefficient of the angle's third power.
-        k1 = 0.0,
-        /// The coefficient of its fifth power.
-        k2 = 0.0,
-        /// The coefficient of its seventh power.
-        k3 = 0.0,
-        /// The coefficient of its ninth power.
-        k4 = 0.0,
-        /// The field of view in degrees: what is beyond it is not seen.
-        fov = 360.0,
+        k1: f64, Domain::Number, default 0.0;
+        /// The coefficient of the angle's fifth power.
+        k2: f64, Domain::Number, default 0.0;
+        /// The coefficient of the angle's seventh power.
+        k3: f64, Domain::Number, default 0.0;
+        /// The coefficient of the angle's ninth power.
+        k4: f64, Domain::Number, default 0.0;
+        /// Degrees across the circle beyond which nothing is seen. Default: 360.
+        fov: f64, Domain::UpTo(360.0), default 360.0;
     }
 }
 
@@ -302,17 +296,13 @@ parameters! {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AngleSeries(pub(super) [f64; 7]);
 
-impl Parameters for AngleSeries {
-    fn each(&mut self, _: &mut dyn FnMut(&'static str, &mut f64)) {}
-}
-
 /// A polynomial in `N` odd powers of the angle.
-trait AnglePolynomial<const N: usize>: Parameters + Copy + Send + Sync {
+trait AnglePolynomial<const N: usize>: Copy + Send + Sync {
     /// The coefficients of the odd powers.
     fn odd(&self) -> [f64; N];
     /// The angle beyond which nothing is seen in any case.
-    fn edge(&self) -> Result<f64> {
-        Ok(PI)
+    fn edge(&self) -> f64 {
+        PI
     }
 }
 
@@ -327,8 +317,8 @@ impl AnglePolynomial<5> for OpenCvFisheye {
         [1.0, self.k1, self.k2, self.k3, self.k4]
     }
 
-    fn edge(&self) -> Result<f64> {
-        half_fov(self.fov, 360.0)
+    fn edge(&self) -> f64 {
+        half_fov(self.fov)
     }
 }
 
@@ -355,10 +345,9 @@ fn radius_and_slope<const N: usize>(odd: &[f64; N], angle: f64) -> [f64; 2] {
 }
 
 /// The angle up to which the radius rises; pi at most.
-fn largest_angle<const N: usize>(odd: &[f64; N]) -> Result<f64> {
-    require("k1", "positive", odd[0] > 0.0, odd[0])?;
+fn largest_angle<const N: usize>(odd: &[f64; N]) -> f64 {
     let folds = sign_changes(&slope_of(odd));
-    Ok(folds.first().map_or(PI, |q| q.sqrt()).min(PI))
+    folds.first().map_or(PI, |q| q.sqrt()).min(PI)
 }
 
 /// Newton's method from the prepared start; known where it has settled on this side of the fold.
@@ -398,8 +387,8 @@ fn angle_by_newton<A: Arithmetic, const N: usize>(
 macro_rules! polynomial_models {
     ($($model:ty),*) => {$(
         impl RadialModel for $model {
-            fn largest_angle(&self) -> Result<f64> {
-                Ok(largest_angle(&self.odd())?.min(self.edge()?))
+            fn largest_angle(&self) -> f64 {
+                largest_angle(&self.odd()).min(self.edge())
             }
 
             fn radius(&self, angle: f64) -> f64 {

@@ -21,60 +21,58 @@ use std::f64::consts::PI;
 use super::brown::Brown;
 use super::radial::{AngleSeries, Equidistant};
 use super::{Distortion, Limit};
-use crate::camera::parameters::parameters;
-use crate::error::Result;
 use crate::geometry::arithmetic::Arithmetic;
-use crate::geometry::{DVec2, DVec3};
+use crate::geometry::{DVec2, DVec3, Domain, settings};
 
-parameters! {
+settings! {
     /// An equidistant fisheye with OpenCV's distortion, of which the radial part has a term more.
     pub struct ThinPrismFisheye {
-        /// Radial, of q.
-        k1 = 0.0,
-        /// Radial, of q².
-        k2 = 0.0,
-        /// Tangential.
-        p1 = 0.0,
-        /// Tangential.
-        p2 = 0.0,
-        /// Radial, of q³.
-        k3 = 0.0,
-        /// Radial, of q⁴.
-        k4 = 0.0,
-        /// Thin prism, across, of q.
-        sx1 = 0.0,
-        /// Thin prism, down, of q.
-        sy1 = 0.0,
+        /// Radial distortion: the coefficient of a².
+        k1: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of a⁴.
+        k2: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p1: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p2: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of a⁶.
+        k3: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of a⁸.
+        k4: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, across: the coefficient of a².
+        sx1: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, down: the coefficient of a².
+        sy1: f64, Domain::Number, default 0.0;
     }
 }
 
-parameters! {
+settings! {
     /// A polynomial of the angle, and then tangential and thin prism distortion.
     pub struct RadTanThinPrismFisheye {
-        /// Radial, of the angle's third power.
-        k0 = 0.0,
-        /// The coefficient of its fifth power.
-        k1 = 0.0,
-        /// The coefficient of its seventh power.
-        k2 = 0.0,
-        /// The coefficient of its ninth power.
-        k3 = 0.0,
-        /// The coefficient of its eleventh power.
-        k4 = 0.0,
-        /// The coefficient of its thirteenth power.
-        k5 = 0.0,
-        /// Tangential.
-        p0 = 0.0,
-        /// Tangential.
-        p1 = 0.0,
-        /// Thin prism, across, of q.
-        s0 = 0.0,
-        /// Thin prism, across, of q².
-        s1 = 0.0,
-        /// Thin prism, down, of q.
-        s2 = 0.0,
-        /// Thin prism, down, of q².
-        s3 = 0.0,
+        /// Radial distortion: the coefficient of the angle's third power.
+        k0: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of the angle's fifth power.
+        k1: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of the angle's seventh power.
+        k2: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of the angle's ninth power.
+        k3: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of the angle's eleventh power.
+        k4: f64, Domain::Number, default 0.0;
+        /// Radial distortion: the coefficient of the angle's thirteenth power.
+        k5: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p0: f64, Domain::Number, default 0.0;
+        /// Tangential distortion.
+        p1: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, across: the coefficient of r².
+        s0: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, across: the coefficient of r⁴.
+        s1: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, down: the coefficient of r².
+        s2: f64, Domain::Number, default 0.0;
+        /// Thin prism distortion, down: the coefficient of r⁴.
+        s3: f64, Domain::Number, default 0.0;
     }
 }
 
@@ -107,15 +105,15 @@ impl ThinPrismFisheye {
 impl Distortion for ThinPrismFisheye {
     const IS_UNIT: bool = true;
 
-    fn limit(&self, farthest: f64) -> Result<Limit> {
+    fn limit(&self, farthest: f64) -> Limit {
         let plane = self.plane();
         let limit = plane.limit(farthest);
         if limit.undistorted < PI {
-            return Ok(limit);
+            return limit;
         }
         // The image ends where the angle does: a start beyond is of no use.
         let edge = PI * plane.radial(PI * PI)[0];
-        Ok(plane.limit(farthest.min(edge)))
+        plane.limit(farthest.min(edge))
     }
 
     #[inline(always)]
@@ -179,10 +177,10 @@ fn of_plane(limit: &Limit) -> Limit {
 impl Distortion for RadTanThinPrismFisheye {
     const IS_UNIT: bool = true;
 
-    fn limit(&self, farthest: f64) -> Result<Limit> {
-        let limit = self.polynomial().limit(farthest)?;
+    fn limit(&self, farthest: f64) -> Limit {
+        let limit = self.polynomial().limit(farthest);
         let probed = self.plane().limit(farthest).probed;
-        Ok(Limit { probed, ..limit })
+        Limit { probed, ..limit }
     }
 
     #[inline(always)]

@@ -7,33 +7,26 @@
 //! Model", 3DV 2018.
 
 use super::{Distortion, Limit};
-use crate::camera::parameters::parameters;
 use crate::camera::quick::square;
-use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{DVec2, DVec3, require};
+use crate::geometry::{DVec2, DVec3, Domain, settings};
 
-parameters! {
+settings! {
     /// The unified camera model.
     pub struct Ucm {
         /// The weight from 0, a pinhole, to 1.
-        alpha = 0.0,
+        alpha: f64, Domain::From(0.0, 1.0), default 0.0;
     }
 }
 
-parameters! {
+settings! {
     /// The enhanced unified camera model.
     pub struct Eucm {
         /// The weight from 0, a pinhole, to 1.
-        alpha = 0.0,
-        /// Positive.
-        beta = 1.0,
+        alpha: f64, Domain::From(0.0, 1.0), default 0.0;
+        /// How much of x² + y² counts. Default: 1.
+        beta: f64, Domain::Positive, default 1.0;
     }
-}
-
-/// Refuses an `alpha` that makes no lens.
-pub(super) fn check_alpha(alpha: f64) -> Result<()> {
-    require("alpha", "from 0 to 1", (0.0..=1.0).contains(&alpha), alpha)
 }
 
 /// The height z of the direction that is seen at the squared distance `r2` from the middle, where x and y are those of the image; and
@@ -58,12 +51,6 @@ pub(super) fn backmost(alpha: f64) -> f64 {
 }
 
 impl Distortion for Eucm {
-    fn limit(&self, _: f64) -> Result<Limit> {
-        check_alpha(self.alpha)?;
-        require("beta", "positive", self.beta > 0.0, self.beta)?;
-        Ok(Limit::default())
-    }
-
     #[inline(always)]
     fn directions<A: Arithmetic>(
         &self,
@@ -103,7 +90,7 @@ impl Ucm {
 }
 
 impl Distortion for Ucm {
-    fn limit(&self, farthest: f64) -> Result<Limit> {
+    fn limit(&self, farthest: f64) -> Limit {
         self.enhanced().limit(farthest)
     }
 
