@@ -61,6 +61,7 @@ __all__ = [
     "environment_radiance",
     "escaped",
     "explain",
+    "idle",
     "inside",
     "instruction_set",
     "is_input",
@@ -739,6 +740,7 @@ def render_more(
     how: tuple[int, _Report | None],
 ) -> tuple[list[npt.NDArray[Any]], Accumulated]: ...
 def sampling(channels: Sequence[str]) -> list[str]: ...
+def idle(settings: Sequence[str], channels: Sequence[str]) -> list[tuple[str, str]]: ...
 
 @final
 class Viewer:

@@ -190,6 +190,19 @@ pub(crate) fn sampling(py: Python<'_>, channels: Vec<String>) -> PyResult<Vec<&'
     Ok(kinds.iter().map(made_of).collect())
 }
 
+/// Those of some settings of a picture that do nothing for its channels, each with those that it needs, in words.
+#[pyfunction]
+pub(crate) fn idle(
+    py: Python<'_>,
+    settings: Vec<String>,
+    channels: Vec<String>,
+) -> PyResult<Vec<(String, &'static str)>> {
+    let kinds = kinds(py, &channels)?;
+    let idle =
+        |setting: String| firsthit::render::idle(&setting, &kinds).map(|needed| (setting, needed));
+    Ok(settings.into_iter().filter_map(idle).collect())
+}
+
 /// The channels of a frame as flat arrays, not copied.
 fn arrays(py: Python<'_>, frame: Frame) -> Vec<Bound<'_, PyAny>> {
     let channels = frame.into_channels().into_iter();

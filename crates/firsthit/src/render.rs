@@ -3,6 +3,7 @@
 mod accumulation;
 mod appearance;
 mod batch;
+mod idle;
 mod legend;
 mod mattes;
 mod region;
@@ -12,6 +13,7 @@ mod slab;
 mod state;
 
 pub use appearance::{Appearance, Resolved, default_shader, world_up};
+pub use idle::idle;
 pub use region::Region;
 pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};

@@ -23,19 +23,14 @@ if TYPE_CHECKING:
     from ._sensors import PlannedSensor
     from ._table import Table
 
-#: Channels that are made of several samples; names of mattes may go on with a colon.
-_SAMPLED = ("color", "alpha", "ao", "samples", "crypto_object", "crypto_material")
-
-#: What is about lines, about how PNGs show colours, and about light.
-_LINES = ("edges",)
+#: What is about how PNGs show colours.
 _DISPLAY = ("exposure", "tone_map")
-_LIGHT = ("background", "environment", "light", "ground", "ambient", "shadows", "shade")
-
-#: What gives surfaces other colours.
-_NUMBERS = ("color_by", "color_map", "color_range", "color_bar")
 
 #: All keys.
-LOOK = ("samples", *_LIGHT, *_NUMBERS, *_LINES, *_DISPLAY)
+LOOK = (
+    *("samples", "background", "environment", "light", "ground", "ambient", "shadows", "shade"),
+    *("color_by", "color_map", "color_range", "color_bar", "edges", *_DISPLAY),
+)
 
 
 class Look(NamedTuple):
@@ -132,15 +127,10 @@ def look(
 def _refuse_idle(
     table: Table, channels: list[str], pictures: list[str], sensors: tuple[PlannedSensor, ...]
 ) -> None:
-    bases = {name.partition(":")[0] for name in channels}
-    if not bases & {*_SAMPLED}:
-        refuse(table, ("samples",), "`channels` has none of several samples, such as color")
-    if not bases & {"color", "alpha"}:
-        refuse(table, _LIGHT, "`channels` has no color")
-    if "color" not in bases:
-        refuse(table, _NUMBERS, "`channels` has no color")
-    if not bases & {"color", "edge"}:
-        refuse(table, _LINES, "`channels` has no color and no edge")
+    with table.blaming("channels"):
+        idle = _firsthit.idle(LOOK, channels)
+    for key, needed in idle:
+        refuse(table, (key,), f"`channels` has no {needed}")
     if "color" not in pictures:
         refuse(table, _DISPLAY, "`pictures` has no color")
     moving = [one.name for one in sensors if not isinstance(one, CameraSensor | LidarSensor)]

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 use firsthit::shade::Lambert;
 use firsthit::{DisplayTransform, Shader, Shading, example};
 
-use super::render::{Job, WITHOUT_COLOR, do_nothing, needs_samples, picture, settings};
+use super::render::{Job, picture, settings, without_channels};
 use crate::args::DemoArgs;
 use crate::asked;
 use crate::camera::check_size;
@@ -27,10 +27,8 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     let with_channels = |path: &PathBuf| (path.clone(), asked::channels(&args.channels, path));
     let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
     let orders = output::orders(&outputs, args.run.quiet || args.run.json)?;
-    if !orders.iter().any(needs_samples) {
-        let samples = [("--samples", args.samples.is_some())];
-        warn(&do_nothing(samples, WITHOUT_COLOR));
-    }
+    let samples = [("--samples", args.samples.is_some())];
+    warn(&without_channels(samples, &orders));
     let usual = DisplayTransform::default();
     let settings = settings(&args.files, (&args.display, usual), &orders);
     with_threads(&args.run, || {

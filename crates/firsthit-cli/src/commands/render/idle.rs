@@ -1,16 +1,15 @@
 //! Options that would do nothing, or not what is meant.
 
+use firsthit::channel::Kind;
 use firsthit::edge::{EdgeKind, Edges};
 use firsthit::geometry::meant_as_levels;
-use firsthit::render::Resolved;
+use firsthit::render::{Resolved, idle};
 use firsthit::{Background, Color};
 
-use super::job::{needs_samples, needs_shade};
+use super::job::needs_shade;
 use super::shader::{AMBIENT, SHADOWS, setting};
 use crate::args::{EdgeArgs, LightingArgs, RenderArgs};
 use crate::output::Order;
-
-pub(crate) const WITHOUT_COLOR: &str = "without color among the --channels";
 
 /// The samples after which a noise is asked for first: those of `Picture::noise`.
 const FIRST_ASKED: u32 = 32;
@@ -29,22 +28,12 @@ pub(crate) fn do_nothing(
 /// The warnings about options that would do nothing: users may expect something else of them, or
 /// may give equal options to all runs.
 pub(super) fn options(args: &RenderArgs, orders: &[Order], seen: &Resolved) -> Vec<String> {
-    if orders.iter().any(needs_shade) {
-        with_color(args, seen)
-    } else {
-        without_color(args, orders)
-    }
-}
-
-fn without_color(args: &RenderArgs, orders: &[Order]) -> Vec<String> {
     let light = &args.light;
-    // Mattes take samples and a lens, but no light.
-    let has_samples = orders.iter().any(needs_samples);
     let options = [
-        ("--samples", args.picture.samples.is_some() && !has_samples),
+        ("--samples", args.picture.samples.is_some()),
         ("--noise", args.picture.noise.is_some()),
-        ("--aperture", args.camera.aperture.is_some() && !has_samples),
-        ("--focus", args.camera.focus.is_some() && !has_samples),
+        ("--aperture", args.camera.aperture.is_some()),
+        ("--focus", args.camera.focus.is_some()),
         ("--shader", light.shader.is_some()),
         ("--color", light.color.is_some()),
         ("--background", light.background.is_some()),
@@ -57,10 +46,29 @@ fn without_color(args: &RenderArgs, orders: &[Order]) -> Vec<String> {
         ("--ground", light.ground),
         ("--no-ground", light.no_ground),
     ];
-    do_nothing(
-        options.into_iter().chain(args.colors.given()),
-        WITHOUT_COLOR,
-    )
+    let mut idle = without_channels(options.into_iter().chain(args.colors.given()), orders);
+    if orders.iter().any(needs_shade) {
+        idle.extend(with_color(args, seen));
+    }
+    idle
+}
+
+/// Says of those options that are given that they do nothing without other channels.
+pub(crate) fn without_channels(
+    options: impl IntoIterator<Item = (&'static str, bool)>,
+    orders: &[Order],
+) -> Vec<String> {
+    let kinds = orders.iter().flat_map(|order| &order.kinds);
+    let kinds: Vec<&Kind> = kinds.copied().collect();
+    let given = options.into_iter().filter(|(_, is_given)| *is_given);
+    let idle = given.filter_map(|(option, _)| {
+        let name = option.trim_start_matches("--").trim_start_matches("no-");
+        let needed = idle(&name.replace('-', "_"), &kinds)?;
+        Some(format!(
+            "{option} does nothing without {needed} among the --channels"
+        ))
+    });
+    idle.collect()
 }
 
 fn with_color(args: &RenderArgs, seen: &Resolved) -> Vec<String> {
@@ -119,23 +127,13 @@ fn behind_environment(light: &LightingArgs, seen: &Resolved) -> Vec<String> {
 
 /// Says the same of options for edges.
 pub(super) fn of_edges(args: &EdgeArgs, edges: Option<&Edges>, orders: &[Order]) -> Vec<String> {
-    let has_color = orders.iter().any(needs_shade);
-    let has_edge = (orders.iter()).any(|order| order.kinds.iter().any(|kind| kind.is_edge()));
+    let idle = without_channels(args.given(), orders);
     let has_creases = edges.is_none_or(|edges| edges.kinds.has(EdgeKind::Crease));
-    let why = |name: &str| {
-        if !has_color && !has_edge {
-            Some("without color or edge among the --channels")
-        } else if name == "--edge-color" && !has_color {
-            Some(WITHOUT_COLOR)
-        } else if name == "--edge-angle" && !has_creases {
-            Some("without crease among the --edge-kinds")
-        } else {
-            None
-        }
-    };
-    let idle = (args.given().into_iter()).filter_map(|option| Some((option, why(option.0)?)));
-    idle.flat_map(|(option, why)| do_nothing([option], why))
-        .collect()
+    if !idle.is_empty() || has_creases {
+        return idle;
+    }
+    let angle = [("--edge-angle", args.edge_angle.is_some())];
+    do_nothing(angle, "without crease among the --edge-kinds")
 }
 
 /// Warns of linear colours that look like levels of sRGB.

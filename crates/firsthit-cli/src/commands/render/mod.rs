@@ -28,10 +28,10 @@ use crate::failure::Failure;
 use crate::legend;
 use crate::loading::{self, Loaded, with_threads};
 use crate::output::{self, Order, Source};
-use job::needs_shade;
+use job::{needs_samples, needs_shade};
 
-pub(super) use idle::{WITHOUT_COLOR, do_nothing};
-pub(super) use job::{Job, needs_samples, picture, settings};
+pub(super) use idle::without_channels;
+pub(super) use job::{Job, picture, settings};
 
 /// The default samples of a picture with a noise: it ends them where they are enough.
 const SAMPLES_WITH_NOISE: u32 = 256;
