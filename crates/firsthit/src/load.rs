@@ -1,25 +1,62 @@
 //! Reads a mesh, a model or a scene file.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{Error, Result};
 #[cfg(feature = "fhs")]
 use crate::fhs;
-use crate::io::{FORMATS, Format, Report, format_of, read, unknown_variant};
+use crate::io::{FORMATS, Format, ModelFormat, Report, format_of, read};
 use crate::scene::EnvironmentMap;
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
+use crate::world::{World, WorldFormat, unknown_variant};
 
-pub use crate::io::{LoadSettings, Loaded, UNITS, polygons};
+pub use crate::io::{LoadSettings, UNITS, polygons};
+pub use crate::world::Loaded;
+
+/// The formats whose files say how their scenes look, of those that this crate was compiled with.
+const WORLD_FORMATS: &[&WorldFormat] = &[
+    #[cfg(feature = "fhs")]
+    &fhs::FORMAT,
+    #[cfg(feature = "scene-file")]
+    &scene_file::FORMAT,
+];
+
+/// A format that is read.
+#[derive(Clone, Copy)]
+enum Reader {
+    Model(&'static ModelFormat),
+    World(&'static WorldFormat),
+}
+
+impl AsRef<Format> for Reader {
+    fn as_ref(&self) -> &Format {
+        self.format()
+    }
+}
+
+impl Reader {
+    fn format(self) -> &'static Format {
+        match self {
+            Self::Model(model) => &model.format,
+            Self::World(world) => &world.format,
+        }
+    }
+
+    fn load(self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Loaded> {
+        let world = match self {
+            Self::Model(model) => World::from(model.load(bytes, report)?),
+            Self::World(world) => world.load(bytes, report)?,
+        };
+        Loaded::new(world, self.format(), report)
+    }
+}
 
 /// The formats that this crate was compiled with.
-fn formats() -> impl Iterator<Item = &'static Format> + Clone {
-    let formats = FORMATS.iter();
-    #[cfg(feature = "fhs")]
-    let formats = formats.chain([&fhs::FORMAT]);
-    #[cfg(feature = "scene-file")]
-    let formats = formats.chain([&scene_file::FORMAT]);
-    formats
+fn formats() -> impl Iterator<Item = Reader> + Clone {
+    let worlds = WORLD_FORMATS.iter().map(|format| Reader::World(format));
+    FORMATS.iter().map(Reader::Model).chain(worlds)
 }
 
 /// Reads the file at `path`. Its extension tells the format. A file packed by gzip is unpacked; its name may end with
@@ -57,7 +94,7 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
     check_scale(format, settings)?;
     let mut report = Report::new(path, settings.clone());
     #[cfg(feature = "fhs")]
-    if format.name == fhs::FORMAT.name && !read::is_named_as_packed(path) {
+    if format.format().name == fhs::FORMAT.format.name && !read::is_named_as_packed(path) {
         let block = read::mapped_file(path)?;
         return with_variant(fhs::open_mapped(block.into(), &mut report)?, settings);
     }
@@ -89,12 +126,14 @@ pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<
 }
 
 /// Refuses a factor that is none, and one for files that say themselves how long everything is.
-fn check_scale(format: &Format, settings: &LoadSettings) -> Result<()> {
+fn check_scale(format: Reader, settings: &LoadSettings) -> Result<()> {
     let scale = settings.scale;
     if !(scale > 0.0 && scale.is_finite()) {
         return Err(Error::argument("scale", "positive and finite", scale));
     }
-    if scale != 1.0 && !FORMATS.iter().any(|model| model.name == format.name) {
+    if scale != 1.0
+        && let Reader::World(WorldFormat { format, .. }) = format
+    {
         let got = format!("{scale} for a {}", format.name);
         return Err(Error::argument(
             "scale",
@@ -126,7 +165,7 @@ pub fn load_environment(
 
 /// The extensions of all formats that [`load`] reads, in lower case and without the dot.
 pub fn extensions() -> impl Iterator<Item = &'static str> {
-    formats().flat_map(|format| format.extensions.iter().copied())
+    formats().flat_map(|format| format.format().extensions.iter().copied())
 }
 
 #[cfg(test)]
@@ -135,7 +174,8 @@ mod tests {
 
     #[test]
     fn extensions_are_known_in_any_case() {
-        let of = |name: &str| format_of(Path::new(name), formats()).map(|format| format.name);
+        let of =
+            |name: &str| format_of(Path::new(name), formats()).map(|format| format.format().name);
         assert_eq!(of("a.b/C.StL").unwrap(), "STL");
         assert_eq!(
             of("x.3ds").unwrap_err().to_string(),

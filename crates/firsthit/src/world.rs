@@ -3,13 +3,19 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::camera::{Description, Opening, View};
 use crate::edge::Edges;
 use crate::error::Result;
 use crate::geometry::summary::{Few, summary};
 use crate::geometry::{DVec3, DisplayTransform};
+use crate::io::Model;
 use crate::scene::{Background, Coloring, Environment, Light, Object, Scene};
 use crate::shade::{LightRig, Shader};
+
+mod loaded;
+
+pub use crate::io::NamedCamera;
+pub use loaded::Loaded;
+pub(crate) use loaded::{WorldFormat, unknown_variant};
 
 /// Everything that a scene is made from: objects, cameras, lights, a background, and how to shade.
 ///
@@ -108,10 +114,17 @@ impl World {
             up
         }
     }
+}
 
-    pub(crate) fn of(objects: Vec<Object>) -> Self {
+impl From<Model> for World {
+    /// The world of a model: how it looks is not said.
+    fn from(model: Model) -> Self {
         Self {
-            objects,
+            objects: model.objects,
+            cameras: model.cameras,
+            lights: model.lights,
+            up: model.up,
+            up_is_guessed: model.up_is_guessed,
             ..Self::default()
         }
     }
@@ -124,41 +137,4 @@ pub struct Output {
     pub path: PathBuf,
     /// The channels' names, at least one.
     pub channels: Vec<String>,
-}
-
-/// A camera of a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedCamera {
-    /// The name; may be empty. In glTF, that of its node.
-    pub name: String,
-    /// Another name that it goes by; may be empty. In glTF, that of the camera itself, which nodes may share.
-    pub own_name: String,
-    /// The description in numbers.
-    pub view: View,
-    /// Whether the file gives the number of pixels and the shape of the viewplane too. If not, only the view's height
-    /// counts, and the renderer decides about the rest.
-    pub has_size: bool,
-    /// The camera as a scene file describes it, in part. The parts that it leaves open are decided anew when another
-    /// part is replaced.
-    pub description: Option<Description>,
-}
-
-impl NamedCamera {
-    /// The camera as a description, for a picture of `size` columns and rows. `None`: as many as the camera asks for,
-    /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and its
-    /// width follows from square pixels.
-    pub fn described(&self, size: Option<(usize, usize)>) -> Description {
-        let whole = || Description::of(&self.view);
-        let mut described = self.description.unwrap_or_else(whole);
-        if let Some((columns, rows)) = size {
-            (described.columns, described.rows) = (Some(columns), Some(rows));
-        }
-        if !self.has_size
-            && let Some(Opening::Viewplane { width, height, .. }) = &mut described.opening
-            && let (Some(columns), Some(rows)) = (described.columns, described.rows)
-        {
-            *width = *height * columns as f64 / rows.max(1) as f64;
-        }
-        described
-    }
 }

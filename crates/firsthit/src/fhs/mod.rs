@@ -38,18 +38,20 @@ use crate::io::fault::Checked;
 use crate::io::read::mapped_file;
 #[cfg(feature = "scene-file")]
 use crate::io::read::{is_named_as_packed, regular_file};
-use crate::io::{Format, LoadSettings, Loaded, Report};
+use crate::io::{Format, LoadSettings, Report};
 use crate::memory::Block;
-use crate::world::World;
+use crate::world::{Loaded, World, WorldFormat};
 
 pub use write::{encode, save};
 
 /// The row of the list of formats.
-pub(crate) static FORMAT: Format = Format {
-    name: "built scene",
-    extensions: &["fhs"],
-    up: DVec3::Z,
-    rules_up: true,
+pub(crate) static FORMAT: WorldFormat = WorldFormat {
+    format: Format {
+        name: "built scene",
+        extensions: &["fhs"],
+        up: DVec3::Z,
+        rules_up: true,
+    },
     read: read_copy,
 };
 
@@ -92,9 +94,13 @@ pub fn open(path: &Path, verify: bool) -> Result<Loaded> {
 
 /// Opens a file that is mapped already.
 pub(crate) fn open_mapped(block: Arc<Block>, report: &mut Report) -> Result<Loaded> {
+    let world = read_mapped(block, report)?;
+    Loaded::new(world, &FORMAT.format, report)
+}
+
+fn read_mapped(block: Arc<Block>, report: &mut Report) -> Result<World> {
     let path = report.source.path().to_owned();
-    let world = read::world(block, report).map_err(|fault| fault.into_error(&path))?;
-    FORMAT.loaded(world, report)
+    read::world(block, report).map_err(|fault| fault.into_error(&path))
 }
 
 /// Opens the file at `path`, which the file of `whole` names. The first such scene is the one that `whole` has built.
@@ -105,17 +111,19 @@ pub(crate) fn open_mapped(block: Arc<Block>, report: &mut Report) -> Result<Load
 #[cfg(feature = "scene-file")]
 pub(crate) fn open_part(path: &Path, whole: &mut Report) -> Result<World> {
     let mut report = whole.part(path);
-    let loaded = if is_named_as_packed(path) {
+    let world = if is_named_as_packed(path) {
         let bytes = regular_file(path, report.budget.left())?;
         FORMAT.load(bytes.into(), &mut report)?
     } else {
         let block = mapped_file(path)?;
         report.budget.make_room(path, block.bytes().len());
-        open_mapped(block.into(), &mut report)?
+        read_mapped(block.into(), &mut report)?
     };
-    whole.scene = whole.scene.take().or(loaded.scene);
-    whole.absorb(&report, loaded.warnings, loaded.files);
-    Ok(loaded.world)
+    if let Some(error) = report.strict_error() {
+        return Err(error);
+    }
+    whole.absorb(report);
+    Ok(world)
 }
 
 /// Reads content in memory, which may be anywhere: sections are aligned in a copy.

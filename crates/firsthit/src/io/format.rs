@@ -5,17 +5,16 @@ use std::path::Path;
 
 use super::fault::{Checked, Fault};
 use super::gzip;
-use super::loaded::Loaded;
 use super::memory_budget::check_free;
+use super::model::Model;
 use super::recognize;
 use super::report::Report;
 use super::scale::scaled;
 use super::source::has_extension;
 use crate::error::Result;
 use crate::geometry::DVec3;
-use crate::world::World;
 
-/// A kind of file.
+/// A kind of file: how it is named, and which way is up in it.
 pub(crate) struct Format {
     pub(crate) name: &'static str,
     /// The extensions in lower case, without the dot.
@@ -23,56 +22,69 @@ pub(crate) struct Format {
     pub(crate) up: DVec3,
     /// Whether `up` is a rule of the format, not a convention.
     pub(crate) rules_up: bool,
-    pub(crate) read: fn(&[u8], &mut Report) -> Checked<World>,
 }
 
 /// The memory for reading a file, in multiples of its content, unless it is an attack.
 const TIMES_CONTENT: usize = 3;
 
 impl Format {
+    /// Reads a file's content, packed by gzip or not, by `read`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Parse`](crate::error::Error::Parse) for wrong content, [`Error::TooLarge`](crate::error::Error::TooLarge) for more
+    /// than the settings allow, and [`Error::Limit`](crate::error::Error::Limit) for more than identifiers hold.
+    pub(crate) fn read<T>(
+        &self,
+        bytes: Cow<'_, [u8]>,
+        report: &mut Report,
+        read: fn(&[u8], &mut Report) -> Checked<T>,
+    ) -> Result<T> {
+        let path = report.source.path().to_owned();
+        let content = |report: &mut Report| {
+            report.budget.charge_read(&path, bytes.len())?;
+            let bytes = gzip::unpacked(bytes, report)?;
+            check_free(bytes.len().saturating_mul(TIMES_CONTENT))?;
+            read(&bytes, report).map_err(|fault| recognize::hinted(fault, self, &bytes))
+        };
+        content(report).map_err(|fault| fault.into_error(&path))
+    }
+
+    /// Which way is up in a file that says `stated`, zero for nothing, and whether that is only a convention. A file that was made from
+    /// another may say so itself.
+    pub(crate) fn up(&self, stated: DVec3, is_guessed: bool) -> (DVec3, bool) {
+        let is_stated = stated != DVec3::ZERO;
+        let up = if is_stated { stated } else { self.up };
+        (up, is_guessed || (!is_stated && !self.rules_up))
+    }
+}
+
+/// A format of meshes or models.
+pub(crate) struct ModelFormat {
+    pub(crate) format: Format,
+    pub(crate) read: fn(&[u8], &mut Report) -> Checked<Model>,
+}
+
+impl ModelFormat {
     /// Reads a file's content, packed by gzip or not.
     ///
     /// # Errors
     ///
-    /// [`Error::Parse`](crate::Error::Parse) for wrong content, [`Error::TooLarge`](crate::Error::TooLarge) for more than the
-    /// settings allow, and [`Error::Limit`](crate::Error::Limit) for more than identifiers hold.
-    pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Loaded> {
-        let path = report.source.path().to_owned();
-        let read = |report: &mut Report| {
-            report.budget.charge_read(&path, bytes.len())?;
-            let bytes = gzip::unpacked(bytes, report)?;
-            check_free(bytes.len().saturating_mul(TIMES_CONTENT))?;
-            (self.read)(&bytes, report).map_err(|fault| recognize::hinted(fault, self, &bytes))
-        };
-        let world = read(report).map_err(|fault| fault.into_error(&path))?;
+    /// Those of [`Format::read`], and [`Error::Argument`](crate::error::Error::Argument) for a scale that it cannot have.
+    pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
+        let model = self.format.read(bytes, report, self.read)?;
         let scale = report.settings.scale;
-        let world = if scale == 1.0 {
-            world
+        if scale == 1.0 {
+            Ok(model)
         } else {
-            scaled(world, scale)?
-        };
-        self.loaded(world, report)
-    }
-
-    /// The loaded file, with all that the format says beside the world.
-    pub(crate) fn loaded(&self, world: World, report: &mut Report) -> Result<Loaded> {
-        if let Some(error) = report.strict_error() {
-            return Err(error);
+            scaled(model, scale)
         }
-        let is_up_stated = world.up != DVec3::ZERO;
-        Ok(Loaded {
-            warnings: report.take_lines(),
-            files: report.source.take_files(),
-            variants: std::mem::take(&mut report.variants),
-            vertices: report.vertices,
-            scene: report.scene.take(),
-            world: World {
-                up: if is_up_stated { world.up } else { self.up },
-                // A file that was made from another may say so itself.
-                up_is_guessed: world.up_is_guessed || (!is_up_stated && !self.rules_up),
-                ..world
-            },
-        })
+    }
+}
+
+impl AsRef<Format> for &'static ModelFormat {
+    fn as_ref(&self) -> &Format {
+        &self.format
     }
 }
 
@@ -81,15 +93,19 @@ impl Format {
 /// # Errors
 ///
 /// [`Error::Parse`](crate::Error::Parse) if there is none.
-pub(crate) fn format_of<'a>(
+pub(crate) fn format_of<F: AsRef<Format>>(
     path: &Path,
-    mut formats: impl Iterator<Item = &'a Format> + Clone,
-) -> Result<&'a Format> {
+    mut formats: impl Iterator<Item = F> + Clone,
+) -> Result<F> {
     let known: Vec<String> = (formats.clone())
-        .flat_map(|format| format.extensions.iter().map(move |e| (format.name, e)))
-        .map(|(name, extension)| format!(".{extension} ({name})"))
+        .flat_map(|format| {
+            let Format {
+                name, extensions, ..
+            } = *format.as_ref();
+            (extensions.iter()).map(move |extension| format!(".{extension} ({name})"))
+        })
         .collect();
-    let found = formats.find(|format| has_extension(path, format.extensions));
+    let found = formats.find(|format| has_extension(path, format.as_ref().extensions));
     found.ok_or_else(|| {
         let known = known.join(", ");
         let way = recognize::way_of(path).map_or_else(String::new, |way| format!("; {way}"));

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use super::format::{Format, format_of};
+use super::format::{Format, ModelFormat, format_of};
 #[cfg(feature = "gltf")]
 use super::gltf;
+use super::model::Model;
 #[cfg(feature = "obj")]
 use super::obj;
 #[cfg(feature = "off")]
@@ -17,48 +18,57 @@ use super::report::Report;
 use super::stl;
 use crate::error::Result;
 use crate::geometry::DVec3;
-use crate::world::World;
 
-/// Every format but the scene file.
-pub(crate) const FORMATS: &[Format] = &[
+/// Every format of meshes and models.
+pub(crate) const FORMATS: &[ModelFormat] = &[
     #[cfg(feature = "gltf")]
-    Format {
-        name: "glTF",
-        extensions: &["gltf", "glb"],
-        up: DVec3::Y,
-        rules_up: true,
+    ModelFormat {
+        format: Format {
+            name: "glTF",
+            extensions: &["gltf", "glb"],
+            up: DVec3::Y,
+            rules_up: true,
+        },
         read: gltf::read,
     },
     #[cfg(feature = "obj")]
-    Format {
-        name: "OBJ",
-        extensions: &["obj"],
-        up: DVec3::Y,
-        rules_up: false,
+    ModelFormat {
+        format: Format {
+            name: "OBJ",
+            extensions: &["obj"],
+            up: DVec3::Y,
+            rules_up: false,
+        },
         read: obj::read,
     },
     #[cfg(feature = "ply")]
-    Format {
-        name: "PLY",
-        extensions: &["ply"],
-        up: DVec3::Z,
-        rules_up: false,
+    ModelFormat {
+        format: Format {
+            name: "PLY",
+            extensions: &["ply"],
+            up: DVec3::Z,
+            rules_up: false,
+        },
         read: ply::read,
     },
     #[cfg(feature = "stl")]
-    Format {
-        name: "STL",
-        extensions: &["stl"],
-        up: DVec3::Z,
-        rules_up: false,
+    ModelFormat {
+        format: Format {
+            name: "STL",
+            extensions: &["stl"],
+            up: DVec3::Z,
+            rules_up: false,
+        },
         read: stl::read,
     },
     #[cfg(feature = "off")]
-    Format {
-        name: "OFF",
-        extensions: &["off"],
-        up: DVec3::Z,
-        rules_up: false,
+    ModelFormat {
+        format: Format {
+            name: "OFF",
+            extensions: &["off"],
+            up: DVec3::Z,
+            rules_up: false,
+        },
         read: off::read,
     },
 ];
@@ -67,13 +77,15 @@ pub(crate) const FORMATS: &[Format] = &[
 ///
 /// # Errors
 ///
-/// Those of [`Format::load`], and where `path` cannot be read.
-pub(crate) fn load_part(path: &Path, whole: &mut Report) -> Result<World> {
+/// Those of [`ModelFormat::load`], and where `path` cannot be read.
+pub(crate) fn load_part(path: &Path, whole: &mut Report) -> Result<Model> {
     let format = format_of(path, FORMATS.iter())?;
     let bytes = read::regular_file(path, whole.budget.left())?;
     let mut report = whole.part(path);
-    let loaded = format.load(bytes.into(), &mut report)?;
-    whole.absorb(&report, loaded.warnings, loaded.files);
-    whole.add_variants(loaded.variants);
-    Ok(loaded.world)
+    let model = format.load(bytes.into(), &mut report)?;
+    if let Some(error) = report.strict_error() {
+        return Err(error);
+    }
+    whole.absorb(report);
+    Ok(model)
 }

@@ -23,8 +23,8 @@ mod formats;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod gzip;
-mod loaded;
 pub(crate) mod memory_budget;
+mod model;
 #[cfg(feature = "obj")]
 mod mtl;
 #[cfg(feature = "obj")]
@@ -50,10 +50,10 @@ mod text;
 mod warnings;
 
 pub(crate) use environment::{load_environment, load_environment_part};
-pub(crate) use format::{Format, format_of};
+pub(crate) use format::{Format, ModelFormat, format_of};
 pub(crate) use formats::{FORMATS, load_part};
-pub use loaded::Loaded;
-pub(crate) use loaded::unknown_variant;
+pub(crate) use model::Model;
+pub use model::NamedCamera;
 pub(crate) use report::Report;
 pub use settings::{LoadSettings, UNITS};
 pub(crate) use source::has_extension;

@@ -83,8 +83,8 @@ pub(super) fn hinted(fault: Fault, format: &Format, bytes: &[u8]) -> Fault {
         if format.extensions.contains(&extension) {
             return None;
         }
-        let is_read = |format: &Format| format.extensions.contains(&extension);
-        if let Some(other) = FORMATS.iter().find(|&format| is_read(format)) {
+        let mut models = FORMATS.iter().map(|model| &model.format);
+        if let Some(other) = models.find(|other| other.extensions.contains(&extension)) {
             let name = other.name;
             return Some(format!(
                 "by its content this is {name}: name it .{extension}"

@@ -18,11 +18,11 @@ pub(crate) struct Report {
     pub(crate) source: Source,
     pub(crate) budget: MemoryBudget,
     pub(crate) warnings: Warnings,
-    /// See [`Loaded::variants`](super::Loaded::variants).
+    /// The names of the variants of the materials that the file has.
     pub(crate) variants: Vec<String>,
-    /// See [`Loaded::vertices`](super::Loaded::vertices).
+    /// The number of vertices in a glTF file, where a buffer counts for each primitive that names it; for other formats `None`.
     pub(crate) vertices: Option<u64>,
-    /// See [`Loaded::scene`](super::Loaded::scene).
+    /// The scene that the file, or a part of it, holds built.
     pub(crate) scene: Option<Scene>,
 }
 
@@ -60,11 +60,13 @@ impl Report {
         read::sibling(self.source.base()?, name, &self.settings.resources)
     }
 
-    /// Takes over the budget, the warnings and the files of a [`part`](Self::part).
-    pub(crate) fn absorb(&mut self, part: &Self, warnings: Vec<String>, files: Vec<PathBuf>) {
+    /// Takes over what reading a part of the file came to: its warnings, files and variants, and the first scene that is built.
+    pub(crate) fn absorb(&mut self, mut part: Self) {
         self.budget.absorb(&part.budget);
-        self.warnings.absorb(warnings);
-        self.source.further.extend(files);
+        self.warnings.absorb(part.take_lines());
+        self.source.further.extend(part.source.take_files());
+        self.add_variants(part.variants);
+        self.scene = self.scene.take().or(part.scene);
     }
 
     /// Adds the names of variants that are not known yet.

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
+use super::model::Model;
 use super::report::Report;
 use super::sanitize::linear;
 use super::surface::{Surface, Vertices, face_attribute};
@@ -14,7 +15,6 @@ use crate::error::{Place, escape_controls};
 use crate::geometry::single;
 use crate::scene::{Material, Object};
 use crate::shape::Positions;
-use crate::world::World;
 
 const HEADER: usize = 80;
 const FACET: usize = 50;
@@ -22,7 +22,7 @@ const FACET: usize = 50;
 /// The memory is charged after this many lines of text.
 const CHECK_EVERY: u64 = 1 << 16;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let mut colors = Vec::new();
     let (positions, name) = if let Some((facets, rest)) = binary_of(bytes)? {
         if !rest.is_empty() {
@@ -58,7 +58,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     }
     let object = Object::new(Arc::new(mesh)).named(name);
     // White leaves the mesh's own colours as they are.
-    Ok(World::of(vec![if is_painted {
+    Ok(Model::of(vec![if is_painted {
         object.with_materials([Material::default()])
     } else {
         object

@@ -47,7 +47,7 @@ use std::sync::Arc;
 use crate::geometry::{DVec3, DisplayTransform};
 use crate::io::fault::Checked;
 use crate::io::{Format, Report};
-use crate::world::World;
+use crate::world::{World, WorldFormat};
 use display::DISPLAY;
 use document::Text;
 use light::LIGHT;
@@ -58,11 +58,13 @@ use section::Section;
 use shading::SHADING;
 
 /// The row of the list of formats.
-pub(crate) static FORMAT: Format = Format {
-    name: "scene file",
-    extensions: EXTENSIONS,
-    up: DVec3::Z,
-    rules_up: true,
+pub(crate) static FORMAT: WorldFormat = WorldFormat {
+    format: Format {
+        name: "scene file",
+        extensions: EXTENSIONS,
+        up: DVec3::Z,
+        rules_up: true,
+    },
     read,
 };
 
@@ -71,7 +73,7 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let document = text.parse(report)?;
     let scene = Section::new(text, document.get_ref(), 0, &SCENE)?;
     levels::warn(text, document.get_ref(), report);
-    let up = scene.vector("up").unwrap_or(FORMAT.up);
+    let up = scene.vector("up").unwrap_or(FORMAT.format.up);
     let lights = scene.list("lights", &LIGHT)?;
     let shading = match scene.table("shading", &SHADING)? {
         Some(section) => {

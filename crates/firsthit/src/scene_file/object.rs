@@ -17,10 +17,10 @@ use crate::fhs;
 use crate::geometry::{DAffine3, DVec3, Transform};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::OBJECT_BYTES;
-use crate::io::{Report, TOO_FAR, UNITS, has_extension, load_part, unknown_variant};
+use crate::io::{Report, TOO_FAR, UNITS, has_extension, load_part};
 use crate::scene::Object;
 use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
-use crate::world::World;
+use crate::world::{World, unknown_variant};
 
 const SHAPE: &str = "shape";
 
@@ -235,10 +235,10 @@ pub(super) const EXTENSIONS: &[&str] = &["toml"];
 /// The world of a file that a scene file names.
 fn part(path: &Path, report: &mut Report) -> Result<World> {
     #[cfg(feature = "fhs")]
-    if has_extension(path, fhs::FORMAT.extensions) {
+    if has_extension(path, fhs::FORMAT.format.extensions) {
         return fhs::open_part(path, report);
     }
-    load_part(path, report)
+    Ok(load_part(path, report)?.into())
 }
 
 /// The world of a file in the variant that its table names, if it names one; where the file has none of that name, what to tell of it.

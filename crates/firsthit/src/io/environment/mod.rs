@@ -46,9 +46,7 @@ pub(crate) fn load_environment(report: &mut Report) -> Result<EnvironmentMap> {
 pub(crate) fn load_environment_part(path: &Path, whole: &mut Report) -> Result<EnvironmentMap> {
     let mut report = whole.part(path);
     let map = load_environment(&mut report)?;
-    let lines = report.take_lines();
-    let files = report.source.take_files();
-    whole.absorb(&report, lines, files);
+    whole.absorb(report);
     Ok(map)
 }
 

@@ -6,6 +6,7 @@
 )]
 
 use super::super::fault::Checked;
+use super::super::model::NamedCamera;
 use super::super::report::Report;
 use super::document::{CameraEntry, Document};
 use super::index::Index;
@@ -14,7 +15,6 @@ use super::place::Entry;
 use crate::camera::{Camera, Description, Lens, Opening, RayStart, View, Viewplane};
 use crate::error::escape_controls;
 use crate::geometry::{DVec3, unit};
-use crate::world::NamedCamera;
 
 /// The cameras of the scene, in the order of the document's list.
 pub(super) fn all(

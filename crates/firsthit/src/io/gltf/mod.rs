@@ -25,10 +25,10 @@ mod values;
 mod variants;
 
 use super::fault::{Checked, Fault};
+use super::model::Model;
 use super::report::Report;
 use crate::error::{Place, escape_controls};
 use crate::scene::Object;
-use crate::world::World;
 use buffers::Buffers;
 use document::Document;
 use objects::Objects;
@@ -74,7 +74,7 @@ const LOOKS: &[&str] = &[
     "MSFT_texture_dds",
 ];
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let container = container::open(bytes, report)?;
     document::charge(&container, report)?;
     let mut document = document::parse(&container)?;
@@ -108,10 +108,10 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     }
     let meshes = objects.iter().filter_map(Object::mesh);
     report.vertices = Some(meshes.map(|mesh| mesh.positions().len() as u64).sum());
-    Ok(World {
+    Ok(Model {
         cameras,
         lights,
-        ..World::of(objects)
+        ..Model::of(objects)
     })
 }
 

@@ -10,6 +10,7 @@ mod values;
 use std::collections::HashMap;
 
 use super::fault::{Checked, Fault};
+use super::model::Model;
 use super::mtl::Library;
 use super::report::Report;
 use super::surface::Vertices;
@@ -17,7 +18,6 @@ use super::text::{self, Lines, Words, number, shown};
 use crate::error::{Place, escape_controls};
 use crate::geometry::single;
 use crate::shape::Positions;
-use crate::world::World;
 use index::{Indices, NONE};
 use object::{Face, Gather, Object};
 use statement::{CURVES, HARMLESS, is_continued, is_known, joined, name_of, numbers};
@@ -26,7 +26,7 @@ use values::{Materials, Values};
 /// The memory is charged after this many lines.
 const CHECK_EVERY: u64 = 1 << 16;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let text = text::decode(bytes);
     let mut reader = Reader::new(report);
     let mut lines = Lines::new(&text);
@@ -294,7 +294,7 @@ impl<'a> Reader<'a> {
         self.object = self.object_of_name.get(&self.name).copied();
     }
 
-    fn finish(mut self) -> Checked<World> {
+    fn finish(mut self) -> Checked<Model> {
         self.check_memory()?;
         if !self.has_statements {
             let what = "not an OBJ file: it has no statement of one";
@@ -323,7 +323,7 @@ impl<'a> Reader<'a> {
         let finish =
             |object: Object| object.finish(&vertices, values, materials, &mut gather, report);
         let objects = self.objects.into_iter().map(finish);
-        Ok(World::of(objects.collect::<Checked<_>>()?))
+        Ok(Model::of(objects.collect::<Checked<_>>()?))
     }
 
     /// Finds what the materials that were named look like, libraries that came later included.

@@ -6,6 +6,7 @@ mod rows;
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
+use super::model::Model;
 use super::report::Report;
 use super::sanitize::{Kind, levels_of_bytes, linear, sanitize, sanitize_levels};
 use super::surface::{Surface, Vertices, face_attribute};
@@ -14,19 +15,18 @@ use crate::error::Place;
 use crate::geometry::single;
 use crate::scene::{Material, Object};
 use crate::shape::{Attribute, Positions};
-use crate::world::World;
 use header::Header;
 use rows::Rows;
 
 /// The memory is charged after this many rows.
 const CHECK_EVERY: u64 = 1 << 16;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let text = text::decode(bytes);
     let mut lines = text::Lines::new(&text);
     let header = header::parse(&mut lines)?;
     let mut rows = Rows::new(lines, &header)?;
-    let mut model = Model::default();
+    let mut model = Contents::default();
     for row in 0..header.vertices {
         model.check_memory(row, report)?;
         model.vertex(&header, &mut rows, report)?;
@@ -79,7 +79,7 @@ impl Colors {
 }
 
 #[derive(Debug, Default)]
-struct Model {
+struct Contents {
     points: Vec<[f64; 3]>,
     normals: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
@@ -89,7 +89,7 @@ struct Model {
     ring: Vec<u32>,
 }
 
-impl Model {
+impl Contents {
     fn check_memory(&self, row: u64, report: &mut Report) -> Checked<()> {
         if !row.is_multiple_of(CHECK_EVERY) {
             return Ok(());
@@ -150,7 +150,7 @@ impl Model {
         Ok(())
     }
 
-    fn finish(mut self, report: &mut Report) -> Checked<World> {
+    fn finish(mut self, report: &mut Report) -> Checked<Model> {
         let name = report.source.stem();
         u32::try_from(self.points.len()).map_err(|_| Fault::file("too many vertices"))?;
         let [of_vertices, of_faces] = self.colors.map(|colors| colors.finish(report));
@@ -178,11 +178,11 @@ impl Model {
             Some(face_attribute(&mesh, of_faces))
         };
         let Some(colors) = colors else {
-            return Ok(World::of(vec![Object::new(Arc::new(mesh)).named(name)]));
+            return Ok(Model::of(vec![Object::new(Arc::new(mesh)).named(name)]));
         };
         let object = Object::new(Arc::new(mesh.with_colors(colors)?)).named(name);
         // White leaves the mesh's own colours as they are.
-        Ok(World::of(vec![
+        Ok(Model::of(vec![
             object.with_materials([Material::default()]),
         ]))
     }

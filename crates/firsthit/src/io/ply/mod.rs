@@ -11,6 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::fault::{Checked, Fault};
+use super::model::Model;
 use super::picture;
 use super::report::Report;
 use super::sanitize::{self, sanitize, sanitize_levels};
@@ -19,13 +20,12 @@ use super::text::shown;
 use crate::error::{Place, escape_controls};
 use crate::scene::{MapRole, Maps, Material, Object, TextureMap};
 use crate::shape::{Attribute, Positions};
-use crate::world::World;
 use body::{Ascii, Binary, Rows, skip};
 use faces::Faces;
 use header::{Format, Header};
 use vertices::VertexRows;
 
-pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let header = header::parse(bytes)?;
     if let Some((line, text)) = &header.stray {
         report.warn("stray", &Place::Line(*line), || {
@@ -44,11 +44,11 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     }
 }
 
-fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<World> {
+fn read_body<R: Rows>(header: &Header, mut rows: R, report: &mut Report) -> Checked<Model> {
     if header.elements.is_empty() {
         let what = || "no elements: there is nothing to see".to_owned();
         report.warn("empty", &Place::File, what);
-        return Ok(World::default());
+        return Ok(Model::default());
     }
     let element = header
         .vertex_element()?
@@ -103,7 +103,7 @@ fn model(
     faces: Faces,
     texture: Option<TextureMap>,
     report: &mut Report,
-) -> Checked<World> {
+) -> Checked<Model> {
     let name = report.source.stem();
     let surface = faces.surface;
     let mut properties = vertices.named.into_properties();
@@ -142,7 +142,7 @@ fn model(
         mesh = mesh.with_colors(colors)?;
     }
     let object = Object::new(Arc::new(mesh)).named(name);
-    Ok(World::of(vec![match look {
+    Ok(Model::of(vec![match look {
         Some(look) => object.with_materials([look]),
         None => object,
     }]))

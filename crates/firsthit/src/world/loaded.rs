@@ -1,11 +1,14 @@
 //! The result of reading a file.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
+use super::World;
 use crate::error::{Result, there_are};
 use crate::geometry::summary::summary;
+use crate::io::fault::Checked;
+use crate::io::{Format, Report};
 use crate::scene::Scene;
-use crate::world::World;
 
 /// A file that was read: the world that it describes, and facts about the reading.
 #[derive(Clone)]
@@ -16,7 +19,7 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// The warnings about the file: a line each, ready to print.
     pub warnings: Vec<String>,
-    /// The names of the variants of the materials that the file has, one of which [`LoadSettings::variant`](super::LoadSettings::variant)
+    /// The names of the variants of the materials that the file has, one of which [`LoadSettings::variant`](crate::io::LoadSettings::variant)
     /// may ask for.
     pub variants: Vec<String>,
     /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other
@@ -33,6 +36,26 @@ summary!(
 );
 
 impl Loaded {
+    /// What was read of a file: its world, with all that the format says beside it.
+    ///
+    /// # Errors
+    ///
+    /// The first warning, where the settings are strict.
+    pub(crate) fn new(mut world: World, format: &Format, report: &mut Report) -> Result<Self> {
+        if let Some(error) = report.strict_error() {
+            return Err(error);
+        }
+        (world.up, world.up_is_guessed) = format.up(world.up, world.up_is_guessed);
+        Ok(Self {
+            warnings: report.take_lines(),
+            files: report.source.take_files(),
+            variants: std::mem::take(&mut report.variants),
+            vertices: report.vertices,
+            scene: report.scene.take(),
+            world,
+        })
+    }
+
     /// The scene of the world, see [`World::into_scene`]. Trees that the file holds are not built again.
     ///
     /// ```
@@ -53,6 +76,23 @@ impl Loaded {
     /// Those of [`Scene::new`].
     pub fn into_scene(self) -> Result<Scene> {
         self.world.into_scene_after(self.scene.as_ref())
+    }
+}
+
+/// A format whose files say how their scenes look.
+pub(crate) struct WorldFormat {
+    pub(crate) format: Format,
+    pub(crate) read: fn(&[u8], &mut Report) -> Checked<World>,
+}
+
+impl WorldFormat {
+    /// Reads a file's content, packed by gzip or not.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Format::read`].
+    pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<World> {
+        self.format.read(bytes, report, self.read)
     }
 }
 
