@@ -194,12 +194,49 @@ fn of_cone(cone: &Cone, eye: Eye) -> Vec<Curve> {
 mod tests {
     use super::*;
     use crate::geometry::Ray;
+    use crate::shape::{Cone, Cuboid, Cylinder, Disc, Plane, Sphere};
+
+    /// Two or three of each kind that has curves of its own.
+    fn shapes() -> Vec<Shape> {
+        let v = DVec3::new;
+        let shapes = vec![
+            Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap()),
+            Sphere::new(v(0.5, -2.0, 3.0), 0.25).unwrap().into(),
+            Plane::new(v(1.0, -2.0, 0.5), v(1.0, 2.0, -0.5))
+                .unwrap()
+                .into(),
+            Disc::new(v(1.0, 0.0, -1.0), v(3.0, -1.0, 2.0), 2.0)
+                .unwrap()
+                .into(),
+            Cuboid::new(v(0.25, -3.0, 1.0), v(0.5, 4.0, 1.1))
+                .unwrap()
+                .into(),
+            Cylinder::new(DVec3::NEG_Z, DVec3::Z, 1.0).unwrap().into(),
+            Cylinder::new(v(1.0, 1.0, 0.0), v(-1.0, 2.0, 3.0), 0.4)
+                .unwrap()
+                .into(),
+            Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap().into(),
+            Cone::new(DVec3::Y, v(2.0, 2.0, -1.0), 0.2, 0.9)
+                .unwrap()
+                .into(),
+            Cone::new(DVec3::ZERO, v(0.1, 0.0, 0.0), 3.0, 2.0)
+                .unwrap()
+                .into(),
+        ];
+        let is_there = |name| shapes.iter().any(|shape| shape.name() == name);
+        assert!(
+            Shape::NAMES
+                .iter()
+                .all(|&name| name == "mesh" || is_there(name))
+        );
+        shapes
+    }
 
     /// Rays from the eye to points of contours are tangents: a bit farther out they miss, a bit farther in they hit.
     #[test]
     fn contours_are_where_the_eye_sees_past() {
         let mut contours = 0;
-        for shape in Shape::examples() {
+        for shape in shapes() {
             for eye in [DVec3::new(5.0, -4.0, 1.5), DVec3::new(-3.0, 0.4, 6.0)] {
                 for eye in [Eye::At(eye), Eye::Toward(eye)] {
                     for curve in curves(&shape, eye) {

@@ -121,41 +121,31 @@ impl Explanation<'_> {
     }
 }
 
-impl Scene {
-    /// The explanation of a ray that meets everything: see [`explain`].
-    ///
-    /// ```
-    /// use firsthit::explain::Reason;
-    /// use firsthit::{DVec3, Object, Plane, Ray, Scene, Sphere};
-    ///
-    /// let scene = Scene::new(vec![
-    ///     Object::new(Sphere::new(DVec3::new(9.0, 0.0, 1.0), 1.0)?).named("far ball"),
-    ///     Object::new(Plane::new(DVec3::ZERO, DVec3::Z)?).named("ground"),
-    ///     Object::new(Sphere::new(DVec3::new(0.0, 0.0, 1.0), 1.0)?).named("ball"),
-    /// ])?;
-    /// let story = scene.explain(&Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z))?;
-    /// let hit = story.hit.as_ref().expect("the ray hits the ball");
-    /// assert_eq!((hit.name, hit.hit.t, hit.normal), ("ball", 3.0, DVec3::Z));
-    /// let reasons: Vec<Reason> = story.candidates.iter().map(|object| object.reason).collect();
-    /// assert_eq!(reasons, [Reason::BoxMissed, Reason::BehindHit, Reason::Hit]);
-    /// let behind: Vec<_> = story.behind.iter().map(|place| (place.name, place.hit.t)).collect();
-    /// assert_eq!(behind, [("ground", 5.0), ("ball", 5.0)]);
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// Those of [`explain`].
-    pub fn explain(&self, ray: &Ray) -> Result<Explanation<'_>> {
-        explain(self, ray, &ExplainSettings::default(), &())
-    }
-}
-
 /// Explains a ray: what it meets first, why each other object is not that, and what lies behind. It looks at every object, so
 /// that it takes time in proportion to their number.
 ///
 /// All of it agrees to the bit with what [`trace`] answers. Whether a box is missed is decided in exact arithmetic. The box is the one
 /// around the object in the world, that the tree over the objects is made from; where an object is turned, its corners are rounded.
+///
+/// ```
+/// use firsthit::explain::{ExplainSettings, Reason, explain};
+/// use firsthit::{DVec3, Object, Plane, Ray, Scene, Sphere};
+///
+/// let scene = Scene::new(vec![
+///     Object::new(Sphere::new(DVec3::new(9.0, 0.0, 1.0), 1.0)?).named("far ball"),
+///     Object::new(Plane::new(DVec3::ZERO, DVec3::Z)?).named("ground"),
+///     Object::new(Sphere::new(DVec3::new(0.0, 0.0, 1.0), 1.0)?).named("ball"),
+/// ])?;
+/// let down = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+/// let story = explain(&scene, &down, &ExplainSettings::default(), &())?;
+/// let hit = story.hit.as_ref().expect("the ray hits the ball");
+/// assert_eq!((hit.name, hit.hit.t, hit.normal), ("ball", 3.0, DVec3::Z));
+/// let reasons: Vec<Reason> = story.candidates.iter().map(|object| object.reason).collect();
+/// assert_eq!(reasons, [Reason::BoxMissed, Reason::BehindHit, Reason::Hit]);
+/// let behind: Vec<_> = story.behind.iter().map(|place| (place.name, place.hit.t)).collect();
+/// assert_eq!(behind, [("ground", 5.0), ("ball", 5.0)]);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 ///
 /// # Errors
 ///

@@ -64,32 +64,23 @@ struct Facts<'a> {
     meshes: Vec<(i32, &'a Mesh)>,
 }
 
-impl Scene {
-    /// Checks the scene's meshes for likely faults: see [`KINDS`].
-    ///
-    /// ```
-    /// use std::sync::Arc;
-    ///
-    /// use firsthit::{DVec3, Mesh, Object, Positions, Scene};
-    ///
-    /// // A tetrahedron without one of its faces.
-    /// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
-    /// let mesh = Mesh::new(Positions::compact(corners), vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]])?;
-    /// let report = Scene::new(vec![Object::new(Arc::new(mesh))])?.lint()?;
-    /// let [hole] = report.findings() else { panic!("one finding") };
-    /// assert_eq!((hole.kind.name, hole.count, &*hole.note), ("hole", 3, "around 1 hole"));
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Limit`](crate::Error::Limit) when memory is short.
-    pub fn lint(&self) -> Result<Report> {
-        lint(self, &LintSettings::default(), &())
-    }
-}
-
-/// Checks the scene's meshes as [`Scene::lint`] does, with settings and a watch that may end it.
+/// What may be wrong with the meshes of `scene`: see [`KINDS`]. `watch` may end it.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use firsthit::lint::{LintSettings, lint};
+/// use firsthit::{Mesh, Object, Positions, Scene};
+///
+/// // A tetrahedron without one of its faces.
+/// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
+/// let mesh = Mesh::new(Positions::compact(corners), vec![[0, 2, 1], [0, 1, 3], [1, 2, 3]])?;
+/// let scene = Scene::new(vec![Object::new(Arc::new(mesh))])?;
+/// let report = lint(&scene, &LintSettings::default(), &())?;
+/// let [hole] = report.findings() else { panic!("one finding") };
+/// assert_eq!((hole.kind.name, hole.count, &*hole.note), ("hole", 3, "around 1 hole"));
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 ///
 /// # Errors
 ///

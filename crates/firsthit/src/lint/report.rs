@@ -6,7 +6,7 @@ use super::kinds::Kind;
 use super::subject::Subject;
 use crate::geometry::DVec3;
 
-/// The findings about a scene, from [`Scene::lint`](crate::Scene::lint).
+/// What is wrong with a scene, from [`lint`](super::lint).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     pub(super) findings: Vec<Finding>,

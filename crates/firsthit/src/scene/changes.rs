@@ -67,7 +67,7 @@ impl Scene {
     }
 
     /// Hides objects from all rays and other queries, or shows them: `true` beside an object hides it. They keep their identifiers. Only
-    /// the tree over the objects is built anew, and the trees of meshes that are shown again and had shared one. `Scene::lint` looks at
+    /// the tree over the objects is built anew, and the trees of meshes that are shown again and had shared one. `lint` looks at
     /// hidden objects too.
     ///
     /// # Errors

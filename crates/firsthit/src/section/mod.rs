@@ -181,38 +181,29 @@ impl Section {
     }
 }
 
-impl Scene {
-    /// The curves in which the plane through `origin` at right angles to `normal` cuts all meshes, in world space.
-    ///
-    /// An object with a transform is cut as its vertices are in the world, rounded to float64. Spheres and other shapes that are no
-    /// meshes are left out, and [`Section::warnings`] says so. See [`section`](crate::section) for what lies on the plane.
-    ///
-    /// ```
-    /// use std::sync::Arc;
-    ///
-    /// use firsthit::{DVec3, Mesh, Object, Positions, Scene};
-    ///
-    /// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
-    /// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    /// let mesh = Mesh::new(Positions::compact(corners), faces)?;
-    /// let scene = Scene::new(vec![Object::new(Arc::new(mesh))])?;
-    /// let section = scene.section(DVec3::new(0.0, 0.0, 1.0), DVec3::Z)?;
-    /// let polyline = section.polylines().next().expect("it is cut");
-    /// assert!(polyline.is_closed);
-    /// assert_eq!(polyline.points.len(), 3);
-    /// assert_eq!(section.area(), 0.5);
-    /// # Ok::<(), firsthit::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// Those of [`SectionPlane::new`], and [`Error::Limit`](crate::Error::Limit) when memory is short.
-    pub fn section(&self, origin: DVec3, normal: DVec3) -> Result<Section> {
-        section(self, SectionPlane::new(origin, normal)?, &())
-    }
-}
-
-/// Cuts the scene as [`Scene::section`] does, with a watch that may end it.
+/// The curves in which a plane cuts all meshes, in world space. `watch` may end it.
+///
+/// An object with a transform is cut as its vertices are in the world, rounded to float64. Spheres and other shapes that are no
+/// meshes are left out, and [`Section::warnings`] says so. See [`section`](crate::section) for what lies on the plane.
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use firsthit::section::{SectionPlane, section};
+/// use firsthit::{DVec3, Mesh, Object, Positions, Scene};
+///
+/// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let mesh = Mesh::new(Positions::compact(corners), faces)?;
+/// let scene = Scene::new(vec![Object::new(Arc::new(mesh))])?;
+/// let plane = SectionPlane::new(DVec3::new(0.0, 0.0, 1.0), DVec3::Z)?;
+/// let section = section(&scene, plane, &())?;
+/// let polyline = section.polylines().next().expect("it is cut");
+/// assert!(polyline.is_closed);
+/// assert_eq!(polyline.points.len(), 3);
+/// assert_eq!(section.area(), 0.5);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
 ///
 /// # Errors
 ///

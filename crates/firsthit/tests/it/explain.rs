@@ -13,7 +13,7 @@ use firsthit::{
 };
 
 use crate::joined::pieces;
-use crate::support::{Numbers, bits, bumpy_sphere, mesh, scene};
+use crate::support::{Ask, Numbers, bits, bumpy_sphere, mesh, scene};
 
 /// A material through which rays pass where alpha is below one half.
 fn leaf() -> Material {

@@ -9,7 +9,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{Numbers, bumpy_sphere, cases, is_full, mesh, scene};
+use crate::support::{Ask, Numbers, bumpy_sphere, cases, is_full, mesh, scene};
 
 const POINTS: [DVec3; 4] = [
     DVec3::ZERO,

@@ -3,7 +3,7 @@
 use firsthit::lint::Report;
 use firsthit::{DVec3, Object};
 
-use crate::support::{CUBE, Numbers, cases, mesh, scene};
+use crate::support::{Ask, CUBE, Numbers, cases, mesh, scene};
 
 /// A box, and how often its faces go around what is in it.
 #[derive(Debug, Clone, Copy)]

@@ -10,7 +10,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{Numbers, bumpy_sphere, cases, mesh, scene};
+use crate::support::{Ask, Numbers, bumpy_sphere, cases, mesh, scene};
 
 /// The boundary of cells of the unit lattice, wound outwards. Cells that only touch at an edge or a corner share it.
 fn cells(cells: &[[i32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {

@@ -12,7 +12,7 @@ use firsthit::{
     shoot,
 };
 
-use crate::support::{CUBE, Numbers, mesh, scene};
+use crate::support::{Ask, CUBE, Numbers, mesh, scene};
 
 const RULES: [FillRule; 2] = [FillRule::Nonzero, FillRule::Parity];
 

@@ -223,11 +223,47 @@ mod tests {
     use crate::geometry::{DAffine3, DQuat, Hit};
     use crate::sampling::Draws;
     use crate::scene::Scene;
-    use crate::shape::{Mesh, Positions};
+    use crate::shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
 
     fn vector(draws: &mut Draws) -> DVec3 {
         let [x, y, z] = draws.three();
         DVec3::new(x, y, z) - 0.5
+    }
+
+    /// Shapes of every kind but meshes.
+    fn shapes() -> Vec<Shape> {
+        let v = DVec3::new;
+        let shapes = vec![
+            Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap()),
+            Sphere::new(v(0.5, -2.0, 3.0), 0.25).unwrap().into(),
+            Plane::new(v(1.0, -2.0, 0.5), v(1.0, 2.0, -0.5))
+                .unwrap()
+                .into(),
+            Disc::new(v(1.0, 0.0, -1.0), v(3.0, -1.0, 2.0), 2.0)
+                .unwrap()
+                .into(),
+            Cuboid::new(v(0.25, -3.0, 1.0), v(0.5, 4.0, 1.1))
+                .unwrap()
+                .into(),
+            Cylinder::new(DVec3::NEG_Z, DVec3::Z, 1.0).unwrap().into(),
+            Cylinder::new(v(1.0, 1.0, 0.0), v(-1.0, 2.0, 3.0), 0.4)
+                .unwrap()
+                .into(),
+            Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap().into(),
+            Cone::new(DVec3::Y, v(2.0, 2.0, -1.0), 0.2, 0.9)
+                .unwrap()
+                .into(),
+            Cone::new(DVec3::ZERO, v(0.1, 0.0, 0.0), 3.0, 2.0)
+                .unwrap()
+                .into(),
+        ];
+        let is_there = |name| shapes.iter().any(|shape| shape.name() == name);
+        assert!(
+            Shape::NAMES
+                .iter()
+                .all(|&name| name == "mesh" || is_there(name))
+        );
+        shapes
     }
 
     /// Every shape and a mesh of thin triangles, as they are, and placed; and rays that met them, those of an object not side by side.
@@ -242,7 +278,7 @@ mod tests {
         let triangles = (0..30).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
         let mesh = Mesh::new(Positions::compact(points), triangles).unwrap();
         let mut objects = vec![Object::new(Arc::new(mesh))];
-        objects.extend(Shape::examples().into_iter().map(Object::new));
+        objects.extend(shapes().into_iter().map(Object::new));
         let placed = DAffine3::from_scale_rotation_translation(
             DVec3::new(1.5, -0.7, 1.0),
             DQuat::from_rotation_x(0.8),

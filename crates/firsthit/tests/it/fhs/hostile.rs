@@ -15,7 +15,7 @@ use firsthit::{
 };
 
 use super::{Folder, materials, turned, world};
-use crate::support::{Numbers, bumpy_sphere, mesh};
+use crate::support::{Ask, Numbers, bumpy_sphere, mesh};
 
 /// Reads a file that may be anything. If it is not refused, it can be shot at and looked at.
 fn attack(bytes: &[u8], verify: bool) -> Result<(), String> {

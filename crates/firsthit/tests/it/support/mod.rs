@@ -8,8 +8,32 @@ use std::ops::{Add, Div, Range};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use firsthit::explain::{ExplainSettings, Explanation, explain};
+use firsthit::lint::{LintSettings, Report, lint};
+use firsthit::section::{Section, SectionPlane, section};
 use firsthit::shoot::{BruteForce, Cpu, Engine};
-use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Ray, Scene};
+use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Ray, Result, Scene};
+
+/// Questions to a scene with the settings that most tests have.
+pub(crate) trait Ask {
+    fn explain(&self, ray: &Ray) -> Result<Explanation<'_>>;
+    fn lint(&self) -> Result<Report>;
+    fn section(&self, origin: DVec3, normal: DVec3) -> Result<Section>;
+}
+
+impl Ask for Scene {
+    fn explain(&self, ray: &Ray) -> Result<Explanation<'_>> {
+        explain(self, ray, &ExplainSettings::default(), &())
+    }
+
+    fn lint(&self) -> Result<Report> {
+        lint(self, &LintSettings::default(), &())
+    }
+
+    fn section(&self, origin: DVec3, normal: DVec3) -> Result<Section> {
+        section(self, SectionPlane::new(origin, normal)?, &())
+    }
+}
 
 /// Reproducible numbers (a linear congruential generator of Knuth's).
 pub(crate) struct Numbers(u64);
