@@ -72,7 +72,6 @@ pub fn is_input(path: &Path) -> bool {
 }
 
 /// Notes that this process has written the file at `path`.
-#[cfg(feature = "frame")]
 pub(crate) fn written(path: &Path) {
     if let Some((identity, place)) = found(path) {
         let mut files = files();

@@ -19,10 +19,8 @@ pub trait Watch: Sync {
 impl Watch for () {}
 
 /// Tells another watch of the progress, and is not stopped by it: for a step that is of no use in part.
-#[cfg(feature = "frame")]
 pub(crate) struct OnlyCounts<'a>(pub(crate) &'a dyn Watch);
 
-#[cfg(feature = "frame")]
 impl Watch for OnlyCounts<'_> {
     fn advance(&self, rays: u64) {
         self.0.advance(rays);

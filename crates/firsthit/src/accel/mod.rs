@@ -31,7 +31,6 @@ mod node;
 mod overlap;
 mod rays;
 mod space;
-#[cfg(feature = "fhs")]
 mod stored;
 mod tile;
 mod traverse;
@@ -41,15 +40,12 @@ pub use bvh::Bvh;
 pub(crate) use bvh::{Walk, WalkStack};
 pub(crate) use eight_crossings::{Corners, RayBundle, SharedTriangle, eight_crossings};
 pub use mesh_tree::MeshTree;
-#[cfg(feature = "fhs")]
 pub(crate) use meshlet::Meshlet;
 pub(crate) use nearby::Nearby;
-#[cfg(feature = "fhs")]
 pub(crate) use node::Node;
 pub(crate) use rays::enter::product_along;
 pub(crate) use rays::packet::{Packet, RAYS};
 pub(crate) use rays::trees::{TreePerRay, Trees};
-#[cfg(feature = "fhs")]
 pub(crate) use stored::{TreeFacts, TreeParts};
 pub(crate) use tile::frustum::{TileCamera, TileFrustum};
 pub(crate) use tile::traverse::{TileScratch, fill_buffer};

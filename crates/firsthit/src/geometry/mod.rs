@@ -12,7 +12,6 @@ mod bounds;
 mod color;
 mod color_map;
 mod color_names;
-#[cfg(feature = "frame")]
 mod digest;
 mod display_transform;
 pub(crate) mod double;
@@ -40,7 +39,6 @@ pub use color::{Color, luminance, srgb_decode, srgb_encode};
 pub use color_map::ColorMap;
 pub(crate) use color_map::fraction;
 pub use color_names::{COLOR_NAMES, color_of, meant_as_levels};
-#[cfg(feature = "frame")]
 pub use digest::Digest;
 pub use display_transform::DisplayTransform;
 pub use grid::PixelGrid;

@@ -120,6 +120,16 @@ pub trait Settings: Clone {
     }
 }
 
+impl Settings for () {
+    const LIST: &'static [Setting] = &[];
+
+    fn values(&self) -> Vec<Value> {
+        Vec::new()
+    }
+
+    fn put(&mut self, _place: usize, _value: Value) {}
+}
+
 impl Domain {
     /// The expected values, for messages.
     pub fn expected(self) -> Cow<'static, str> {
@@ -217,7 +227,6 @@ fn vector(text: &str) -> Option<Value> {
 
 impl Value {
     /// Adds it to a digest.
-    #[cfg(feature = "frame")]
     pub(crate) fn digest(self, digest: &mut super::Digest) {
         match self {
             Self::Flag(flag) => digest.numbers(&[f64::from(flag)]),

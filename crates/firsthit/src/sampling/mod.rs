@@ -8,7 +8,6 @@
 
 pub(crate) mod distribution;
 mod draws;
-#[cfg(feature = "frame")]
 mod pixel;
 mod sobol;
 mod tangent_frame;
@@ -16,6 +15,5 @@ pub(crate) mod warp;
 
 pub use draws::Draws;
 pub(crate) use draws::key;
-#[cfg(feature = "frame")]
 pub(crate) use pixel::{offset, on_lens};
 pub(crate) use tangent_frame::TangentFrame;

@@ -1,6 +1,4 @@
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
-use crate::geometry::{Color, DVec3, unit};
+use crate::geometry::{Color, DVec3, Digest, unit};
 
 /// The radiance of a ray that meets nothing, as a function of its direction alone.
 ///
@@ -56,7 +54,6 @@ impl Background {
     }
 }
 
-#[cfg(feature = "frame")]
 impl Background {
     /// Adds it to a digest.
     pub(crate) fn digest(&self, digest: &mut Digest) {

@@ -51,7 +51,6 @@ impl Duplicates {
 
     /// Builds the lists from pairs of an object and its duplicate; `None` where an index is out of
     /// range, the first is the later one, or an object is a duplicate of two.
-    #[cfg(feature = "fhs")]
     pub(super) fn from_pairs(objects: usize, pairs: &[[u32; 2]]) -> Option<Self> {
         let mut found = Self {
             is_duplicate: vec![false; objects],
@@ -70,7 +69,6 @@ impl Duplicates {
     }
 
     /// Pairs of an object and its duplicate, in the order of the duplicates.
-    #[cfg(feature = "fhs")]
     pub(crate) fn pairs(&self) -> Vec<[u32; 2]> {
         let of = self.of.iter();
         let pairs = of.flat_map(|(&first, others)| others.iter().map(move |&other| [first, other]));

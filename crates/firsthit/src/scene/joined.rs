@@ -14,7 +14,6 @@ mod find;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-#[cfg(feature = "fhs")]
 use find::{Key, key};
 pub(super) use find::{found, kept};
 
@@ -116,7 +115,6 @@ impl Group {
     /// # Errors
     ///
     /// In words, what is wrong.
-    #[cfg(feature = "fhs")]
     pub(crate) fn from_parts(
         members: &[u32],
         objects: &[Object],

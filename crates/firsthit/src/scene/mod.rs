@@ -16,7 +16,6 @@ mod duplicates;
 mod emitters;
 mod environment;
 mod extent;
-#[cfg(feature = "frame")]
 mod fingerprint;
 mod interaction;
 mod joined;
@@ -24,7 +23,6 @@ mod light;
 mod likely_up;
 mod material;
 mod object;
-#[cfg(feature = "fhs")]
 mod stored;
 mod terminator;
 mod texture;
@@ -58,7 +56,6 @@ pub(crate) use interaction::compute_geometry;
 pub(crate) use joined::{Group, ObjectTree};
 pub(crate) use light::{PreparedLight, Sun, form_factor};
 pub(crate) use material::Lambertian;
-#[cfg(feature = "fhs")]
 pub(crate) use stored::SceneParts;
 pub(crate) use terminator::terminator_factor;
 use top_tree::TopTree;
@@ -117,7 +114,6 @@ struct Derived {
     /// See [`Scene::catalog`]; shared by all scenes that are this one with objects moved.
     catalog: OnceLock<Arc<Catalog>>,
     /// Digests of meshes and textures, shared by all scenes that are this one with objects moved.
-    #[cfg(feature = "frame")]
     digests: Arc<OnceLock<fingerprint::Known>>,
 }
 
@@ -207,7 +203,6 @@ impl Scene {
     }
 
     /// Whether some of its trees were built for few rays, or objects have left them.
-    #[cfg(feature = "fhs")]
     pub(crate) fn has_poor_trees(&self) -> bool {
         let mut trees = self.trees.iter().filter_map(ObjectTree::any);
         let lacks_tree = |(object, tree): (&Object, &ObjectTree)| {
@@ -224,7 +219,6 @@ impl Scene {
     /// # Errors
     ///
     /// [`Error::Limit`] where there is no memory for them.
-    #[cfg(feature = "fhs")]
     pub(crate) fn with_best_trees(&self) -> Result<Self> {
         let best = BuildSettings {
             build: Build::Best,
@@ -281,7 +275,15 @@ impl Scene {
             has_own_environment: true,
             colored: None,
             up: None,
-        }
+            seen: OnceLock::new(),
+            fingerprint: OnceLock::new(),
+            first_open: OnceLock::new(),
+            translucent: OnceLock::new(),
+            endless: OnceLock::new(),
+            emitters: OnceLock::new(),
+            catalog: OnceLock::new(),
+            digests: Arc::default(),
+        })
     }
 
     /// Whether the objects are in the places of this scene's and joined alike, whatever they look

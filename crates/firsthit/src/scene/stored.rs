@@ -78,7 +78,21 @@ impl Scene {
             (objects, trees),
             BuildSettings::default(),
             top,
-            bounds,
-        ))
+            bounds: OnceLock::from(bounds),
+            first_open: OnceLock::new(),
+            translucent: OnceLock::new(),
+            endless: OnceLock::new(),
+            emitters: OnceLock::new(),
+            catalog: OnceLock::new(),
+            lights: Vec::new(),
+            has_own_lights: true,
+            environment: None,
+            has_own_environment: true,
+            colored: None,
+            up: None,
+            seen: OnceLock::new(),
+            fingerprint: OnceLock::new(),
+            digests: Arc::default(),
+        })
     }
 }

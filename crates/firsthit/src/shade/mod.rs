@@ -42,7 +42,7 @@ pub use shading::Shading;
 pub use whitted::Whitted;
 pub use xray::Xray;
 
-use crate::geometry::{Color, DVec3, Hit, Ray, Setting, Settings, Side, Value, kinds};
+use crate::geometry::{Color, DVec3, Hit, Ray, Side, Value, kinds};
 use crate::sampling::Draws;
 use crate::scene::{Background, Scene, SurfaceInteraction};
 use crate::shoot::Cpu;
@@ -91,14 +91,12 @@ pub trait Shade: Sync {
     }
 
     /// The record of the shading for outputs; `None` for a shader of one's own.
-    #[cfg(feature = "frame")]
     fn recipe(&self) -> Option<Recipe> {
         None
     }
 }
 
 /// The record of a shading: the shader with its settings.
-#[cfg(feature = "frame")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
     /// The shader's name.
@@ -275,16 +273,6 @@ impl Shader {
     pub fn is_lit(&self) -> bool {
         self.default_rig().is_some()
     }
-}
-
-impl Settings for () {
-    const LIST: &'static [Setting] = &[];
-
-    fn values(&self) -> Vec<Value> {
-        Vec::new()
-    }
-
-    fn put(&mut self, _place: usize, _value: Value) {}
 }
 
 /// Colours that each hit gives by itself.

@@ -1,11 +1,7 @@
 //! A shader at work.
 
-#[cfg(feature = "frame")]
-use super::Recipe;
-use super::{Ground, Points, Samples, Shade, Shader, blend};
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
-use crate::geometry::{Color, DVec3, Hit, Ray};
+use super::{Ground, Points, Recipe, Samples, Shade, Shader, blend};
+use crate::geometry::{Color, DVec3, Digest, Hit, Ray};
 use crate::sampling::Draws;
 use crate::scene::{Background, Scene, compute_geometry};
 use crate::shoot::Engine;
@@ -105,7 +101,6 @@ impl Shade for Shading<'_> {
         self.ground.is_some()
     }
 
-    #[cfg(feature = "frame")]
     fn recipe(&self) -> Option<Recipe> {
         let mut digest = Digest::default();
         digest.word("firsthit shading 5");

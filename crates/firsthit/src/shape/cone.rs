@@ -5,10 +5,10 @@ mod inside;
 use super::bundle::RayOf;
 use super::{Crossing, Nearest, Surface, similarity, sines};
 use crate::error::Result;
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
 use crate::geometry::arithmetic::Scalar;
-use crate::geometry::{Bounds, DVec2, DVec3, Ray, Transform, require, require_finite, unit};
+use crate::geometry::{
+    Bounds, DVec2, DVec3, Digest, Ray, Transform, require, require_finite, unit,
+};
 
 /// A round body that tapers along its axis, with its lids: a cone, a cone with its tip cut off, or
 /// (see [`Cylinder`](super::Cylinder)) a cylinder. Its primitives: 0 the side, 1 the bottom, 2 the top.
@@ -193,7 +193,6 @@ impl Surface for Cone {
         }
     }
 
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.bottom);
         digest.vector(self.top);

@@ -4,10 +4,8 @@ use super::bundle::{CrossingOf, RayOf};
 use super::interval::Interval;
 use super::{Crossing, Nearest, Surface, nearest_on_lone_triangle};
 use crate::error::Result;
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{Bounds, DVec3, Ray, Transform, require, require_finite};
+use crate::geometry::{Bounds, DVec3, Digest, Ray, Transform, require, require_finite};
 
 /// A box, its sides along the axes. Its primitives are its faces: 0 to 5 for -x, +x, -y, +y, -z, +z.
 ///
@@ -152,7 +150,6 @@ impl Surface for Cuboid {
         }
     }
 
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.bounds.low);
         digest.vector(self.bounds.high);

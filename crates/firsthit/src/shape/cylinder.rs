@@ -2,9 +2,7 @@
 
 use super::{Cone, Crossing, Nearest, Surface};
 use crate::error::Result;
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, Transform, require_positive};
+use crate::geometry::{Bounds, DVec3, Digest, Ray, Transform, require_positive};
 
 /// A round bar with both lids. Its primitives: 0 the side, 1 the bottom, 2 the top.
 ///
@@ -87,7 +85,6 @@ impl Surface for Cylinder {
         self.cone.nearest(from, place, visit);
     }
 
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         self.cone.digest(digest);
     }

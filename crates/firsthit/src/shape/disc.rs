@@ -5,10 +5,8 @@ use super::nearest::{Nearest, Principal, onto_ellipse, similarity};
 use super::plane::Plane;
 use super::{Crossing, Surface, sines};
 use crate::error::Result;
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{Bounds, DVec3, Ray, Transform, require_positive};
+use crate::geometry::{Bounds, DVec3, Digest, Ray, Transform, require_positive};
 
 /// The part of a plane within `radius` of `center`.
 ///
@@ -135,7 +133,6 @@ impl Surface for Disc {
         });
     }
 
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         self.plane.digest(digest);
         digest.vector(self.center);

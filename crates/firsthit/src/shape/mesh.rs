@@ -6,7 +6,6 @@ mod attributes;
 mod closed;
 mod crossing;
 mod crowds;
-#[cfg(feature = "frame")]
 mod digest;
 mod disjoint_sets;
 mod facing;
@@ -15,7 +14,6 @@ mod parts;
 mod planes;
 mod reach;
 mod rings;
-#[cfg(feature = "fhs")]
 mod stored;
 mod surface;
 mod tangents;
@@ -25,7 +23,6 @@ pub(crate) use crowds::Crowds;
 pub(crate) use disjoint_sets::DisjointSets;
 pub(crate) use facing::{Facing, edges, sorted};
 pub use named::NamedAttribute;
-#[cfg(feature = "fhs")]
 pub(crate) use stored::{MeshParts, are_below};
 pub(crate) use weld::Welded;
 

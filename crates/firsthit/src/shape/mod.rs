@@ -34,7 +34,6 @@ pub use disc::Disc;
 pub(crate) use joined::{JoinedMeshes, Meshes};
 pub(crate) use mesh::{Crowds, DisjointSets, Facing, Welded, edges, sorted};
 pub use mesh::{Mesh, NamedAttribute};
-#[cfg(feature = "fhs")]
 pub(crate) use mesh::{MeshParts, are_below};
 pub use nearest::Nearest;
 pub(crate) use nearest::{nearest_on_lone_triangle, nearest_on_triangle, similarity};
@@ -45,9 +44,7 @@ pub use sphere::Sphere;
 
 pub use crate::memory::Storage;
 
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec2, DVec3, Ray, Transform};
+use crate::geometry::{Bounds, DVec2, DVec3, Digest, Ray, Transform};
 
 /// The crossing of a ray with a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +106,6 @@ pub trait Surface {
     fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest));
 
     /// Adds every number that the shape is made from: two shapes that differ anywhere differ here.
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest);
 }
 
@@ -169,7 +165,6 @@ macro_rules! shapes {
                 match self { $(Self::$kind(shape) => Surface::nearest(shape, from, place, visit),)* }
             }
 
-            #[cfg(feature = "frame")]
             fn digest(&self, digest: &mut Digest) {
                 digest.word(self.name());
                 match self { $(Self::$kind(shape) => Surface::digest(shape, digest),)* }

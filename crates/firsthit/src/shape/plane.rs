@@ -3,10 +3,10 @@
 use super::bundle::{CrossingOf, RayOf, dot, is_finite, minus, splat};
 use super::{Crossing, Nearest, Surface};
 use crate::error::Result;
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{Bounds, DVec3, Ray, Transform, require_direction, require_finite, unit};
+use crate::geometry::{
+    Bounds, DVec3, Digest, Ray, Transform, require_direction, require_finite, unit,
+};
 
 /// The infinite plane through a point.
 ///
@@ -99,7 +99,6 @@ impl Surface for Plane {
         visit(Nearest::apart(height * height, from - height * normal, 0));
     }
 
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.point);
         digest.vector(self.normal);

@@ -8,10 +8,10 @@ use super::interval::{End, Interval};
 use super::nearest::{Nearest, Principal, onto_ellipse, similarity};
 use super::{Crossing, Surface};
 use crate::error::Result;
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
-use crate::geometry::{Bounds, DVec3, Ray, Transform, require_finite, require_positive, unit};
+use crate::geometry::{
+    Bounds, DVec3, Digest, Ray, Transform, require_finite, require_positive, unit,
+};
 
 /// All points at `radius` from `center`.
 ///
@@ -145,7 +145,6 @@ impl Surface for Sphere {
         visit(Nearest::at(center + ellipsoid.vector(nearest), from, 0));
     }
 
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         digest.vector(self.center);
         digest.numbers(&[self.radius]);

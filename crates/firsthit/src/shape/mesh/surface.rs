@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use super::Mesh;
-#[cfg(feature = "frame")]
-use crate::geometry::Digest;
-use crate::geometry::{Bounds, DVec3, Ray, Transform};
+use crate::geometry::{Bounds, DVec3, Digest, Ray, Transform};
 #[cfg(test)]
 use crate::shape::Positions;
 use crate::shape::triangle::Shear;
@@ -42,7 +40,6 @@ impl Surface for Arc<Mesh> {
         }
     }
 
-    #[cfg(feature = "frame")]
     fn digest(&self, digest: &mut Digest) {
         Mesh::digest(self, digest);
     }
