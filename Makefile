@@ -203,7 +203,9 @@ test-cluster: .venv/ready
 WHEEL_PROFILE ?= dist
 IS_RELEASE = $(filter dist,$(WHEEL_PROFILE))
 MATURIN = PATH="$(CURDIR)/$(DIST):$$PATH" $(DIST)/maturin
-CRATES := --package firsthit --package firsthit-view --package firsthit-cli
+# The library's crates, which stand below `firsthit` and promise nothing, the library, the viewer and the program.
+FLOORS := geometry simd camera accel scene shoot image shade render inspect io scene-file
+CRATES := $(FLOORS:%=--package firsthit-%) --package firsthit --package firsthit-view --package firsthit-cli
 # What cargo unpacked of ours when it last verified crates: it goes by the version and would verify that again.
 UNPACKED = "$${CARGO_HOME:-$$HOME/.cargo}"/registry/*/-*/firsthit-*
 dist: .venv-dist/ready
@@ -353,12 +355,13 @@ check-ruff: .venv/ready
 	$(VENV)/ruff check
 	$(VENV)/ruff format --check
 
-# Whether the interface of the library fits its version, by the last release: from the first tag on.
+# Whether the interface of the library fits its version, by the last release: from the first tag on. It is asked of each crate, since what one
+# re-exports of another is not looked at; and what is hidden from users is not.
 LAST_TAG = $(shell git describe --tags --abbrev=0 --match 'v[0-9]*' 2> /dev/null)
 check-semver:
 	if [ -z "$(LAST_TAG)" ]; then echo "the interface's version: skipped: nothing is released"; \
 	elif $(CARGO) semver-checks --version 2> /dev/null; then \
-	    $(CARGO) semver-checks --package firsthit --baseline-rev "$(LAST_TAG)"; \
+	    $(CARGO) semver-checks $(FLOORS:%=--package firsthit-%) --package firsthit --baseline-rev "$(LAST_TAG)"; \
 	else echo "the interface's version: skipped: cargo install cargo-semver-checks"; fi
 
 # Whether TAG is that of this version: a release is made by it.
@@ -394,11 +397,10 @@ check-oldest:
 	    rustup run $(OLDEST) cargo check --workspace --locked --target-dir $(OUTSIDE); \
 	else echo "Rust $(OLDEST): skipped: rustup toolchain install $(OLDEST)"; fi
 
-# Miri interprets the tests of the only room with unsafe code: the portable lanes, for it has no AVX of its own.
+# Miri interprets the tests of the only crate with unsafe code: the portable lanes, for it has no AVX of its own.
 miri:
 	if rustup run nightly cargo miri --version 2> /dev/null; then \
-	    MIRIFLAGS=-Zmiri-disable-isolation rustup run nightly cargo miri test --package firsthit --no-default-features \
-	        --lib simd:: --target-dir $(OUTSIDE); \
+	    MIRIFLAGS=-Zmiri-disable-isolation rustup run nightly cargo miri test --package firsthit-simd --lib --target-dir $(OUTSIDE); \
 	else echo "Miri: skipped: rustup toolchain install nightly --component miri,rust-src"; fi
 
 clean:

@@ -100,7 +100,7 @@ def crates(tmp_path_factory: pytest.TempPathFactory) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         (folder / archive.stem).rename(path)
         patches.append(f'{name} = {{ path = "firsthit/crates/{name}" }}\n')
-    assert len(patches) == 3
+    assert len(patches) == 15
     (folder / "firsthit" / "testdata").symlink_to(ROOT / "testdata")
     # The versions that everything else is tested with.
     shutil.copy(ROOT / "Cargo.lock", folder)

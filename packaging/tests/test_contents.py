@@ -105,7 +105,15 @@ def test_documents_that_messages_and_docstrings_name_are_in_the_source_distribut
     assert named <= source.keys(), named - source.keys()
 
 
-@pytest.mark.parametrize("name", ["firsthit", "firsthit-view", "firsthit-cli"])
+#: The crates that are published, those below the library among them.
+CRATES = [
+    PurePosixPath(member).name
+    for member in WORKSPACE["members"]
+    if member not in {"crates/firsthit-wasm", "crates/firsthit-bench", "python"}
+]
+
+
+@pytest.mark.parametrize("name", CRATES)
 def test_a_crate_has_its_licence_its_page_and_no_tests(name):
     crate = files_of(f"{name}-{VERSION}.crate")
     assert {"LICENSE", "README.md", "src/lib.rs", "Cargo.lock"} <= crate.keys()
@@ -115,13 +123,15 @@ def test_a_crate_has_its_licence_its_page_and_no_tests(name):
     folder = ROOT / "crates" / name
     sources = {*folder.glob("*.rs"), *(folder / "src").rglob("*.rs")}
     assert {path.relative_to(folder).as_posix() for path in sources} <= crate.keys()
-    # 3.7 MB of code, with its unit tests.
-    assert sum(map(len, crate.values())) < 3.9e6
+    # 2 MB of viewer, and 0.9 MB of code with its unit tests in the largest of the library.
+    assert sum(map(len, crate.values())) < (3.9e6 if name == "firsthit-view" else 1e6)
     package = tomllib.loads(crate["Cargo.toml"].decode())["package"]
-    for key in ["description", "documentation", "license", "readme", "rust-version"]:
+    for key in ["description", "license", "readme", "rust-version"]:
         assert package[key]
     assert 1 <= len(package["keywords"]) <= 5
-    assert 1 <= len(package["categories"]) <= 5
+    if "internal" not in package["description"]:
+        assert package["documentation"]
+        assert 1 <= len(package["categories"]) <= 5
 
 
 def test_no_repository_is_named_before_it_is_decided(wheel):

@@ -106,7 +106,7 @@ fn placed(scale: DVec3, turn: DQuat, offset: DVec3) -> Result<Transform> {
 ///
 /// # Errors
 ///
-/// [`Error::Argument`](crate::Error::Argument) for a picture without pixels.
+/// [`Error::Argument`](crate::error::Error::Argument) for a picture without pixels.
 pub fn camera(rows: usize, columns: usize) -> Result<Camera> {
     let (position, target) = (DVec3::new(0.7, -6.4, 1.75), DVec3::new(0.05, 0.0, 1.0));
     let lens = Lens::Flat(Viewplane {

@@ -99,72 +99,68 @@
 //! | `p`, `u_r` | [`Ray::origin`], [`Ray::direction`] | the ray `p + t * u_r`, `t > 0` |
 //! | `t`, `o` | [`Hit::t`], [`Hit::object`] | the ray's parameter, and the object's identifier |
 
-#![cfg_attr(
-    not(all(feature = "io", feature = "image")),
-    allow(
-        dead_code,
-        unused_imports,
-        unused_macros,
-        reason = "some code serves only formats that are not enabled"
-    )
-)]
+#![forbid(unsafe_code)]
 
-pub mod accel;
-pub mod camera;
-#[cfg(feature = "frame")]
-pub mod channel;
-pub mod edge;
-pub mod error;
 pub mod example;
-pub mod explain;
-#[cfg(feature = "fhs")]
-pub mod fhs;
-pub mod geometry;
-#[cfg(feature = "frame")]
-pub mod image;
-#[cfg(any(feature = "frame", feature = "load"))]
-pub mod inputs;
-#[cfg(feature = "load")]
-mod io;
-pub mod lint;
-#[cfg(feature = "load")]
-pub mod load;
-pub mod measure;
-mod memory;
-pub mod nearest;
-mod parallel;
-#[cfg(feature = "frame")]
-pub mod render;
-pub mod sampling;
-pub mod scene;
-#[cfg(feature = "scene-file")]
-pub mod scene_file;
-pub mod section;
-#[cfg(feature = "frame")]
-pub mod sensor;
-pub mod shade;
-pub mod shape;
-pub mod shoot;
-mod simd;
-mod solid;
-pub mod trajectory;
-pub mod watch;
-#[cfg(feature = "load")]
-pub mod world;
 
-pub use accel::InstructionSet;
-pub use camera::{Camera, Lens, Projection, RayStart, View, Viewplane};
-pub use error::{Error, Result};
-pub use geometry::{
-    Bounds, Color, DAffine3, DMat3, DQuat, DVec2, DVec3, Departure, DisplayTransform, Filtered,
-    Hit, Ray, RayFilter, Rays, Side, SurfaceId, ToneMap, Transform,
-};
+#[doc(inline)]
+pub use firsthit_accel::{accel, shape};
+#[doc(inline)]
+pub use firsthit_camera::{camera, trajectory};
+#[cfg(any(feature = "frame", feature = "load"))]
+#[doc(inline)]
+pub use firsthit_geometry::inputs;
+#[doc(inline)]
+pub use firsthit_geometry::{error, geometry, sampling, watch};
+#[cfg(feature = "frame")]
+#[doc(inline)]
+pub use firsthit_image::image;
+#[doc(inline)]
+pub use firsthit_inspect::{explain, lint, section};
+#[cfg(feature = "frame")]
+#[doc(inline)]
+pub use firsthit_render::{channel, render, sensor};
+#[doc(inline)]
+pub use firsthit_scene::scene;
+#[cfg(feature = "fhs")]
+#[doc(inline)]
+pub use firsthit_scene_file::fhs;
+#[cfg(feature = "scene-file")]
+#[doc(inline)]
+pub use firsthit_scene_file::scene_file;
 #[cfg(feature = "load")]
+#[doc(inline)]
+pub use firsthit_scene_file::{load, world};
+#[doc(inline)]
+pub use firsthit_shade::{edge, shade};
+#[doc(inline)]
+pub use firsthit_shoot::{measure, nearest, shoot};
+
+#[doc(no_inline)]
+pub use accel::InstructionSet;
+#[doc(no_inline)]
+pub use camera::{Camera, Lens, Projection, RayStart, View, Viewplane};
+#[doc(no_inline)]
+pub use error::{Error, Result};
+#[doc(no_inline)]
+pub use geometry::{
+    Bounds, Color, Departure, DisplayTransform, Filtered, Hit, Ray, RayFilter, Rays, Side,
+    SurfaceId, ToneMap, Transform,
+};
+pub use geometry::{DAffine3, DMat3, DQuat, DVec2, DVec3};
+#[cfg(feature = "load")]
+#[doc(no_inline)]
 pub use load::load;
 #[cfg(feature = "frame")]
+#[doc(no_inline)]
 pub use render::{Render, render};
+#[doc(no_inline)]
 pub use scene::{AlphaMode, Background, Light, Material, Object, Scene, Texture, TextureMap};
+#[doc(no_inline)]
 pub use shade::{Shade, Shader, Shading};
+#[doc(no_inline)]
 pub use shape::{Cone, Cuboid, Cylinder, Disc, Mesh, Plane, Positions, Shape, Sphere};
+#[doc(no_inline)]
 pub use shoot::{Hits, occluded, shoot};
+#[doc(no_inline)]
 pub use trajectory::{Pose, Trajectory};

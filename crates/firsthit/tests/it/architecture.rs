@@ -1,23 +1,47 @@
-//! The walls of the house: which room may import which (see ARCHITECTURE.md), where `unsafe` may
-//! be, and how one-line docs begin.
+//! The walls of the house (see ARCHITECTURE.md): what each crate depends on, and which rooms of a crate import which. The compiler holds
+//! the walls between crates.
 
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each room of the table in ARCHITECTURE.md, and the rooms it may import.
-fn rooms() -> HashMap<String, Vec<String>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let text = fs::read_to_string(root.join("ARCHITECTURE.md")).unwrap();
-    let table = text.split("| room | job | imports |").nth(1).unwrap();
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The rows of the table in ARCHITECTURE.md that has this head, without the marks of code.
+fn table(head: &str) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let table = text.split(head).nth(1).unwrap();
     let rows = table.lines().skip(2);
     let rows = rows.take_while(|line| line.starts_with('|'));
     rows.map(|row| {
-        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
-        let imports = cells[2].split(',').map(|name| name.trim().to_owned());
-        (cells[0].trim_matches('`').to_owned(), imports.collect())
+        let cells = row.trim_matches('|').split('|');
+        let cells = cells.map(|cell| cell.trim().trim_matches('`').to_owned());
+        cells.collect()
     })
     .collect()
+}
+
+/// The names of a list in a cell; `-` stands for none.
+fn names(list: &str) -> Vec<String> {
+    let names = list.split(',').map(|name| name.trim().to_owned());
+    let mut names: Vec<String> = names.filter(|name| name != "-").collect();
+    names.sort();
+    names
+}
+
+/// The crates, each with those that it depends on.
+fn crates() -> Vec<(String, Vec<String>)> {
+    let rows = table("| crate | depends on | may never know |").into_iter();
+    rows.map(|row| (row[0].clone(), names(&row[1]))).collect()
+}
+
+/// The rooms, each with its crate and those of the same crate that it may import.
+fn rooms() -> HashMap<String, (String, Vec<String>)> {
+    let rows = table("| room | crate | job | imports of the same crate |").into_iter();
+    rows.map(|row| (row[0].clone(), (row[1].clone(), names(&row[3]))))
+        .collect()
 }
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -59,47 +83,67 @@ fn imported(line: &str) -> Vec<String> {
 }
 
 #[test]
+fn crates_depend_on_what_the_table_says() {
+    let crates = crates();
+    assert!(crates.len() > 10, "{crates:?}");
+    for (name, expected) in crates {
+        let manifest = root().join("crates").join(&name).join("Cargo.toml");
+        let text = fs::read_to_string(manifest).unwrap();
+        let dependencies = text.split("[dependencies]").nth(1).unwrap();
+        let dependencies = dependencies.split("\n[").next().unwrap();
+        let ours = dependencies.lines().filter_map(|line| {
+            let name = line.split([' ', '.']).next()?;
+            Some(name.strip_prefix("firsthit-")?.to_owned())
+        });
+        let mut found: Vec<String> = ours.collect();
+        found.sort();
+        assert_eq!(found, expected, "{name}");
+    }
+}
+
+#[test]
 fn rooms_import_only_what_they_may() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let rooms = rooms();
     let mut imports = 0;
-    for path in sources(&src) {
-        let inside = path.strip_prefix(&src).unwrap().with_extension("");
-        let room = inside.iter().next().unwrap().to_str().unwrap().to_owned();
-        if room == "lib" {
-            continue;
-        }
-        let allowed = rooms
-            .get(&room)
-            .unwrap_or_else(|| panic!("{room} is no room of ARCHITECTURE.md"));
-        for line in fs::read_to_string(&path).unwrap().lines() {
-            for other in imported(line) {
-                // The crate's own names, such as `crate::Error`, are re-exports of `lib.rs`, for documentation only.
-                let fine = other == room
-                    || ["error", "inputs", "memory", "parallel", "watch"].contains(&&*other)
-                    || allowed.contains(&other);
-                assert!(
-                    fine,
-                    "{}: {room} may not import {other}: {line}",
-                    path.display()
-                );
-                imports += 1;
+    for (name, _) in crates() {
+        let src = root().join("crates").join(&name).join("src");
+        for path in sources(&src) {
+            let inside = path.strip_prefix(&src).unwrap().with_extension("");
+            let room = inside.iter().next().unwrap().to_str().unwrap().to_owned();
+            if room == "lib" {
+                continue;
+            }
+            let (of, allowed) = rooms
+                .get(&room)
+                .unwrap_or_else(|| panic!("{room} is no room of ARCHITECTURE.md"));
+            assert_eq!(name, format!("firsthit-{of}"), "{room}");
+            for line in fs::read_to_string(&path).unwrap().lines() {
+                for other in imported(line) {
+                    let is_near = rooms.get(&other).is_some_and(|(crate_, _)| crate_ == of);
+                    imports += 1;
+                    assert!(
+                        !is_near || other == room || allowed.contains(&other),
+                        "{}: {room} may not import {other}: {line}",
+                        path.display()
+                    );
+                }
             }
         }
     }
     assert!(
-        imports > 50,
+        imports > 1000,
         "{imports}: is this test reading the right files?"
     );
 }
 
 #[test]
-fn unsafe_code_is_nowhere_but_in_simd() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    for path in sources(&src) {
-        let is_simd = path.starts_with(src.join("simd"));
-        let text = fs::read_to_string(&path).unwrap();
-        assert!(is_simd || !text.contains("unsafe"), "{}", path.display());
+fn unsafe_code_is_forbidden_in_every_crate_but_one() {
+    let names = crates().into_iter().map(|(name, _)| name);
+    for name in names.chain(["firsthit".to_owned()]) {
+        let lib = root().join("crates").join(&name).join("src/lib.rs");
+        let text = fs::read_to_string(lib).unwrap();
+        let is_forbidden = text.contains("#![forbid(unsafe_code)]");
+        assert_eq!(is_forbidden, name != "firsthit-simd", "{name}");
     }
 }
 

@@ -1,0 +1,41 @@
+//! Enums whose variants have names.
+
+/// Makes an enum of named variants, and everything that depends on the list of names. `$what` is what a name that is none of
+/// them is refused as.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! named {
+    ($(#[$doc:meta])* pub enum $kind:ident, $what:literal: $($(#[$of_variant:meta])* $name:literal => $variant:ident;)*) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+        pub enum $kind {
+            $($(#[$of_variant])* $variant,)*
+        }
+
+        impl $kind {
+            /// Every name.
+            pub const NAMES: &[&'static str] = &[$($name),*];
+
+            /// All variants.
+            pub const ALL: &[Self] = &[$(Self::$variant),*];
+
+            /// The name, as in files and on the command line.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+        }
+
+        impl std::str::FromStr for $kind {
+            type Err = $crate::error::Error;
+
+            fn from_str(name: &str) -> $crate::error::Result<Self> {
+                match name {
+                    $($name => Ok(Self::$variant),)*
+                    _ => Err(Self::Err::argument($what, concat!("one of" $(, " ", $name)*), name)),
+                }
+            }
+        }
+    };
+}
+#[doc(hidden)]
+pub use named;

@@ -1,0 +1,17 @@
+//! Lanes, masks and instruction sets, for kernels that are written once, and memory that is mapped, shared or asked for before it is needed.
+//!
+//! All `unsafe` code of firsthit is here, and every other crate forbids it. It may never know what is traced: no shape, no tree.
+//!
+//! Internal: it promises nothing to other programs. Use `firsthit`.
+
+#![allow(
+    missing_debug_implementations,
+    reason = "what other crates of the house share with this one, and users never see"
+)]
+
+#[doc(hidden)]
+pub mod memory;
+#[doc(hidden)]
+pub mod simd;
+
+pub(crate) use firsthit_geometry::{error, geometry, parallel};
