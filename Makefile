@@ -38,7 +38,7 @@ TIMED := $(PYTHON) .ci/timed
 MAKE_QUIETLY = $(MAKE) --no-print-directory
 
 .PHONY: render gallery quick test test-full nightly soak test-rust test-python test-scripts test-installed test-compat test-light test-browser test-wasm
-.PHONY: test-neon test-cluster program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-features
+.PHONY: check-bench test-neon test-cluster program wasm attack fuzz bench bench-python bench-queries bench-lidar bench-light dist pages docs check check-features
 .PHONY: check-targets check-oldest check-semver check-tag check-format check-clippy check-ruff miri test-release test-wheel
 .PHONY: publish-crates clean
 
@@ -85,7 +85,7 @@ test-full:
 # What .ci/run leaves out: releases compiled as their users would, each feature alone, other targets and compilers, other programs, and
 # attacks for as long as they take; NIGHTLY_RAYS is the length of its soak. Some of it is skipped, with a line that says so, where this machine cannot do it.
 NIGHTLY_RAYS ?= 10000000
-NIGHTLY := test-release test-checked check-features check-targets check-oldest check-semver miri test-neon attack test-cluster
+NIGHTLY := test-release test-checked check-bench check-features check-targets check-oldest check-semver miri test-neon attack test-cluster
 NIGHTLY += test-browser test-compat test-light soak
 nightly:
 	@exec $(TIMED) "make nightly" $(MAKE_QUIETLY) --jobs 1 --keep-going $(NIGHTLY:%=timed-%) RAYS=$(NIGHTLY_RAYS)
@@ -253,10 +253,11 @@ docs: .venv-docs/ready
 # firsthit beside Embree in one table, see docs/performance.md. For every day:
 # make bench SCENES=bunny ROWS=primary ROUNDS=3. ISA=avx2 measures both sides as on a machine without AVX-512. With
 # RECORD=1 the table is kept in benches/record/. With TINYBVH=PATH/tiny_bvh.h, from github.com/jbikker/tinybvh, it is measured beside, too.
+BENCHES := benches/Cargo.toml
 BENCH_MACHINE = $(shell lscpu | sed -n 's/^Model name: *//p' | tr 'A-Z' 'a-z' | tr -cs 'a-z0-9\n' '-')
 TINYBVH_LIBRARY := target/release/libtinybvh.so
 bench: .venv-bench/ready target/scenes/ready
-	$(CARGO) build --release --package firsthit-bench
+	$(CARGO) build --release --manifest-path $(BENCHES)
 	$(if $(TINYBVH),$(CXX) -O3 -march=haswell -std=c++20 -shared -fPIC -w -I$(dir $(TINYBVH)) -o $(TINYBVH_LIBRARY) benches/tinybvh.cpp)
 	embree=$$(find .venv-bench -name 'libembree4*' | head -n 1); scenes=$(SCENES); \
 	[ -f target/scenes/ready ] || [ ! -f target/scenes/terrain.cam ] || scenes=$${scenes:-boulder,room,terrain,tiles,assembly}; \
@@ -349,11 +350,17 @@ check: .venv/ready check-format check-clippy check-ruff
 # The parts of `check` that .pre-commit-config.yaml runs, too.
 check-format:
 	$(CARGO) fmt --all --check
+	$(CARGO) fmt --manifest-path $(BENCHES) --check
 check-clippy:
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 check-ruff: .venv/ready
 	$(VENV)/ruff check
 	$(VENV)/ruff format --check
+
+# The bench is a workspace of its own, which nothing else compiles.
+check-bench:
+	$(CARGO) clippy --locked --all-targets --manifest-path $(BENCHES) -- -D warnings
+	$(CARGO) test --quiet --locked --release --manifest-path $(BENCHES)
 
 # Whether the interface of the library fits its version, by the last release: from the first tag on. It is asked of each crate, since what one
 # re-exports of another is not looked at; and what is hidden from users is not.
