@@ -1,11 +1,10 @@
 //! Ear clipping with a queue.
 
-use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use super::columns::Columns;
-use super::turn;
-use crate::geometry::DVec2;
+use robust::orient2d;
+
+use super::columns::{Columns, Point};
 
 const NONE: u32 = u32::MAX;
 
@@ -15,7 +14,7 @@ const PATIENCE: u64 = 1 << 13;
 
 /// A polygon whose ears are being cut off.
 pub(super) struct Clipper<'a> {
-    points: &'a [DVec2],
+    points: &'a [Point],
     /// The ring of corners that are left.
     next: Vec<u32>,
     previous: Vec<u32>,
@@ -53,7 +52,7 @@ enum Test {
 
 impl<'a> Clipper<'a> {
     /// Starts on a counter-clockwise polygon of at least three corners, fewer than 2^32 - 1.
-    pub(super) fn new(points: &'a [DVec2]) -> Self {
+    pub(super) fn new(points: &'a [Point]) -> Self {
         let count = points.len();
         #[expect(clippy::cast_possible_truncation, reason = "the contract above")]
         let corners = 0..count as u32;
@@ -82,7 +81,7 @@ impl<'a> Clipper<'a> {
             patience: PATIENCE.saturating_mul(count as u64),
             triangles: Vec::with_capacity(count - 2),
         };
-        let blocking: Vec<u32> = corners.filter(|&k| clipper.turn(k).is_le()).collect();
+        let blocking: Vec<u32> = corners.filter(|&k| clipper.turn(k) <= 0.0).collect();
         for &k in &blocking {
             clipper.blocks[k as usize] = true;
         }
@@ -118,7 +117,7 @@ impl<'a> Clipper<'a> {
             }
         }
         while let Some(corner) = self.straight.pop() {
-            if self.is_left[corner as usize] && self.turn(corner).is_eq() {
+            if self.is_left[corner as usize] && self.turn(corner) == 0.0 {
                 return corner;
             }
         }
@@ -133,7 +132,7 @@ impl<'a> Clipper<'a> {
             }
             self.patience -= 1;
             self.walk = self.next[self.walk as usize];
-            if self.turn(self.walk).is_gt() {
+            if self.turn(self.walk) > 0.0 {
                 return self.walk;
             }
         }
@@ -142,13 +141,16 @@ impl<'a> Clipper<'a> {
     }
 
     fn test(&mut self, corner: u32) -> Test {
-        match self.turn(corner) {
-            Ordering::Equal => Test::Straight,
-            Ordering::Less => Test::Reflex,
-            Ordering::Greater => match self.blocker(corner) {
-                Some(blocker) => Test::BlockedBy(blocker),
-                None => Test::Ear,
-            },
+        let turn = self.turn(corner);
+        if turn == 0.0 {
+            return Test::Straight;
+        }
+        if turn < 0.0 {
+            return Test::Reflex;
+        }
+        match self.blocker(corner) {
+            Some(blocker) => Test::BlockedBy(blocker),
+            None => Test::Ear,
         }
     }
 
@@ -159,7 +161,11 @@ impl<'a> Clipper<'a> {
         }
         let triangle = self.triangle(corner);
         let [a, b, c] = triangle.map(|k| self.points[k as usize]);
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let end = |of: fn(f64, f64) -> f64| Point {
+            x: of(of(a.x, b.x), c.x),
+            y: of(of(a.y, b.y), c.y),
+        };
+        let (low, high) = (end(f64::min), end(f64::max));
         let mut seen = 1;
         let blocker = self.columns.within(self.points, low, high).find(|&k| {
             seen += 1;
@@ -170,7 +176,7 @@ impl<'a> Clipper<'a> {
     }
 
     /// Whether a corner lies in a triangle or on its border in a way that keeps it from being an ear.
-    fn is_inside(&self, corner: u32, [a, b, c]: [DVec2; 3]) -> bool {
+    fn is_inside(&self, corner: u32, [a, b, c]: [Point; 3]) -> bool {
         let point = self.points[corner as usize];
         // Corners at the same point, as at both ends of a bridge to a hole, do not block: their
         // neighbours do, if they lie inside. Those at the ear's tip block when they point into it.
@@ -180,13 +186,11 @@ impl<'a> Clipper<'a> {
         if point == b {
             let within = |k: u32| {
                 let q = self.points[k as usize];
-                turn([a, b, q]).is_gt() && turn([b, c, q]).is_gt()
+                orient2d(a, b, q) > 0.0 && orient2d(b, c, q) > 0.0
             };
             return within(self.next[corner as usize]) || within(self.previous[corner as usize]);
         }
-        [[a, b], [b, c], [c, a]]
-            .iter()
-            .all(|&[from, to]| turn([from, to, point]).is_ge())
+        orient2d(a, b, point) >= 0.0 && orient2d(b, c, point) >= 0.0 && orient2d(c, a, point) >= 0.0
     }
 
     fn clip(&mut self, corner: u32) {
@@ -201,7 +205,7 @@ impl<'a> Clipper<'a> {
         }
         self.unblock(corner);
         for neighbour in [before, after] {
-            if self.turn(neighbour).is_gt() {
+            if self.turn(neighbour) > 0.0 {
                 self.unblock(neighbour);
             }
             self.enqueue(neighbour);
@@ -245,8 +249,9 @@ impl<'a> Clipper<'a> {
         [before, corner, after]
     }
 
-    /// Greater at a left turn, equal on a straight line.
-    fn turn(&self, corner: u32) -> Ordering {
-        turn(self.triangle(corner).map(|k| self.points[k as usize]))
+    /// Positive at a left turn, exactly zero on a straight line.
+    fn turn(&self, corner: u32) -> f64 {
+        let [a, b, c] = self.triangle(corner).map(|k| self.points[k as usize]);
+        orient2d(a, b, c)
     }
 }

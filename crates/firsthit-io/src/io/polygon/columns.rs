@@ -1,6 +1,7 @@
 //! Points in columns: which of them lie in a box?
 
-use crate::geometry::DVec2;
+/// A corner in the polygon's plane.
+pub(super) type Point = robust::Coord<f64>;
 
 /// Points sorted into columns of equally many, each sorted upwards. Unlike in a grid of equal
 /// cells, points that crowd together spread over as many columns as any others.
@@ -18,7 +19,7 @@ struct Column {
 
 impl Columns {
     /// The columns of the points `members`.
-    pub(super) fn new(points: &[DVec2], mut members: Vec<u32>) -> Self {
+    pub(super) fn new(points: &[Point], mut members: Vec<u32>) -> Self {
         let at = |&member: &u32| points[member as usize];
         members.sort_unstable_by(|a, b| at(a).x.total_cmp(&at(b).x));
         let height = members.len().isqrt().max(1);
@@ -44,9 +45,9 @@ impl Columns {
     /// The points in the box from `low` to `high`, and a few more.
     pub(super) fn within(
         &self,
-        points: &[DVec2],
-        low: DVec2,
-        high: DVec2,
+        points: &[Point],
+        low: Point,
+        high: Point,
     ) -> impl Iterator<Item = u32> {
         let first = self.columns.partition_point(|column| column.high < low.x);
         self.columns[first..]

@@ -3,8 +3,9 @@
 //! A corner that were left out would open a crack to the neighbour that keeps it.
 //!
 //! The method is ear clipping (Meisters, "Polygons Have Ears", American Mathematical Monthly 82, 1975;
-//! Eberly, "Triangulation by Ear Clipping", Geometric Tools, 2002) with exact orientations ([`orient_2d`]). A plain
-//! version takes quadratic time and more. Here a corner is tested again only when its neighbours or what blocked it has changed.
+//! Eberly, "Triangulation by Ear Clipping", Geometric Tools, 2002) with exact orientations (Shewchuk,
+//! "Adaptive Precision Floating-Point Arithmetic", 1997). A plain version takes quadratic time and
+//! more. Here a corner is tested again only when its neighbours or what blocked it has changed.
 
 #[allow(
     clippy::indexing_slicing,
@@ -17,10 +18,10 @@ mod clipper;
 )]
 mod columns;
 
-use std::cmp::Ordering;
+use robust::{Coord, orient2d};
 
-use crate::geometry::orientation::orient_2d;
-use crate::geometry::{Bounds, DVec2, DVec3, unit};
+use crate::geometry::{Bounds, DVec3, unit};
+use columns::Point;
 
 /// The triangles of a polygon as indices of its corners, in its own winding; `None` when the fan from
 /// the first corner, (0, k, k + 1), is right, as it is for every convex polygon, or as good as any, as it
@@ -82,11 +83,14 @@ fn nearest_axis(normal: DVec3) -> usize {
 }
 
 /// The polygon seen along the axis that is nearest its normal, counter-clockwise.
-fn project(corners: &[DVec3], normal: DVec3) -> Vec<DVec2> {
+fn project(corners: &[DVec3], normal: DVec3) -> Vec<Point> {
     let axis = nearest_axis(normal);
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let (u, v) = if normal[axis] < 0.0 { (v, u) } else { (u, v) };
-    let flat = |corner: &DVec3| DVec2::new(corner[u], corner[v]);
+    let flat = |corner: &DVec3| Coord {
+        x: corner[u],
+        y: corner[v],
+    };
     corners.iter().map(flat).collect()
 }
 
@@ -111,17 +115,12 @@ fn newell_normal(corners: &[DVec3]) -> Option<DVec3> {
 
 /// Whether no triangle of the fan is turned over. Then each point lies in as many of them as the
 /// polygon winds round it: for a simple polygon in one if inside, in none if outside.
-fn fan_is_right(points: &[DVec2]) -> bool {
+fn fan_is_right(points: &[Point]) -> bool {
     let Some((&hub, rim)) = points.split_first() else {
         return true;
     };
     let mut pairs = rim.iter().zip(rim.iter().skip(1));
-    pairs.all(|(&a, &b)| turn([hub, a, b]).is_ge())
-}
-
-/// Greater where three points turn left, equal where they are on a straight line.
-fn turn(points: [DVec2; 3]) -> Ordering {
-    orient_2d(points.map(|point| point.extend(0.0)), 2)
+    pairs.all(|(&a, &b)| orient2d(hub, a, b) >= 0.0)
 }
 
 #[cfg(test)]
