@@ -203,7 +203,7 @@ widget.render({ model, el: document.querySelector("main") });
 
 def test_a_notebook_s_kernel_answers_its_page(driver: webdriver.Chrome) -> None:
     fh = pytest.importorskip("firsthit")
-    widgets = pytest.importorskip("firsthit._widget")
+    widgets = pytest.importorskip("firsthit._view.widget")
     from urllib.parse import quote
 
     scene = fh.Scene()

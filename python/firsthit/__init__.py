@@ -14,24 +14,17 @@ identifiers and ``nan`` elsewhere.
 """
 
 from . import _firsthit, annotations, datasets, many
-from ._all_hits import AllHits
-from ._camera import Camera
-from ._cameras import NamedCamera
-from ._colors import Colors
-from ._display import Display
-from ._draws import Draws
-from ._edges import Edges
-from ._environment import Environment
-from ._errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
-from ._explain import Candidate, Crossing, Explanation
-from ._flow import Disparity, Flow, disparity, optical_flow
-from ._frame import Frame, read_metadata
-from ._hits import Hits
-from ._info import info
-from ._leaving import LeavingRays
-from ._lidar import Lidar
-from ._lidar_scan import LidarScan
-from ._lights import (
+from ._base.errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
+from ._base.info import info
+from ._files.frame import Frame, read_metadata
+from ._files.points import Points, read_points
+from ._lidar.lidar import Lidar
+from ._lidar.lidar_scan import LidarScan
+from ._looks.colors import Colors
+from ._looks.display import Display
+from ._looks.edges import Edges
+from ._looks.environment import Environment
+from ._looks.lights import (
     DirectionalLight,
     DiscLight,
     PointLight,
@@ -40,25 +33,32 @@ from ._lights import (
     SphereLight,
     SpotLight,
 )
-from ._lint import Finding, LintReport, Place
-from ._load import lint, load
-from ._load import open as open  # noqa: A004 - fh.open
-from ._material import Material, Texture
-from ._moving import Pushbroom, RollingShutter
-from ._nearest import ClosestPoints
-from ._notebook import NotebookView
-from ._object import Object
-from ._points import Points, read_points
-from ._ray_sensor import RaySensor
-from ._render import render, render_progressively
-from ._rig import Rig
-from ._scene import Scene
-from ._section import Polyline, Section
-from ._sensor import Sensor
-from ._shading import Shader, Shading
-from ._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
-from ._trajectory import Trajectory
-from ._view import View, view
+from ._looks.material import Material, Texture
+from ._looks.shading import Shader, Shading
+from ._objects.object import Object
+from ._objects.shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
+from ._pictures.draws import Draws
+from ._pictures.flow import Disparity, Flow, disparity, optical_flow
+from ._pictures.render import render, render_progressively
+from ._pictures.rig import Rig
+from ._queries.all_hits import AllHits
+from ._queries.explain import Candidate, Crossing, Explanation
+from ._queries.hits import Hits
+from ._queries.leaving import LeavingRays
+from ._queries.lint import Finding, LintReport, Place
+from ._queries.nearest import ClosestPoints
+from ._queries.section import Polyline, Section
+from ._scene.load import lint, load
+from ._scene.load import open as open  # noqa: A004 - fh.open
+from ._scene.scene import Scene
+from ._sensors.camera import Camera
+from ._sensors.moving import Pushbroom, RollingShutter
+from ._sensors.named_camera import NamedCamera
+from ._sensors.ray_sensor import RaySensor
+from ._sensors.sensor import Sensor
+from ._sensors.trajectory import Trajectory
+from ._view.notebook import NotebookView
+from ._view.view import View, view
 from .annotations import annotate
 from .datasets import Plan, dataset
 from .many import parts, render_many, shoot_many, visible_many

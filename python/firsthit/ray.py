@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from firsthit._arrays import threads_or_all
-from firsthit._files import distinct
-from firsthit._hits import _OF_RAYS
-from firsthit._parts._scene_store import read
+from ._base.arrays import threads_or_all
+from ._files.channels import distinct
+from ._parts.scene_store import read
+from ._queries.hits import _OF_RAYS
 
 if TYPE_CHECKING:
     import os
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._types import Asked
+    from ._base.types import Asked
 
     Columns = dict[str, npt.NDArray[Any]]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from ._types import (
+from ._base.types import (
     AlphaMode,
     AngleName,
     Asked,
@@ -56,8 +56,8 @@ from ._types import (
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._draws import Draws
-    from ._hits import Hits
+    from ._pictures.draws import Draws
+    from ._queries.hits import Hits
 
 __all__ = [
     "AlphaMode",

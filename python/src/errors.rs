@@ -10,7 +10,7 @@ pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
     // Names in it may be of a caller who escaped nothing.
     let message = escape_controls(&error.to_string());
     let file = |class: &str, path: &std::path::Path, place: String| {
-        let made = py.import("firsthit._errors").and_then(|module| {
+        let made = py.import("firsthit").and_then(|module| {
             module
                 .getattr(class)?
                 .call1((message.clone(), path.to_string_lossy(), place))

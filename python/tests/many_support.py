@@ -10,7 +10,7 @@ from pathlib import Path
 
 import firsthit as fh
 import numpy as np
-from firsthit._parts._digest import of_json
+from firsthit._parts.digest import of_json
 
 
 def scene():

@@ -7,7 +7,7 @@ import zipfile
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._arrays import chosen
+from firsthit._base.arrays import chosen
 from support import SQUARE, ball, bumpy_sphere, output
 
 #: More than goes to the native half at a time.

@@ -9,7 +9,7 @@ import re
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._project import in_camera, project
+from firsthit._sensors.project import in_camera, project
 from firsthit.annotations import Keypoints, save_bop, save_coco, save_kitti, save_yolo, to_coco
 from support import of_pycocotools, turned
 

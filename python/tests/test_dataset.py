@@ -15,9 +15,9 @@ import firsthit as fh
 import numpy as np
 import pytest
 from dataset_support import LONG, PLANS, plan, record, tree
-from firsthit._parts import _scene_store
-from firsthit._parts._digest import of_arrays
-from firsthit._parts._job import known_job, write_job
+from firsthit._parts import scene_store
+from firsthit._parts.digest import of_arrays
+from firsthit._parts.job import known_job, write_job
 from support import FULL
 
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals are those of Unix")
@@ -328,7 +328,7 @@ def test_a_run_that_ends_while_it_puts_together_is_gone_on_with(whole, tmp_path,
 
     def ending(path, content):
         if len(written) == stop:
-            path.with_name(f".{path.name}.{'0' * 16}.tmp").write_bytes(content[:5])
+            path.with_name(f".{path.name}.{'0' * 6}.tmp").write_bytes(content[:5])
             raise KeyboardInterrupt
         written.append(path)
         write(path, content)
@@ -371,7 +371,7 @@ def test_progress_counts_frames_and_an_exception_from_it_ends_the_run(tmp_path):
 
 def test_progress_on_a_terminal_has_the_time_left(tmp_path, capsys, monkeypatch):
     clock = iter(range(0, 1000, 10))
-    monkeypatch.setattr("firsthit._parts._time_left.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("firsthit._parts.time_left.time.monotonic", lambda: next(clock))
     fh.dataset(fh.Plan.from_dict(plan(), PLANS), tmp_path, progress=True)
     said = capsys.readouterr().err
     assert "1 of 7 frames, 14 %, 2 min left" in said
@@ -425,9 +425,9 @@ def test_a_plan_of_a_billion_frames_begins_at_once(tmp_path):
 
 def test_scenes_of_a_job_are_read_once_more_only_where_they_are_needed(tmp_path, monkeypatch):
     read = []
-    load = _scene_store.load
+    load = scene_store.load
     monkeypatch.setattr(
-        "firsthit._parts._scene_store.load", lambda path: read.append(path.name) or load(path)
+        "firsthit._parts.scene_store.load", lambda path: read.append(path.name) or load(path)
     )
 
     def three(made):
@@ -460,7 +460,7 @@ def test_every_format_has_the_same_bytes_again(tmp_path):
 
 
 def test_a_missing_package_is_told_before_anything_is_made(tmp_path, monkeypatch):
-    monkeypatch.setattr("firsthit._lidar_scan.find_spec", lambda name: None)
+    monkeypatch.setattr("firsthit._lidar.lidar_scan.find_spec", lambda name: None)
     made = fh.Plan.from_dict(plan(lambda made: made["output"].update(clouds="laz")), PLANS)
     with pytest.raises(ImportError, match="laz takes the package laspy"):
         fh.dataset(made, tmp_path / "out")

@@ -445,7 +445,7 @@ def test_lines_are_whole_or_not_there(tmp_path, monkeypatch):
 def test_lines_are_written_a_record_at_a_time(tmp_path, monkeypatch):
     """Between two records that are read, the one before is written."""
     module, order = fh.datasets._merge, []
-    write, read = module.canonical, fh._parts._folder.Parts.record
+    write, read = module.canonical, fh._parts.folder.Parts.record
 
     def writing(said):
         order.append(("write", said["frame"]))
@@ -456,7 +456,7 @@ def test_lines_are_written_a_record_at_a_time(tmp_path, monkeypatch):
         return read(self, number, **how)
 
     monkeypatch.setattr(module, "canonical", writing)
-    monkeypatch.setattr(fh._parts._folder.Parts, "record", reading)
+    monkeypatch.setattr(fh._parts.folder.Parts, "record", reading)
     fh.dataset(with_lines(), tmp_path)
     assert order[-14:] == [(what, k) for k in range(7) for what in ("read", "write")]
 

@@ -6,7 +6,7 @@ import math
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._project import project
+from firsthit._sensors.project import project
 from support import SQUARE, bumpy_sphere, things, turned
 
 ROWS, COLUMNS = 60, 80

@@ -5,7 +5,7 @@ import math
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._project import project
+from firsthit._sensors.project import project
 from firsthit.annotations import Keypoints
 from support import turned
 from test_annotations import COLUMNS, PROJECTIONS, ROWS, crowd, seen_by

@@ -19,8 +19,8 @@ import many_support
 import numpy as np
 import pages
 import pytest
-from firsthit._parts._engine import Task, results
-from firsthit._parts._job import begin_job
+from firsthit._parts.engine import Task, results
+from firsthit._parts.job import begin_job
 from firsthit.many._ray_files import ray_files
 from many_support import Slow, Wrong, cameras, forge, of_processes, rays, red, scene, tree
 from support import cases
@@ -379,7 +379,7 @@ def test_a_passing_error_removes_no_part(tmp_path, monkeypatch):
     def fails(path):
         raise OSError(errno.EMFILE, "Too many open files")
 
-    monkeypatch.setattr("firsthit._parts._part.read", fails)
+    monkeypatch.setattr("firsthit._parts.part.read", fails)
     with pytest.raises(fh.FileReadError, match="Too many open files"):
         fh.shoot_many(scene(), rays(), tmp_path, part_size=5_000)
     assert tree(tmp_path) == before

@@ -7,7 +7,7 @@ import sys
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit import _changes
+from firsthit._scene import changes
 from support import FEWER, FULL, ball, output
 
 CAMERA = fh.Camera.look_at((0.6, 0, 5), (0.6, 0, 0), (0, 1, 0), 10, rows=3, columns=3)
@@ -135,7 +135,7 @@ print(moves > 50, wrong, compare())
 )
 def test_what_is_done_at_each_step_of_something_else_is_not_lost(outer, inner, most):
     script = f"""
-fh._changes._MOST_MOVES = {most}
+fh._scene.changes._MOST_MOVES = {most}
 stride = {1 if FULL else FEWER}
 outer, inner = {outer!r}, {inner!r}
 """
@@ -282,7 +282,7 @@ for count in (1000, 6000):
 
 @pytest.mark.parametrize("most", [1 << 16, 20])
 def test_moves_between_two_calls_go_together(monkeypatch, most):
-    monkeypatch.setattr(_changes, "_MOST_MOVES", most)
+    monkeypatch.setattr(changes, "_MOST_MOVES", most)
     scene, places = fh.Scene(), np.arange(30.0)
     for x in places:
         scene.add(fh.Sphere((x, 0, 0), 0.1))

@@ -5,7 +5,7 @@ import copy
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._lines import Lines, sight
+from firsthit._sensors.lines import Lines, sight
 from support import turned
 from test_flow import crowd, moved_crowd
 

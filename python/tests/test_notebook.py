@@ -6,7 +6,7 @@ import re
 
 import firsthit as fh
 import pytest
-from firsthit import _notebook
+from firsthit._view import notebook
 from page_support import ask as ask_server
 
 
@@ -34,7 +34,7 @@ def test_only_pages_are_saved(tmp_path):
 
 
 def test_a_kernel_answers_as_the_server_does():
-    widget = pytest.importorskip("firsthit._widget")
+    widget = pytest.importorskip("firsthit._view.widget")
     page = widget.PageWidget(scene().view(engine="kernel", title="box")._viewer, 300)
     told = []
     page.send = lambda message, buffers=(): told.append((message, buffers))
@@ -58,15 +58,15 @@ def test_a_kernel_answers_as_the_server_does():
 
 
 def test_the_kernel_takes_anywidget(monkeypatch):
-    monkeypatch.setattr(_notebook, "has_widgets", lambda: False)
+    monkeypatch.setattr(notebook, "has_widgets", lambda: False)
     assert scene().view().engine == "page"
     with pytest.raises(ImportError, match=r"firsthit\[notebook\]"):
         scene().view(engine="kernel")
 
 
 def test_large_scenes_stay_with_the_kernel(monkeypatch):
-    monkeypatch.setattr(_notebook, "has_widgets", lambda: True)
-    monkeypatch.setattr(_notebook, "_MOST_TRIANGLES", 0)
+    monkeypatch.setattr(notebook, "has_widgets", lambda: True)
+    monkeypatch.setattr(notebook, "_MOST_TRIANGLES", 0)
     large = scene()
     large.add(fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
     assert large.view().engine == "kernel"

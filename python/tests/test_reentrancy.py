@@ -99,7 +99,7 @@ def test_threads_that_come_meanwhile_wait_for_the_one_that_builds():
     script = """
 built = []
 build = fh._firsthit.Scene
-fh._traceable._firsthit = type("Counted", (), {
+fh._objects.traceable._firsthit = type("Counted", (), {
     **vars(fh._firsthit), "Scene": staticmethod(lambda *given: built.append(1) or build(*given))
 })
 threads = [threading.Thread(target=shot) for _ in range(8)]

@@ -422,7 +422,7 @@ def test_the_3d_file_itself_is_not_written_over(room, tmp_path, capsys):
 
 def test_a_missing_package_is_said_before_the_scan(room, capsys, monkeypatch):
     # The second of the two packages, without which the first writes no LAZ.
-    monkeypatch.setattr("firsthit._lidar_scan.find_spec", {"laspy": "there"}.get)
+    monkeypatch.setattr("firsthit._lidar.lidar_scan.find_spec", {"laspy": "there"}.get)
     fails(capsys, "none.obj --lidar vlp-16 -o a.laz", 4, "pip install 'laspy[lazrs]'")
 
 

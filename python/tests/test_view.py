@@ -10,7 +10,7 @@ import time
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit import _view
+from firsthit._view import view as viewing
 from page_support import ask
 
 
@@ -70,11 +70,11 @@ def test_the_port_is_free_after_the_end():
 def test_a_page_that_nobody_holds_goes_on():
     address = fh.view(scene(), browser=False).address
     gc.collect()
-    pages = [page for page in _view._RUNNING if page.address == address]
+    pages = [page for page in viewing._RUNNING if page.address == address]
     assert len(pages) == 1
     assert json.loads(ask(pages[0], "/info", {}))["object_count"] == 2
     pages[0].stop()
-    assert pages[0] not in _view._RUNNING
+    assert pages[0] not in viewing._RUNNING
 
 
 def test_what_makes_no_sense_is_refused():

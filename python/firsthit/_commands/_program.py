@@ -19,7 +19,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from firsthit import _firsthit
-from firsthit._errors import FileError, FileWriteError
+from firsthit._base.errors import FileError, FileWriteError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence

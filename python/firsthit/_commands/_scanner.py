@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import numpy as np
 
 from firsthit import Lidar, Trajectory, _firsthit
-from firsthit._errors import FileError, FileFormatError
-from firsthit._lidar import MODELS
-from firsthit._types import (
+from firsthit._base.errors import FileError, FileFormatError
+from firsthit._base.types import (
     BodyName,
     Extrapolation,
     Interpolation,
     TrajectoryFormat,
     Turn,
 )
+from firsthit._lidar.lidar import MODELS
 
 from ._program import UsageError
 from ._values import numbers, positive, whole

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import firsthit as fh
 from firsthit import _firsthit
-from firsthit._errors import FileWriteError, warn
-from firsthit._lidar_scan import lacking
-from firsthit._progress import following, later
-from firsthit._scan import ScanSettings
-from firsthit._types import Returns, Rings
+from firsthit._base.errors import FileWriteError, warn
+from firsthit._base.progress import following, later
+from firsthit._base.types import Returns, Rings
+from firsthit._lidar.lidar_scan import lacking
+from firsthit._lidar.scan import ScanSettings
 
 from ._directions import direction, place
 from ._program import Parser, UsageError, run

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._arrays import flag, threads_or_all
-from firsthit._camera import Camera
-from firsthit._frame import Frame
-from firsthit._lines import PictureSensor, at_middle_line
-from firsthit._object import chosen
-from firsthit._queries import shoot_camera
-from firsthit._scene import Scene
+from firsthit._base.arrays import flag, threads_or_all
+from firsthit._files.frame import Frame
+from firsthit._objects.object import chosen
+from firsthit._queries.shoot import shoot_camera
+from firsthit._scene.scene import Scene
+from firsthit._sensors.camera import Camera
+from firsthit._sensors.lines import PictureSensor, at_middle_line
 
 from ._annotations import Annotations, Instance, Occlusion, Part
 from ._box import boxes
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._traceable import Built
-    from firsthit._types import Selection
+    from firsthit._base.types import Selection
+    from firsthit._objects.traceable import Built
 
     from ._classes import By, Classes, Group
     from ._keypoints import Given, Keypoints

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._lines import PictureSensor
+    from firsthit._sensors.lines import PictureSensor
 
     from ._box import Box3D
     from ._coco import MaskForm, MaskKind

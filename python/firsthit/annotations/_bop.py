@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from firsthit._arrays import count, number
-from firsthit._project import camera_from_world, intrinsic_matrix
+from firsthit._base.arrays import count, number
+from firsthit._files.whole import write
+from firsthit._sensors.project import camera_from_world, intrinsic_matrix
 
 from ._files import (
     as_json,
@@ -18,7 +19,6 @@ from ._files import (
     refused,
     stems,
     still,
-    write,
 )
 from ._rigid import is_uniform, rotation_and_scale
 

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firsthit._arrays import number
-from firsthit._camera import Camera
-from firsthit._errors import warn
-from firsthit._project import intrinsic_matrix
-from firsthit._scene import Scene
-from firsthit._shapes import Mesh
+from firsthit._base.arrays import number
+from firsthit._base.errors import warn
+from firsthit._files.whole import write
+from firsthit._objects.shapes import Mesh
+from firsthit._scene.scene import Scene
+from firsthit._sensors.camera import Camera
+from firsthit._sensors.project import intrinsic_matrix
 
 from ._classes import grouped
-from ._files import as_json, meters, write
+from ._files import as_json, meters
 from ._rigid import is_uniform, rotation_and_scale
 from ._tessellated import tessellated
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._object import Object
+    from firsthit._objects.object import Object
 
     from ._classes import By, Classes
 

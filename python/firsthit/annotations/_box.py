@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firsthit._project import camera_from_world, world_from_camera
+from firsthit._sensors.project import camera_from_world, world_from_camera
 
 from ._extent import extent
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._camera import Camera
-    from firsthit._object import Object
+    from firsthit._objects.object import Object
+    from firsthit._sensors.camera import Camera
 
     from ._extent import Corners
 

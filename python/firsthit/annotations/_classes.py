@@ -8,13 +8,13 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from firsthit._arrays import text
-from firsthit._errors import warn
+from firsthit._base.arrays import text
+from firsthit._base.errors import warn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from firsthit._object import Object
+    from firsthit._objects.object import Object
 
 #: A table of names or patterns to classes, or a function of an object; ``None`` for no class.
 Classes = Mapping[str, str | None] | Callable[["Object"], str | None]

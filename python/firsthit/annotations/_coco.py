@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from firsthit import _firsthit
+from firsthit._files.whole import write
 
-from ._files import as_json, class_numbers, class_of, named, refused, write
+from ._files import as_json, class_numbers, class_of, named, refused
 
 if TYPE_CHECKING:
     import os

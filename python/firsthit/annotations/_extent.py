@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firsthit._shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
+from firsthit._objects.shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Sphere
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._shapes import Shape
+    from firsthit._objects.shapes import Shape
 
     Floats = npt.NDArray[np.float64]
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
-import secrets
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firsthit import _png
-from firsthit._arrays import number, text
-from firsthit._camera import Camera
-from firsthit._errors import FileWriteError, refuse_input
+from firsthit._base.arrays import number, text
+from firsthit._files import png
+from firsthit._sensors.camera import Camera
 
 from ._annotations import Annotations
 
@@ -114,26 +111,6 @@ def meters(unit: float | str) -> float:
     return length
 
 
-def write(path: Path, content: bytes) -> None:
-    """Write a file, whole or not at all; folders above it are made."""
-    refuse_input(path)
-    # Until it has its name it is beside it, on the same device.
-    beside = path.with_name(f".{path.name[:100]}.{secrets.token_hex(8)}.tmp")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with beside.open("xb") as file:
-                file.write(content)
-            if path.exists():
-                # A file that is replaced leaves its permissions.
-                beside.chmod(path.stat().st_mode & 0o777)
-            beside.replace(path)
-        finally:
-            beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
-
-
 def as_json(value: Any) -> bytes:
     """Return a value as JSON, which has no NaN."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False).encode() + b"\n"
@@ -141,4 +118,4 @@ def as_json(value: Any) -> bytes:
 
 def as_png(mask: npt.NDArray[np.bool_]) -> bytes:
     """Return a mask as a PNG of one channel of 8 bits: 255 where it is true."""
-    return _png.as_png(mask.astype(np.uint8) * np.uint8(255))
+    return png.as_png(mask.astype(np.uint8) * np.uint8(255))

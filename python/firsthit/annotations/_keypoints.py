@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from firsthit._arrays import index, number, settle, text, vector
-from firsthit._lines import sight
-from firsthit._project import picture
+from firsthit._base.arrays import index, number, settle, text, vector
+from firsthit._sensors.lines import sight
+from firsthit._sensors.project import picture
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     import numpy.typing as npt
 
-    from firsthit._lines import PictureSensor
-    from firsthit._scene import Scene
-    from firsthit._types import Vector
+    from firsthit._base.types import Vector
+    from firsthit._scene.scene import Scene
+    from firsthit._sensors.lines import PictureSensor
 
     from ._annotations import Part
 

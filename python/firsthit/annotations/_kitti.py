@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
-from firsthit._arrays import number
+from firsthit._base.arrays import number
+from firsthit._files.whole import write
 
 from ._coco import MaskKind
-from ._files import class_of, meters, named, refused, stems, still, write
+from ._files import class_of, meters, named, refused, stems, still
 from ._rigid import rotation_and_scale
 
 if TYPE_CHECKING:

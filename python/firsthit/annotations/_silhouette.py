@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._arrays import CHUNK, chunks, threads_or_all
-from firsthit._filters import Filters
-from firsthit._lines import Lines
-from firsthit._project import Plane, Reach, picture, plane, rays_at, reach, sees_everything
-from firsthit._rays import Rays
+from firsthit._base.arrays import CHUNK, chunks, threads_or_all
+from firsthit._objects.filters import Filters
+from firsthit._queries.rays import Rays
+from firsthit._sensors.lines import Lines
+from firsthit._sensors.project import Plane, Reach, picture, plane, rays_at, reach, sees_everything
 
 from ._mask import Mask
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._camera import Camera
-    from firsthit._moving import Pushbroom, RollingShutter
-    from firsthit._sensor import Sensor
-    from firsthit._traceable import Built
+    from firsthit._objects.traceable import Built
+    from firsthit._sensors.camera import Camera
+    from firsthit._sensors.moving import Pushbroom, RollingShutter
+    from firsthit._sensors.sensor import Sensor
 
     from ._box import Box3D
 

@@ -6,8 +6,10 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
+from firsthit._files.whole import write
+
 from ._coco import MaskKind
-from ._files import class_numbers, class_of, named, refused, stems, write
+from ._files import class_numbers, class_of, named, refused, stems
 
 if TYPE_CHECKING:
     import os

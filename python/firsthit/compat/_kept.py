@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firsthit._foreign_mesh import is_mesh
-from firsthit._scene import Scene
-from firsthit._shapes import Mesh
+from firsthit._objects.foreign_mesh import is_mesh
+from firsthit._objects.shapes import Mesh
+from firsthit._scene.scene import Scene
 
 from ._foreign_meshes import is_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from firsthit._types import MeshLike
+    from firsthit._base.types import MeshLike
 
 
 class Kept:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firsthit._arrays import count, number, numbers, vector
+from firsthit._base.arrays import count, number, numbers, vector
 
 if TYPE_CHECKING:
     import numpy.typing as npt

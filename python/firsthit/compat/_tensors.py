@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from firsthit._arrays import cast, vectors
+from firsthit._base.arrays import cast, vectors
 
 from ._foreign_meshes import is_of
 

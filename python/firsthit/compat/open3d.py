@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from firsthit._arrays import count, threads_or_all
-from firsthit._scene import Scene
-from firsthit._shapes import Mesh
+from firsthit._base.arrays import count, threads_or_all
+from firsthit._objects.shapes import Mesh
+from firsthit._scene.scene import Scene
 
 from ._foreign_meshes import TOUCHING, is_of, unit_normals
 from ._pinhole import rays_of_matrices, rays_of_view
@@ -31,7 +31,7 @@ from ._tensors import array_of, asked_about, is_tensor, like, or_zero, parts_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._types import FillRule, MeshLike
+    from firsthit._base.types import FillRule, MeshLike
 
     from ._tensors import Asked, LegacyMesh, Tensor, TriangleMesh
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
-from firsthit._arrays import numbers
+from firsthit._base.arrays import numbers
 
 from ._foreign_meshes import TOUCHING, unit_normals
 from ._kept import Kept, surface, vertices_alone
@@ -27,8 +27,8 @@ from ._kept import Kept, surface, vertices_alone
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._nearest import ClosestPoints
-    from firsthit._types import FillRule, MeshLike
+    from firsthit._base.types import FillRule, MeshLike
+    from firsthit._queries.nearest import ClosestPoints
 
     Indices = npt.NDArray[np.int64]
     Floats = npt.NDArray[np.float64]

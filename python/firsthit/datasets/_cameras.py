@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._camera import Camera
-from firsthit._types import Convention, Projection, RayStart
+from firsthit._base.types import Convention, Projection, RayStart
+from firsthit._sensors.camera import Camera
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._scene import Scene
+    from firsthit._scene.scene import Scene
 
     from ._sampling import Axes, Vector
     from ._table import Table

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from ._job import check, check_packages
 
 if TYPE_CHECKING:
-    from firsthit._parts._mark import Mark
-    from firsthit._scene import Scene
-    from firsthit._types import Vector
+    from firsthit._base.types import Vector
+    from firsthit._parts.mark import Mark
+    from firsthit._scene.scene import Scene
 
     from ._plan import Plan
     from ._scenes import PlannedScene

@@ -8,7 +8,7 @@ import secrets
 from typing import IO, TYPE_CHECKING, Any
 
 from firsthit import _firsthit
-from firsthit._errors import FileWriteError
+from firsthit._base.errors import FileWriteError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

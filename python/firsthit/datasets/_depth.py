@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firsthit._errors import warn
-from firsthit._shapes import Plane
+from firsthit._base.errors import warn
+from firsthit._files.channels import DISTANCES
+from firsthit._objects.shapes import Plane
 
 from ._lidars import LidarSensor
-from ._output import DISTANCES
 
 if TYPE_CHECKING:
-    from firsthit._scene import Scene
+    from firsthit._scene.scene import Scene
 
     from ._plan import Plan
     from ._sensors import PictureSensor

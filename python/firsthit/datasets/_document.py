@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
-from firsthit._errors import FileFormatError, FileReadError
+from firsthit._base.errors import FileFormatError, FileReadError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

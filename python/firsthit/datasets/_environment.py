@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from firsthit._environment import Environment
-from firsthit._parts._digest import of_file
+from firsthit._looks.environment import Environment
+from firsthit._parts.digest import of_file
 
 from ._paths import inside
 

@@ -6,18 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firsthit._files import in_path
-from firsthit._parts._digest import canonical, of_arrays
-from firsthit._parts._part import name_of
-from firsthit._render import render
-from firsthit._stored import stored
+from firsthit._files.channels import DISTANCES, in_path
+from firsthit._files.stored import stored
+from firsthit._parts.digest import canonical, of_arrays
+from firsthit._parts.part import name_of
+from firsthit._pictures.render import render
 from firsthit.annotations import annotate
 from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import meters
 
 from ._fragments import fragments, instances, save_masks
 from ._lidars import LidarSensor
-from ._output import DISTANCES
 from ._sampling import POSES, Uniforms
 
 if TYPE_CHECKING:
@@ -25,11 +24,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._camera import Camera
-    from firsthit._frame import Frame
-    from firsthit._moving import Pushbroom, RollingShutter
-    from firsthit._parts._mark import Mark
-    from firsthit._scene import Scene
+    from firsthit._files.frame import Frame
+    from firsthit._parts.mark import Mark
+    from firsthit._scene.scene import Scene
+    from firsthit._sensors.camera import Camera
+    from firsthit._sensors.moving import Pushbroom, RollingShutter
 
     from ._output import Output
     from ._place import Place

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._conventions import rigid
-from firsthit._trajectory import Trajectory
-from firsthit._types import BodyName, Extrapolation, Interpolation, TrajectoryFormat
+from firsthit._base.types import BodyName, Extrapolation, Interpolation, TrajectoryFormat
+from firsthit._sensors.conventions import rigid
+from firsthit._sensors.trajectory import Trajectory
 
 from ._paths import inside
 from ._place import Place
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._scene import Scene
+    from firsthit._scene.scene import Scene
 
     from ._sensors import PlannedSensor
     from ._table import Table

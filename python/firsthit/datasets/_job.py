@@ -6,18 +6,18 @@ import os
 from typing import TYPE_CHECKING, Any, cast
 
 from firsthit import _firsthit
-from firsthit._camera import Camera
-from firsthit._errors import FileFormatError
-from firsthit._lidar_scan import lacking
-from firsthit._parts._job import JOB, begin_job, job_in, refuse_other
-from firsthit._parts._mark import Mark, mark_of
-from firsthit._parts._scene_store import keep
-from firsthit._render import render
+from firsthit._base.errors import FileFormatError
+from firsthit._lidar.lidar_scan import lacking
+from firsthit._parts.job import JOB, begin_job, job_in, refuse_other
+from firsthit._parts.mark import Mark, mark_of
+from firsthit._parts.part import FRAMES
+from firsthit._parts.scene_store import keep
+from firsthit._pictures.render import render
+from firsthit._sensors.camera import Camera
 from firsthit.annotations import annotate
 from firsthit.annotations._classes import TOLD_OF
 
 from ._depth import warn_of_distances
-from ._form import FORM
 from ._frame import FrameMaker
 from ._lidars import LidarSensor
 from ._output_formats import KINDS
@@ -25,7 +25,7 @@ from ._output_formats import KINDS
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._scene import Scene
+    from firsthit._scene.scene import Scene
 
     from ._plan import Plan
 
@@ -61,7 +61,7 @@ def claim(run: str, folder: Path, plan: Plan, threads: int | None) -> list[Mark]
         If the folder is another job's, or cannot be written to.
     """
     path = folder / JOB
-    known = job_in(folder, FORM.folder)
+    known = job_in(folder, FRAMES.folder)
     if known is None:
         check_packages(plan)
         marks = []

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
-from firsthit._lidar import MODELS, Lidar
-from firsthit._scan import ScanSettings
-from firsthit._types import Returns, Rings, Turn
+from firsthit._base.types import Returns, Rings, Turn
+from firsthit._lidar.lidar import MODELS, Lidar
+from firsthit._lidar.scan import ScanSettings
 
 from ._cameras import matrix
 from ._paths import inside
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from firsthit._lidar_scan import LidarScan
-    from firsthit._scene import Scene
+    from firsthit._lidar.lidar_scan import LidarScan
+    from firsthit._scene.scene import Scene
 
     from ._place import Place
     from ._table import Table

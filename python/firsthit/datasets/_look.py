@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from firsthit import _firsthit
-from firsthit._colors import Colors, colors_of
-from firsthit._edges import Edges
-from firsthit._lights import background_native
-from firsthit._shading import Shader, shader_of
-from firsthit._types import ColorMapName, EdgeKind, LightName, ShaderName, ToneMapName
+from firsthit._base.types import ColorMapName, EdgeKind, LightName, ShaderName, ToneMapName
+from firsthit._looks.colors import Colors, colors_of
+from firsthit._looks.edges import Edges
+from firsthit._looks.lights import background_native
+from firsthit._looks.shading import Shader, shader_of
 
 from ._environment import environment
 from ._lidars import LidarSensor
@@ -18,7 +18,7 @@ from ._sensors import CameraSensor
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._scene import Scene
+    from firsthit._scene.scene import Scene
 
     from ._sensors import PlannedSensor
     from ._table import Table

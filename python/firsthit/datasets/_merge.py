@@ -11,15 +11,16 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from firsthit._parts._digest import canonical
-from firsthit._parts._link import link
-from firsthit._parts._part import name_of, remove_leftovers
-from firsthit._parts._records import read
-from firsthit._parts._whole_file import writing_file
+from firsthit._files.whole import write
+from firsthit._parts.digest import canonical
+from firsthit._parts.link import link
+from firsthit._parts.part import name_of, remove_leftovers
+from firsthit._parts.records import read
+from firsthit._parts.whole_file import writing_file
 from firsthit.annotations._bop import SAME_SIZE
 from firsthit.annotations._bop_models import camera_record, models, write_models
 from firsthit.annotations._classes import TOLD_OF
-from firsthit.annotations._files import as_json, meters, write
+from firsthit.annotations._files import as_json, meters
 from firsthit.annotations._yolo import _yaml
 
 from ._coco_merge import save_coco

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from firsthit._flow import _check_pair, disparity, optical_flow
+from firsthit._pictures.flow import _check_pair, disparity, optical_flow
 
 from ._sensors import CameraSensor
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._scene import Scene
+    from firsthit._scene.scene import Scene
 
     from ._place import Place
     from ._sensors import PictureSensor, PlannedSensor

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, get_args
 
 from firsthit import _firsthit
-from firsthit._channel_hints import hint
-from firsthit._files import attribute_of, in_path
-from firsthit._lidar_scan import LidarScan
-from firsthit._project import plane
-from firsthit._types import Far, IdentifierName
+from firsthit._base.channel_hints import hint
+from firsthit._base.types import Far, IdentifierName
+from firsthit._files.channels import DISTANCES, attribute_of, in_path
+from firsthit._lidar.lidar_scan import LidarScan
+from firsthit._sensors.project import plane
 
 from ._lidars import LidarSensor
 from ._look import LOOK, NO_LOOK, Look, look, refuse
@@ -29,9 +29,6 @@ CLOUDS = tuple(extension.removeprefix(".") for extension in LidarScan.EXTENSIONS
 
 #: How files hold numbers.
 _STORED = ("far", "png_labels", "dtype", "compress")
-
-#: Channels of distances, whose pictures need a scale.
-DISTANCES = ("t", "range", "z")
 
 
 class Output(NamedTuple):

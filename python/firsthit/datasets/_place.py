@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._scene import Scene
-    from firsthit._trajectory import Trajectory
+    from firsthit._scene.scene import Scene
+    from firsthit._sensors.trajectory import Trajectory
 
 
 class Place(NamedTuple):

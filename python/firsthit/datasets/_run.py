@@ -7,17 +7,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit._arrays import flag, threads_or_all
-from firsthit._errors import FileError
-from firsthit._log import timed
-from firsthit._parts._drive import checked_on, drive
-from firsthit._parts._folder import Parts
-from firsthit._parts._job import range_of
-from firsthit._parts._part import remove_leftovers
-from firsthit._parts._scene_store import forget, opened
-from firsthit._parts._time_left import checked_progress
+from firsthit._base.arrays import flag, threads_or_all
+from firsthit._base.errors import FileError
+from firsthit._base.log import timed
+from firsthit._parts.drive import checked_on, drive
+from firsthit._parts.folder import Parts
+from firsthit._parts.job import range_of
+from firsthit._parts.part import FRAMES, remove_leftovers
+from firsthit._parts.scene_store import forget, opened
+from firsthit._parts.time_left import checked_progress
 
-from ._form import FORM
 from ._frame import FrameMaker
 from ._job import claim
 from ._merge import merge
@@ -27,9 +26,9 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-    from firsthit._parts._engine import On, Task
-    from firsthit._parts._mark import Mark
-    from firsthit._types import Progress
+    from firsthit._base.types import Progress
+    from firsthit._parts.engine import On, Task
+    from firsthit._parts.mark import Mark
 
 
 class Made(NamedTuple):
@@ -148,11 +147,17 @@ def dataset(
     run = uuid.uuid4().hex
     marks = claim(run, folder, made, threads)
     remove_leftovers(folder)
-    frames = Parts(folder, FORM, made.digest, made.frames)
+    frames = Parts(folder, FRAMES, made.digest, made.frames)
     maker = _Frames(run, made, marks, threads)
     try:
         count, kept = drive(
-            frames, FORM, maker, wanted, on=on, verify=is_verified, progress=progress, unit="frames"
+            frames,
+            maker,
+            wanted,
+            on=on,
+            verify=is_verified,
+            progress=progress,
+            unit="frames",
         )
         missing, digest = frames.state()
         if digest is not None and count < made.frames:

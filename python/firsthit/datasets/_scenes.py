@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from firsthit._parts._scene_store import read
+from firsthit._parts.scene_store import read
 from firsthit.annotations import Keypoints
 
 from ._paths import inside
@@ -12,7 +12,7 @@ from ._paths import inside
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._scene import Scene
+    from firsthit._scene.scene import Scene
 
     from ._table import Table
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, get_args
 
 import numpy as np
 
-from firsthit._moving import Pushbroom, RollingShutter
-from firsthit._types import Readout
+from firsthit._base.types import Readout
+from firsthit._sensors.moving import Pushbroom, RollingShutter
 
 from ._cameras import camera
 from ._lidars import LidarSensor, lidar
@@ -17,7 +17,7 @@ from ._lidars import LidarSensor, lidar
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._camera import Camera
+    from firsthit._sensors.camera import Camera
 
     from ._place import Place
     from ._table import Table

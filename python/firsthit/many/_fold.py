@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 
-from firsthit._arrays import numbers, text
+from firsthit._base.arrays import numbers, text
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._hits import Hits
-    from firsthit._types import Asked
+    from firsthit._base.types import Asked
+    from firsthit._queries.hits import Hits
 
 #: What an array may be called.
 _NAME = re.compile(r"[A-Za-z0-9_]{1,100}")

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._arrays import flag, threads_or_all
-from firsthit._errors import FileWriteError
-from firsthit._parts._digest import of_json
-from firsthit._parts._drive import Work, checked_on, drive, is_here, make
-from firsthit._parts._engine import Task
-from firsthit._parts._folder import Parts
-from firsthit._parts._job import (
+from firsthit._base.arrays import flag, threads_or_all
+from firsthit._base.errors import FileWriteError
+from firsthit._parts.digest import of_json
+from firsthit._parts.drive import Work, checked_on, drive, is_here, make
+from firsthit._parts.engine import Task
+from firsthit._parts.folder import Parts
+from firsthit._parts.job import (
     JOB,
     begin_job,
     checked_part,
@@ -27,26 +27,25 @@ from firsthit._parts._job import (
     refuse_other,
     write_job,
 )
-from firsthit._parts._mark import mark_of
-from firsthit._parts._part import Form, remove_leftovers
-from firsthit._parts._scene_store import BUILT, SharedScene, forget, read
-from firsthit._parts._time_left import checked_progress
-from firsthit._scene import Scene
+from firsthit._parts.mark import mark_of
+from firsthit._parts.part import PARTS, remove_leftovers
+from firsthit._parts.scene_store import BUILT, SharedScene, forget, read
+from firsthit._parts.time_left import checked_progress
+from firsthit._scene.scene import Scene
 
 from ._made import Made
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from firsthit._environment import Environment
-    from firsthit._parts._drive import Maker
-    from firsthit._parts._engine import On
-    from firsthit._types import Progress, Selection
+    from firsthit._base.types import Progress, Selection
+    from firsthit._looks.environment import Environment
+    from firsthit._parts.drive import Maker
+    from firsthit._parts.engine import On
 
     from ._rays import Batch
 
 #: What parts are called in the folder of a job.
-FORM = Form("parts", "part.json", "job")
 
 #: Counts up when the same job makes other bytes.
 ANSWER = 1
@@ -160,7 +159,7 @@ class Job:
         }
         self.digest = of_json(about)
         self._said = {**about, "job": self.digest, "parts": count}
-        self.parts = Parts(self.out, FORM, self.digest, count)
+        self.parts = Parts(self.out, PARTS, self.digest, count)
         #: What the file of the job says, once the folder is claimed.
         self._known: dict[str, Any] = {}
 
@@ -173,7 +172,7 @@ class Job:
             If the folder is another job's, or cannot be written to.
         """
         path = self.out / JOB
-        known = job_in(self.out, FORM.folder) or begin_job(path, self._said)
+        known = job_in(self.out, PARTS.folder) or begin_job(path, self._said)
         not_given = dict.fromkeys(name for name in known if name not in self._said)
         wanted = {**self._compared(), **not_given}
         # What the digest is of tells more.
@@ -200,7 +199,6 @@ class Job:
         try:
             return drive(
                 self.parts,
-                FORM,
                 maker,
                 wanted,
                 on=how.on,
@@ -259,7 +257,7 @@ class Stream(Job):
                     why = "it has other rays than those that came now; take another folder"
                     raise FileWriteError(f"{path}: {why}", path)
 
-        work = Work(maker, self.parts, FORM)
+        work = Work(maker, self.parts)
         try:
             made = make(work, tasks(), how.on, how.progress, (None, 0, "parts"))
         finally:

@@ -11,22 +11,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 from urllib.parse import quote
 
-from firsthit._arrays import count, flag
-from firsthit._errors import FileFormatError, FileReadError, FileWriteError
-from firsthit._parts._digest import Digests, canonical, of_file, of_json
-from firsthit._parts._inside import open_inside
-from firsthit._parts._job import known_job, refuse_other, write_job
-from firsthit._parts._part import remove_leftovers
-from firsthit._parts._ranges import in_words
-from firsthit._parts._time_left import following
-from firsthit._parts._whole_file import writing_file
+from firsthit._base.arrays import count, flag
+from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError
+from firsthit._parts.digest import Digests, canonical, of_file, of_json
+from firsthit._parts.inside import open_inside
+from firsthit._parts.job import known_job, refuse_other, write_job
+from firsthit._parts.part import remove_leftovers
+from firsthit._parts.ranges import in_words
+from firsthit._parts.time_left import following
+from firsthit._parts.whole_file import writing_file
 
 from ._parts_of import found
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from firsthit._types import Progress
+    from firsthit._base.types import Progress
 
     from ._parts_of import Found
 

@@ -6,18 +6,18 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit._arrays import flag
-from firsthit._errors import FileFormatError
-from firsthit._parts._folder import Parts
-from firsthit._parts._job import JOB, known_job
-from firsthit.datasets._form import FORM as FRAMES
+from firsthit._base.arrays import flag
+from firsthit._base.errors import FileFormatError
+from firsthit._parts.folder import Parts
+from firsthit._parts.job import JOB, known_job
+from firsthit._parts.part import FRAMES, PARTS
 
-from ._jobs import FORM, MOST_IN_A_STREAM
+from ._jobs import MOST_IN_A_STREAM
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from firsthit._parts._part import Form
+    from firsthit._parts.part import Form
 
 #: More parts than this no folder has.
 _MOST = 10**12
@@ -160,7 +160,7 @@ def _is_stream(said: dict[str, Any]) -> bool:
 
 def _form_of(out: Path, said: dict[str, Any]) -> tuple[Form, str, int]:
     """Return what the parts of a job are called, its digest, and how many parts it has."""
-    for form, key in ((FORM, "parts"), (FRAMES, "frames")):
+    for form, key in ((PARTS, "parts"), (FRAMES, "frames")):
         job, count = said.get(form.job), said.get(key)
         if count is None and _is_stream(said):
             # Nobody knows before it has come to its end.

@@ -14,8 +14,8 @@ from multiprocessing.context import SpawnContext, SpawnProcess
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from firsthit._arrays import count
-from firsthit._parts._engine import keep_warnings
+from firsthit._base.arrays import count
+from firsthit._parts.engine import keep_warnings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from firsthit._errors import FileFormatError, FileReadError
+from firsthit._base.errors import FileFormatError, FileReadError
 
 if TYPE_CHECKING:
     import numpy.typing as npt

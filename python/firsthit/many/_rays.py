@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from firsthit._arrays import cast, numbers
-from firsthit._parts._digest import of_arrays, of_json
-from firsthit._sensor import Sensor
+from firsthit._base.arrays import cast, numbers
+from firsthit._parts.digest import of_arrays, of_json
+from firsthit._sensors.sensor import Sensor
 
 from ._ray_files import RayFile, ray_files
 from ._sensors import digest_of

@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._arrays import color_of, count, number
-from firsthit._colors import Colors
-from firsthit._display import Display
-from firsthit._edges import Edges
-from firsthit._files import distinct, files, in_path
-from firsthit._lights import background_native
-from firsthit._parts._digest import finite, of_arrays, of_json
-from firsthit._parts._part import name_of
-from firsthit._render import render
-from firsthit._shading import Shader
-from firsthit._stored import stored
-from firsthit.datasets._output import DISTANCES
+from firsthit._base.arrays import color_of, count, number
+from firsthit._files.channels import DISTANCES, distinct, files, in_path
+from firsthit._files.stored import stored
+from firsthit._looks.colors import Colors
+from firsthit._looks.display import Display
+from firsthit._looks.edges import Edges
+from firsthit._looks.lights import background_native
+from firsthit._looks.shading import Shader
+from firsthit._parts.digest import finite, of_arrays, of_json
+from firsthit._parts.part import name_of
+from firsthit._pictures.render import render
 
 from ._jobs import How, Job, listed, lit, settled, shared
 from ._names import file_name, identity
@@ -32,14 +31,14 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._environment import Environment
-    from firsthit._frame import Frame
-    from firsthit._lights import Sky
-    from firsthit._parts._engine import On, Task
-    from firsthit._parts._scene_store import SharedScene
-    from firsthit._scene import Scene
-    from firsthit._sensor import Sensor
-    from firsthit._types import Asked, Far, Progress, Selection, Side
+    from firsthit._base.types import Asked, Far, Progress, Selection, Side
+    from firsthit._files.frame import Frame
+    from firsthit._looks.environment import Environment
+    from firsthit._looks.lights import Sky
+    from firsthit._parts.engine import On, Task
+    from firsthit._parts.scene_store import SharedScene
+    from firsthit._scene.scene import Scene
+    from firsthit._sensors.sensor import Sensor
     from firsthit.typing import ColorMapName, LightName, OwnShade, ShaderName, ToneMapName
 
     from ._made import Made

@@ -6,9 +6,9 @@ import json
 from typing import TYPE_CHECKING
 
 from firsthit import _firsthit
-from firsthit._parts._digest import Digests, of_json
-from firsthit._scene import Scene
-from firsthit._sensor import Sensor
+from firsthit._parts.digest import Digests, of_json
+from firsthit._scene.scene import Scene
+from firsthit._sensors.sensor import Sensor
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

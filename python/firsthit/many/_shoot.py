@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from firsthit._arrays import count
-from firsthit._errors import FileFormatError
-from firsthit._files import distinct
-from firsthit._hits import _OF_RAYS
-from firsthit._parts._digest import of_arrays
-from firsthit._parts._drive import is_here
-from firsthit._parts._inside import open_inside
-from firsthit.annotations._files import write
+from firsthit._base.arrays import count
+from firsthit._base.errors import FileFormatError
+from firsthit._files.channels import distinct
+from firsthit._files.whole import write
+from firsthit._parts.digest import of_arrays
+from firsthit._parts.drive import is_here
+from firsthit._parts.inside import open_inside
+from firsthit._queries.hits import _OF_RAYS
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum, checked
 from ._hit_files import EXTENSIONS, check_package, write_hits
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._parts._engine import On, Task
-    from firsthit._parts._scene_store import SharedScene
-    from firsthit._scene import Scene
-    from firsthit._sensor import Sensor
-    from firsthit._types import Asked, Progress, Selection, Side
+    from firsthit._base.types import Asked, Progress, Selection, Side
+    from firsthit._parts.engine import On, Task
+    from firsthit._parts.scene_store import SharedScene
+    from firsthit._scene.scene import Scene
+    from firsthit._sensors.sensor import Sensor
 
     from ._fold import Arrays
     from ._made import Made

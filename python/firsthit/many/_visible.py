@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from firsthit._arrays import count, number, vectors
-from firsthit._errors import FileFormatError, FileReadError, FileWriteError
-from firsthit._parts._digest import of_arrays
-from firsthit._parts._drive import is_here
-from firsthit._parts._inside import open_inside
-from firsthit._parts._link import link
-from firsthit._parts._records import read
-from firsthit.annotations._files import write
+from firsthit._base.arrays import count, number, vectors
+from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError
+from firsthit._files.whole import write
+from firsthit._parts.digest import of_arrays
+from firsthit._parts.drive import is_here
+from firsthit._parts.inside import open_inside
+from firsthit._parts.link import link
+from firsthit._parts.records import read
 
 from ._jobs import How, Job, listed, settled, shared
 from ._shared_arrays import SharedArrays
@@ -25,10 +25,10 @@ from ._shared_arrays import SharedArrays
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._parts._engine import On, Task
-    from firsthit._parts._scene_store import SharedScene
-    from firsthit._scene import Scene
-    from firsthit._types import Progress, Selection
+    from firsthit._base.types import Progress, Selection
+    from firsthit._parts.engine import On, Task
+    from firsthit._parts.scene_store import SharedScene
+    from firsthit._scene.scene import Scene
 
     from ._made import Made
 

@@ -1,0 +1,1 @@
+"""Laser scanners, their scans, and files of these."""

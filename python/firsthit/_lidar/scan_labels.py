@@ -1,0 +1,44 @@
+"""Numbers of a scan's returns by the scanner's lasers and the scene's objects."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from firsthit._base.arrays import count
+from firsthit._objects.object import chosen
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
+    from firsthit._base.types import ObjectKey
+    from firsthit._objects.object import Object
+
+#: The largest class of LAS 1.4.
+_MOST = 255
+
+
+def classes_of(
+    objects: Sequence[Object], classes: Mapping[ObjectKey, int]
+) -> npt.NDArray[np.int32]:
+    """Return the class of each object, 0 for those that are given none."""
+    if not isinstance(classes, Mapping):
+        raise TypeError(f"classes must be a dict of numbers by object, got {classes!r}")
+    made = np.zeros(len(objects), np.int32)
+    for key, number in classes.items():
+        made[list(chosen(objects, key))] = count(f"classes[{key!r}]", number, 0, _MOST)
+    return made
+
+
+def from_lowest(ring: npt.NDArray[np.int32], elevation: npt.NDArray[np.float64]) -> dict[int, int]:
+    """Return the place of each laser from the lowest on, by its number."""
+    numbers, which = np.unique(ring, return_inverse=True)
+    lowest = np.full(len(numbers), np.inf)
+    np.minimum.at(lowest, which.reshape(-1), elevation.reshape(-1))
+    # Of equal ones that with the lower number.
+    order = np.argsort(lowest, kind="stable")
+    return {int(numbers[laser]): place for place, laser in enumerate(order)}

@@ -1,0 +1,1 @@
+"""What things look like: materials, lights, environments, shading. It knows no objects."""

@@ -1,0 +1,193 @@
+"""The shading of hits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, get_args
+
+from firsthit import _firsthit
+from firsthit._base.arrays import color_of, count, flag, number, settle, vector
+from firsthit._base.types import LightName, ShaderName
+
+from .colors import Colors
+
+if TYPE_CHECKING:
+    from firsthit._base.types import Vector
+
+    from .colors import ColorsTuple
+
+    Setting = bool | float | Vector
+    ShadingTuple = tuple[
+        str | None,
+        list[tuple[str, Setting]],
+        str | None,
+        bool | None,
+        int | None,
+        ColorsTuple | None,
+    ]
+
+_SHADERS = get_args(ShaderName)
+_LIGHTS = get_args(LightName)
+
+#: Points of a pixel where nobody says, of a function of one's own.
+SAMPLES: int = _firsthit.defaults()[0]
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Shader:
+    """A shader of the library, with its settings. Immutable.
+
+    Parameters
+    ----------
+    name : str
+        The shader's name: ``"direct"``, ``"lambert"``, ... docs/shading.md explains
+        them all.
+    **settings : bool, float, (3,) array_like or str
+        Settings of the shader by their names; the usual ones if left out. Colours are linear
+        numbers, or sRGB as ``"#rrggbb"`` or a CSS name.
+
+    Raises
+    ------
+    ValueError
+        For an unknown shader or setting, and for a value that makes no sense.
+    TypeError
+        For a setting of another type.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> shader = fh.Shader("path", depth=4)
+    >>> shader
+    Shader('path', depth=4.0, roulette=3.0)
+    >>> shader["depth"]
+    4.0
+    """
+
+    name: ShaderName
+    settings: tuple[tuple[str, Setting], ...]
+
+    def __init__(self, name: ShaderName, **settings: Any) -> None:
+        if not isinstance(name, str) or name not in _SHADERS:
+            raise ValueError(f"shade must be one of {', '.join(_SHADERS)}, got {name!r}")
+        domains = dict(_firsthit.shader_settings(name))
+        given = [(key, _value(key, domains, value)) for key, value in settings.items()]
+        settle(self, name=name, settings=tuple(_firsthit.check_shader(name, given)))
+
+    def __getitem__(self, name: str) -> Setting:
+        """Return a setting by its name."""
+        return dict(self.settings)[name]
+
+    def __repr__(self) -> str:
+        settings = "".join(f", {name}={value!r}" for name, value in self.settings)
+        return f"Shader({self.name!r}{settings})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _shader, (self.name, dict(self.settings))
+
+
+def _shader(name: ShaderName, settings: dict[str, Setting]) -> Shader:
+    return Shader(name, **settings)
+
+
+def _value(name: str, domains: dict[str, str], value: Any) -> Setting:
+    """Return a value of a setting's form."""
+    domain = domains.get(name)
+    if domain is None:
+        known = ", ".join(domains) or "none"
+        raise ValueError(f"{name} is no setting of the shader; there are {known}")
+    if domain == "flag":
+        return flag(name, value)
+    if domain == "number":
+        return number(name, value)
+    return color_of(name, value) if domain == "color" else vector(name, value)
+
+
+@dataclass(frozen=True, init=False)
+class Shading:
+    """The default shading of hits: see `Scene.shading`. Immutable.
+
+    What is ``None`` is decided by the scene and the camera, as `render` says.
+
+    Parameters
+    ----------
+    shade : str or Shader, optional
+        The shader.
+    samples : int, optional
+        The number of points of a pixel whose mean is its colour. See `render`.
+    light : {"auto", "studio", "overcast", "sun", "headlight", "shoulder"}, optional
+        Lights that go with the camera, in place of the scene's.
+    ground : bool, optional
+        Whether there is a ground that only shadows are seen of, under everything.
+    colors : Colors, optional
+        Colours by numbers, in place of those that surfaces have.
+    **settings : bool, float, (3,) array_like or str
+        Settings of the shader: ``ambient`` without a ``shade`` means ``"lambert"``, others mean
+        ``"direct"``.
+
+    Raises
+    ------
+    ValueError
+        For an unknown shader, light or setting, a colour that makes no sense, and samples that are
+        not from 1 to 4294967295.
+    TypeError
+        For flags that are not ``True`` or ``False``.
+    """
+
+    shade: Shader | None
+    samples: int | None
+    light: LightName | None
+    ground: bool | None
+    colors: Colors | None
+
+    def __init__(
+        self,
+        shade: ShaderName | Shader | None = None,
+        *,
+        samples: int | None = None,
+        light: LightName | None = None,
+        ground: bool | None = None,
+        colors: Colors | None = None,
+        **settings: Any,
+    ) -> None:
+        if samples is not None:
+            samples = count("samples", samples)
+            if not 1 <= samples < 2**32:
+                raise ValueError(f"samples must be from 1 to 4294967295, got {samples}")
+        if light is not None and (not isinstance(light, str) or light not in _LIGHTS):
+            raise ValueError(f"light must be one of {', '.join(_LIGHTS)}, got {light!r}")
+        if ground is not None:
+            ground = flag("ground", ground)
+        if colors is not None and not isinstance(colors, Colors):
+            raise TypeError(f"colors must be Colors, got {colors!r}")
+        shader = shader_of(shade, settings)
+        settle(self, shade=shader, samples=samples, light=light, ground=ground, colors=colors)
+
+    def _native(self) -> ShadingTuple:
+        name = None if self.shade is None else self.shade.name
+        settings = [] if self.shade is None else list(self.shade.settings)
+        colors = None if self.colors is None else self.colors._native()
+        return name, settings, self.light, self.ground, self.samples, colors
+
+    def _but(self, **changes: Any) -> Shading:
+        """Return the same with other values for those that are not ``None``."""
+        own: dict[str, Any] = {"shade": self.shade, "samples": self.samples}
+        own |= {"light": self.light, "ground": self.ground, "colors": self.colors}
+        return Shading(
+            **(own | {key: value for key, value in changes.items() if value is not None})
+        )
+
+    def _without_light(self) -> Shading:
+        """Return the same for a picture that has an environment of its own."""
+        return Shading(self.shade, samples=self.samples, ground=self.ground, colors=self.colors)
+
+
+def shader_of(shade: ShaderName | Shader | None, settings: dict[str, Any]) -> Shader | None:
+    """Return a shader with some of its settings replaced by those that are not ``None``."""
+    given = {name: value for name, value in settings.items() if value is not None}
+    if shade is None:
+        if not given:
+            return None
+        shade = "lambert" if "ambient" in given else "direct"
+    if isinstance(shade, Shader):
+        return Shader(shade.name, **(dict(shade.settings) | given)) if given else shade
+    return Shader(shade, **given)

@@ -1,0 +1,1 @@
+"""Shapes, objects, and what is built from them. It knows no sensors."""

@@ -1,0 +1,1 @@
+"""Rays to answers: hits, distances, sections, findings. It knows no pictures."""

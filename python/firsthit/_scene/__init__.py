@@ -1,0 +1,1 @@
+"""The class `Scene`, what changes it, and files that it comes from."""

@@ -1,0 +1,526 @@
+"""Scenes: objects and lights."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+import numpy as np
+
+from firsthit import _firsthit
+from firsthit._base.arrays import color_of, text, vector
+from firsthit._base.log import DEBUG, timed
+from firsthit._base.turn import Turn
+from firsthit._looks.display import Display, as_display
+from firsthit._looks.edges import Edges
+from firsthit._looks.environment import Environment
+from firsthit._looks.lights import TRANSPARENT, Light, Sky, background_native, is_transparent
+from firsthit._looks.shading import Shading
+from firsthit._objects import foreign
+from firsthit._objects.filters import ALL, one_mask
+from firsthit._objects.foreign_kinds import WANTED, reader_of
+from firsthit._objects.object import Object, affine, placed
+from firsthit._objects.shapes import Shape
+from firsthit._objects.traceable import Built
+from firsthit._queries.explain import Explainable
+from firsthit._queries.lint import Lintable
+from firsthit._queries.measures import Measures
+from firsthit._queries.nearest import NearestQueries
+from firsthit._queries.section import Cuttable
+from firsthit._queries.shoot import Queries
+from firsthit._queries.sights import Sights
+from firsthit._sensors.camera import Camera
+from firsthit._sensors.named_camera import NamedCamera, find
+from firsthit._view.notebook import Viewable
+
+from .changes import Changes
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
+    from firsthit._base.types import Build, ForeignMesh, SceneLike, Vector
+    from firsthit._looks.material import Material
+    from firsthit._objects.traceable import Around
+
+
+#: How trees may be built.
+_BUILDS: tuple[Build, ...] = ("auto", "fast", "best")
+
+
+class _Last(NamedTuple):
+    """The scene that was built last."""
+
+    built: Built
+    #: What changed since something was built from all objects, by identifiers; more may come.
+    moves: list[int]
+    #: How many of them are in ``built``.
+    known: int
+
+
+class Scene(
+    Changes, Queries, Sights, Measures, NearestQueries, Cuttable, Lintable, Explainable, Viewable
+):
+    """Objects and lights. Any number of threads may use it at once.
+
+    An object's identifier is its index in the order of insertion. Coordinates and lengths have any
+    unit, the scene unit. Adding is cheap: the trees for rays are built by the first call that needs
+    them, and later calls build only what has changed. Ctrl-C ends queries at once, but not a
+    build: it is raised when that is done.
+
+    Parameters
+    ----------
+    build : {"auto", "fast", "best"}
+        How the trees over meshes are built: ``"fast"`` in a third of the time or less, ``"best"``
+        so that each ray takes least. No answer depends on it. ``"auto"`` is ``"best"``, since
+        nobody knows how many rays will be shot. `save` writes the best ones.
+
+    Examples
+    --------
+    >>> import firsthit as fh
+    >>> scene = fh.Scene()
+    >>> scene.add(fh.Plane(point=(0, 0, 0), normal=(0, 0, 1)), name="ground")
+    0
+    >>> scene.add(fh.Sphere(center=(0, 0, 1), radius=1), name="ball")
+    1
+    >>> scene
+    Scene(2 objects, 0 triangles)
+    """
+
+    def __init__(self, *, build: Build = "auto") -> None:
+        if build not in _BUILDS:
+            expected = ", ".join(repr(name) for name in _BUILDS)
+            raise ValueError(f"build must be one of {expected}, got {build!r}")
+        self._build_as: Build = build
+        self._objects: list[Object] = []
+        #: See `Changes`.
+        self._moves: list[int] = []
+        self._lights: list[Light] = []
+        self._environment: Environment | None = None
+        self._cameras: tuple[NamedCamera, ...] = ()
+        self._background: Sky | Vector | str | None = None
+        self._shading = Shading()
+        self._display = Display()
+        self._edges: Edges | None = None
+        self._up: Vector = (0.0, 0.0, 1.0)
+        #: Whether that is only the convention of the file's format.
+        self._up_is_guessed = False
+        #: Whether the first camera is the one to look through, as in scene files.
+        self._has_view = False
+        self._last: _Last | None = None
+        self._turn, self._changing = Turn(), Turn()
+
+    @overload
+    def add(
+        self,
+        shape: Shape | ForeignMesh,
+        *,
+        name: str = "",
+        transform: npt.ArrayLike | None = None,
+        color: npt.ArrayLike | None = None,
+        material: Material | Sequence[Material] | None = None,
+        mask: int = ALL,
+    ) -> int: ...
+
+    @overload
+    def add(
+        self,
+        shape: SceneLike,
+        *,
+        transform: npt.ArrayLike | None = None,
+        color: npt.ArrayLike | None = None,
+        material: Material | Sequence[Material] | None = None,
+        mask: int = ALL,
+    ) -> tuple[int, ...]: ...
+
+    def add(
+        self,
+        shape: Shape | ForeignMesh | SceneLike,
+        *,
+        name: str = "",
+        transform: npt.ArrayLike | None = None,
+        color: npt.ArrayLike | None = None,
+        material: Material | Sequence[Material] | None = None,
+        mask: int = ALL,
+    ) -> int | tuple[int, ...]:
+        """Add an object, or all objects of another package's scene.
+
+        Parameters
+        ----------
+        shape : Shape, or another package's mesh or scene
+            A `Mesh`, `Sphere`, ...; objects may share it, and nothing is copied. Or what `Mesh.of`
+            takes: a mesh of trimesh, PyVista, Open3D or meshio, or a pair of vertices and faces. Or
+            a ``trimesh.Scene``: each of its nodes with a mesh becomes an object with the node's
+            name and transform, and nodes that share a mesh go on sharing it. The colours of
+            vertices and faces are taken, as sRGB, and so are the colour and the image of trimesh's
+            materials, and attributes of vertices and faces, see `Hits.attribute`. What is no mesh
+            is left out, with a warning.
+            Scenes of other packages do not say which way is up: set `up` if it is not +z, as for a
+            glTF file that trimesh has read, where it is +y.
+        name : str
+            A name, which need not be unique; not for a scene, whose objects have their own.
+        transform : (4, 4) or (3, 4) array_like, optional
+            The affine map from object space to world space, for columns; it must be invertible. For
+            a scene, from its world space to that of this one. The identity if left out.
+        color : (3,) array_like or str, optional
+            The colour: linear numbers, or sRGB as ``"#rrggbb"`` or a CSS name. If left out, light
+            grey, or white for a mesh with colours of its own.
+        material : Material or sequence of Material, optional
+            A material in place of ``color``, or one for each of a mesh's ``slots``.
+        mask : int
+            32 bits: a ray meets the object if their masks have a bit in common, see `shoot`.
+
+        Returns
+        -------
+        int or tuple of int
+            The object's identifier; for a scene those of its objects, in the order of its nodes.
+
+        Raises
+        ------
+        ValueError
+            For a transform that is not invertible, values of a wrong shape or type, a color beside
+            a material, and a name with lone surrogates, which no file can hold.
+        TypeError
+            For something that is not a shape, a material or a name.
+
+        Warns
+        -----
+        FirsthitWarning
+            For what is left out of another package's scene.
+        """
+        name = text("name", name)
+        matrix = None if transform is None else affine(transform)
+        if foreign.is_scene(shape):
+            if name:
+                raise ValueError(f"name must be left out with a scene, got {name!r}")
+            parts = list(foreign.objects(shape))
+        elif isinstance(shape, Shape):
+            parts = [foreign.Part(name, shape)]
+        elif reader_of(shape) is not None:
+            parts = [foreign.Part(name, *foreign.mesh(shape))]
+        else:
+            raise TypeError(f"shape must be a shape, or {WANTED}, got {shape!r}")
+        bits = one_mask("mask", mask)
+        made = [placed(part, matrix, color, material, bits) for part in parts]
+        # One bytecode, in which nothing can intervene. A lock would deadlock in a signal's handler.
+        self._objects.extend(made)
+        if foreign.is_scene(shape):
+            first = self._identifier(made[0]) if made else 0
+            return tuple(range(first, first + len(made)))
+        return self._identifier(made[0])
+
+    def _identifier(self, made: Object) -> int:
+        """Return the identifier of an object that was just added; it may have moved since."""
+        places = reversed(range(len(self._objects)))
+        return next(k for k in places if self._objects[k]._mark is made._mark)
+
+    def add_light(self, light: Light) -> None:
+        """Add a light. Pictures of a scene without lights have automatic light, see `render`.
+
+        Parameters
+        ----------
+        light : DirectionalLight, PointLight, SpotLight, SphereLight, DiscLight or RectangleLight
+            The light, in world space.
+
+        Raises
+        ------
+        TypeError
+            For anything else.
+        """
+        if not isinstance(light, Light):
+            raise TypeError(f"light must be a light, got {light!r}")
+        self._lights.append(light)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save the scene, built, to a ``.fhs`` file, which `open` maps into memory as it is.
+
+        The file holds objects, meshes with their trees, materials, textures, lights, cameras, names
+        and what pictures are made with by default. It appears whole or not at all. A file of that
+        name is replaced; those who have it open keep theirs.
+
+        Parameters
+        ----------
+        path : path-like
+            The file; its name should end with ``.fhs``.
+
+        Raises
+        ------
+        FileWriteError
+            If the system refuses to write it; also an `OSError`.
+        ValueError
+            For a `shading` with more than 65,536 samples.
+        MemoryError
+            If memory is short.
+
+        Examples
+        --------
+        See `open`.
+        """
+        built, shading, background = self._ready(), self._shading, self._background
+        with timed("wrote %s", path):
+            _firsthit.save(
+                Path(path),
+                built.native,
+                [(made.name, made.camera._native, made.has_size) for made in self._cameras],
+                None if background is None else background_native(background),
+                shading._native(),
+                self._display._native,
+                None if self._edges is None else self._edges._native(),
+                self._has_view,
+                self._up,
+                self._up_is_guessed,
+            )
+
+    def _take_built(self, native: _firsthit.Scene) -> None:
+        """Take a scene built from the present objects and lights, so that none is built again."""
+        built = Built(self._objects[:], self._lights[:], self._around(), native)
+        self._last = _Last(built, self._moves, len(self._moves))
+
+    @property
+    def objects(self) -> tuple[Object, ...]:
+        """The objects, in the order of their identifiers."""
+        return tuple(self._objects)
+
+    @property
+    def lights(self) -> tuple[Light, ...]:
+        """The lights, in the order in which they were added."""
+        return tuple(self._lights)
+
+    @property
+    def environment(self) -> Environment | None:
+        """The light from all around, or None; a ``TypeError`` for what is no `Environment`."""
+        return self._environment
+
+    @environment.setter
+    def environment(self, environment: Environment | None) -> None:
+        if not (environment is None or isinstance(environment, Environment)):
+            raise TypeError(f"environment must be an Environment or None, got {environment!r}")
+        self._environment = environment
+
+    @property
+    def cameras(self) -> tuple[NamedCamera, ...]:
+        """The cameras of the file that the scene was read from, in its order."""
+        return self._cameras
+
+    def camera(
+        self, name: str | int = 0, *, columns: int | None = None, rows: int | None = None
+    ) -> Camera:
+        """Return a camera of the file that the scene was read from.
+
+        Parameters
+        ----------
+        name : str or int
+            Its name, or its index in `cameras`.
+        columns, rows : int, optional
+            Pixels across and down; both must be given if the file has no size.
+
+        Returns
+        -------
+        Camera
+            As `NamedCamera.at` makes it.
+
+        Raises
+        ------
+        KeyError
+            For a name or an index that no camera has.
+        ValueError
+            For a size that is incomplete or missing.
+        """
+        return find(self._cameras, name).at(columns=columns, rows=rows)
+
+    @property
+    def up(self) -> Vector:
+        """The direction upwards in world space, for `Camera.framing` and `render`; of any length.
+
+        A scene file says it, and for glTF it is +y. OBJ, STL and PLY files do not say it: it is +y
+        for OBJ and +z for STL and PLY, unless the meshes clearly stand on a flat base along the
+        other of the two axes. For other scenes it is +z. Setting zero, or numbers that are not
+        finite, is a ``ValueError``.
+        """
+        return vector("up", self._native().likely_up(self._up)) if self._up_is_guessed else self._up
+
+    @up.setter
+    def up(self, up: npt.ArrayLike) -> None:
+        direction = vector("up", up)
+        if not (any(direction) and all(map(math.isfinite, direction))):
+            raise ValueError(f"up must be a finite direction, not zero, got {direction}")
+        self._up, self._up_is_guessed = direction, False
+
+    @property
+    def background(self) -> Sky | Vector | str | None:
+        """The default background of `render`: a sky, a linear colour, "transparent", or None.
+
+        It is set to a `Sky`, to any colour that `render` takes, or to ``None``; anything else is a
+        ``ValueError``.
+        """
+        return self._background
+
+    @background.setter
+    def background(self, background: Sky | npt.ArrayLike | None) -> None:
+        if background is None or isinstance(background, Sky):
+            self._background = background
+        elif is_transparent(background):
+            self._background = "transparent"
+        else:
+            self._background = color_of("background", background, others=(TRANSPARENT,))
+
+    @property
+    def shading(self) -> Shading:
+        """The default shading of `render`; a ``TypeError`` for what is no `Shading`."""
+        return self._shading
+
+    @shading.setter
+    def shading(self, shading: Shading) -> None:
+        if not isinstance(shading, Shading):
+            raise TypeError(f"shading must be a Shading, got {shading!r}")
+        self._shading = shading
+
+    @property
+    def display(self) -> Display:
+        """The default display of PNGs of the scene's pictures, see `Frame.display`.
+
+        A ``TypeError`` for what is no `Display`.
+        """
+        return self._display
+
+    @display.setter
+    def display(self, display: Display) -> None:
+        self._display = as_display(display)
+
+    @property
+    def edges(self) -> Edges | None:
+        """The default lines along edges of `render`; a ``TypeError`` for what is no `Edges`."""
+        return self._edges
+
+    @edges.setter
+    def edges(self, edges: Edges | None) -> None:
+        if not isinstance(edges, Edges | None):
+            raise TypeError(f"edges must be an Edges or None, got {edges!r}")
+        self._edges = edges
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """The box around all finite objects in world space: its low and its high corner.
+
+        (2, 3) float64, in scene units; NaN without finite objects. Hidden ones do not count.
+        """
+        bounds = self._native().bounds()
+        return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
+
+    def _ready(self) -> Built:
+        """Return what rays are shot at: the objects and lights there are now, built."""
+        current = self._current()
+        if current is not None:
+            return current
+        with self._turn.taken():
+            # Another thread may have built it while this one waited.
+            current = self._current()
+            if current is None:
+                with timed("built %d objects", len(self._objects), level=DEBUG):
+                    current = self._build()
+            return current
+
+    def _current(self) -> Built | None:
+        """Return what was built last, unless something was added or moved since."""
+        last = self._last
+        if last is None or last.moves is not self._moves or last.known != len(last.moves):
+            return None
+        return last.built if self._is_all_in(last.built) else None
+
+    def _is_all_in(self, built: Built) -> bool:
+        """Tell whether nothing was added since something was built."""
+        counts = len(built.objects), len(built.lights)
+        is_all = counts == (len(self._objects), len(self._lights))
+        return is_all and built.around == self._around()
+
+    def _around(self) -> Around:
+        """Return what is around; which way is up counts only for an environment."""
+        if self._environment is None:
+            return None, (0.0, 0.0, 1.0), False
+        return self._environment, self._up, self._up_is_guessed
+
+    def _build(self) -> Built:
+        """Build what there is now, and remember it.
+
+        A signal's handler or another thread may add and move objects at any step. What this build
+        lacks must make it out of date for `_current`. A move that is in and counts as new does no
+        harm: it is made again.
+        """
+        last = self._last
+        if last is not None and last.moves is self._moves and self._is_all_in(last.built):
+            # Moves are counted before the objects are copied: a later one is then beyond the count.
+            known = len(last.moves)
+            # A copy, which shows all objects at one moment.
+            objects = self._objects[:]
+            count = len(last.built.objects)
+            changed = {k: objects[k] for k in last.moves[last.known :] if k < count}
+            built = last.built.changed(changed)
+            self._last = _Last(built, last.moves, known)
+            return built
+        # The list is replaced before the objects are copied: a later move is then in the new list.
+        moves: list[int] = []
+        self._moves = moves
+        around = self._around()
+        lights, objects = self._lights[:], self._objects[:]
+        while len(lights) < len(self._lights):
+            lights, objects = self._lights[:], self._objects[:]
+        previous = None if last is None else last.built.native
+        built = Built(objects, lights, around, previous=previous, build=self._build_as)
+        self._last = _Last(built, moves, 0)
+        return built
+
+    @property
+    def build(self) -> Build:
+        """The trade-off for building trees: ``"auto"``, ``"fast"`` or ``"best"``."""
+        return self._build_as
+
+    def _view(self) -> Camera:
+        """Return the default camera."""
+        return self._cameras[0].camera if self._has_view else Camera.framing(self)
+
+    def _triangles(self) -> int:
+        return sum(made.triangles for made in self._objects)
+
+    def __repr__(self) -> str:
+        plural = "" if len(self._objects) == 1 else "s"
+        return f"Scene({len(self._objects):,} object{plural}, {self._triangles():,} triangles)"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the objects; what is built from them is built again."""
+        return {name: self.__dict__[name] for name in _KEPT}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__()  # type: ignore[misc]
+        self.__dict__.update(state)
+
+    def __copy__(self) -> Scene:
+        """Copy: the shapes are shared, the lists are not."""
+        other = Scene()
+        other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
+        other._objects, other._lights = list(self._objects), list(self._lights)
+        built = self._current()
+        if built is not None:
+            # Where the objects were when it was built, lest a move come in between.
+            other._objects[: len(built.objects)] = built.objects
+            other._last = _Last(built, other._moves, 0)
+        return other
+
+
+#: What a scene is, beside what is built from it.
+_KEPT = (
+    "_build_as",
+    "_objects",
+    "_lights",
+    "_environment",
+    "_cameras",
+    "_has_view",
+    "_background",
+    "_shading",
+    "_display",
+    "_edges",
+    "_up",
+    "_up_is_guessed",
+)

@@ -1,0 +1,1 @@
+"""What makes rays: cameras, and what other programs say of them. It knows no hits."""

@@ -1,0 +1,208 @@
+"""The cameras of other programs' files."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from firsthit import _firsthit
+from firsthit._base.arrays import count
+from firsthit._base.errors import warn
+
+from . import calibrations, colmap, conventions
+
+if TYPE_CHECKING:
+    from typing import Literal
+
+    import numpy.typing as npt
+
+    from .calibrations import Calibration
+    from .camera import Camera
+
+
+class ReadCameras:
+    """The part of `Camera` that reads files of other programs."""
+
+    @classmethod
+    def from_colmap(
+        cls, cameras: str | os.PathLike[str], images: str | os.PathLike[str] | None = None
+    ) -> dict[str, Camera]:
+        """Read the cameras of a COLMAP reconstruction.
+
+        Parameters
+        ----------
+        cameras, images : path-like
+            ``cameras.bin`` and ``images.bin``, or ``cameras.txt`` and ``images.txt``; or only the
+            folder that has them. Of a folder that has both pairs the binary one is read.
+
+        Returns
+        -------
+        dict of str to Camera
+            A camera for each image, by the image's name, in the order of the file.
+
+        Raises
+        ------
+        FileReadError
+            If the system refuses to read a file; also an `OSError`.
+        FileFormatError
+            For a file that is cut off or has more than it says, numbers that are not finite, a
+            camera or a name that is there twice, a model that COLMAP does not have, and a folder
+            without the files; also a `ValueError`.
+
+        Warns
+        -----
+        FirsthitWarning
+            For images of the models ``SIMPLE_DIVISION``, ``DIVISION`` and ``EQUIRECTANGULAR``,
+            which are no lenses here: they are left out.
+        """
+        kind = cast("type[Camera]", cls)
+        if images is None:
+            cameras, images = colmap.files(cameras)
+        content = colmap.content(cameras), colmap.content(images)
+        paths = os.fspath(cameras), os.fspath(images)
+        read, unsupported = _firsthit.Camera.of_colmap(content, paths)
+        if unsupported:
+            images_, models = zip(*unsupported, strict=True)
+            which = f"{len(images_)} images are left out, such as {images_[0]!r}"
+            known = ", ".join(sorted(set(models)))
+            warn(f"{paths[1]}: {which}: their models are not supported ({known})")
+        return {name: kind._of(native) for name, native in read}
+
+    @classmethod
+    def from_ros(cls, path: str | os.PathLike[str], *, pose: npt.ArrayLike | None = None) -> Camera:
+        """Read the camera of a ROS ``CameraInfo`` in YAML.
+
+        Parameters
+        ----------
+        path : path-like
+            A file of ROS's camera_calibration, or a message as ``rostopic echo`` or
+            ``ros2 topic echo`` prints it.
+        pose : (4, 4) or (3, 4) array_like, optional
+            The pose of the optical frame, as `from_intrinsics` takes it with the convention
+            ``ros``; the identity if left out.
+
+        Returns
+        -------
+        Camera
+            That of the raw picture: from K and D, after a region of interest and binning. The
+            rectification and P do not matter. Its rays start at the eye.
+
+        Raises
+        ------
+        ImportError
+            Without the package PyYAML.
+        FileReadError
+            If the system refuses to read the file; also an `OSError`.
+        FileFormatError
+            For a file that is no ``CameraInfo``, a distortion other than ``plumb_bob``,
+            ``rational_polynomial`` and ``equidistant``, and what `from_intrinsics` refuses; also a
+            `ValueError`.
+        """
+        placed = np.array(conventions.pose4(pose))
+        with calibrations.Document(path) as document:
+            read = calibrations.of_ros(document.yaml(), placed)
+            camera = cls._calibrated(read.calibration)
+            if read.region is not None:
+                top, bottom, left, right = read.region
+                camera = camera.crop((top, bottom), (left, right))
+            if read.binning != (1, 1):
+                down, across = read.binning
+                camera = camera.resize(camera.rows // down, camera.columns // across)
+            return camera
+
+    @classmethod
+    def from_kalibr(
+        cls, path: str | os.PathLike[str], *, frame: Literal["cam0", "imu"] = "cam0"
+    ) -> dict[str, Camera]:
+        """Read the cameras of a Kalibr camchain in YAML.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, such as ``camchain-imucam.yaml``.
+        frame : {"cam0", "imu"}
+            In whose coordinates the cameras are placed: the first camera's, x to the right, y down,
+            z forwards; or the IMU's.
+
+        Returns
+        -------
+        dict of str to Camera
+            The cameras by their names, ``cam0`` first. `Camera.moved` and `Rig` carry them.
+
+        Raises
+        ------
+        ImportError
+            Without the package PyYAML.
+        FileReadError
+            If the system refuses to read the file; also an `OSError`.
+        FileFormatError
+            For a file that is no camchain, a model that Kalibr does not have, a pose that is
+            missing, and what `from_intrinsics` refuses; also a `ValueError`.
+        """
+        if frame not in ("cam0", "imu"):
+            raise ValueError(f"frame must be cam0 or imu, got {frame!r}")
+        with calibrations.Document(path) as document:
+            read = calibrations.of_kalibr(document.yaml(), frame)
+            return {name: cls._calibrated(each) for name, each in read.items()}
+
+    @classmethod
+    def from_nerfstudio(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        rows: int | None = None,
+        columns: int | None = None,
+    ) -> dict[str, Camera]:
+        """Read the cameras of a ``transforms.json``, as nerfstudio and instant-ngp have it.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
+        rows, columns : int, optional
+            The size of the images, where the file does not say it (``h`` and ``w``), as that of
+            NeRF's synthetic scenes does not.
+
+        Returns
+        -------
+        dict of str to Camera
+            A camera for each frame, by its ``file_path``, in the order of the file. Their poses are
+            those of the file: an ``applied_transform`` that it speaks of is in them.
+
+        Raises
+        ------
+        FileReadError
+            If the system refuses to read the file; also an `OSError`.
+        FileFormatError
+            For a file that is none of these, a path that is there twice, an image without a size or
+            a focal length, another model than nerfstudio's pinhole, fisheye and equirectangular
+            ones, and what `from_intrinsics` refuses; also a `ValueError`.
+        """
+        if (rows is None) != (columns is None):
+            raise ValueError("rows and columns must be given together")
+        size = None
+        if rows is not None and columns is not None:
+            size = count("rows", rows, 1), count("columns", columns, 1)
+        with calibrations.Document(path) as document:
+            read = calibrations.of_nerfstudio(document.json(), size)
+            return {name: cls._calibrated(each) for name, each in read.items()}
+
+    @classmethod
+    def _calibrated(cls, read: Calibration) -> Camera:
+        """Return the camera of a calibration."""
+        kind = cast("type[Camera]", cls)
+        if read.projection == "equirectangular":
+            pose = conventions.rigid(read.pose)
+            aim, up, position = -pose[:3, 2], pose[:3, 1], pose[:3, 3]
+            return kind.equirectangular(position, aim, up, read.rows, read.columns)
+        return kind.from_intrinsics(
+            read.K,
+            rows=read.rows,
+            columns=read.columns,
+            convention=read.convention,
+            pose=read.pose,
+            projection=read.projection,
+            parameters=read.parameters,
+        )

@@ -1,0 +1,220 @@
+"""The viewer in notebooks, and as a file."""
+
+from __future__ import annotations
+
+import base64
+import html
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from firsthit import _firsthit
+
+if TYPE_CHECKING:
+    import os
+
+    import numpy.typing as npt
+
+    from firsthit._base.types import LightName, Selection
+    from firsthit._looks.environment import Environment
+    from firsthit._looks.lights import Sky
+    from firsthit._looks.shading import Shader
+    from firsthit._scene.scene import Scene
+    from firsthit._sensors.camera import Camera
+    from firsthit.typing import ShaderName
+
+#: With more triangles inside, an output is more than 25 MB.
+_MOST_TRIANGLES = 500_000
+
+
+class NotebookView:
+    """A scene to look at in a notebook: to turn, to probe, to measure, and to save as a file.
+
+    Made by `Scene.view`. A notebook shows it where it is the last line of a cell. With the engine
+    ``"page"`` all that is shown is in the notebook itself: it works without a kernel, and where the
+    notebook is sent to. With ``"kernel"`` the kernel answers the page. Where no script may run
+    there is a picture.
+    """
+
+    def __init__(
+        self,
+        viewer: _firsthit.Viewer,
+        title: str,
+        engine: Literal["page", "kernel"],
+        height: int,
+    ) -> None:
+        """Hold a viewer; `Scene.view` makes one."""
+        self._viewer = viewer
+        self._title = title
+        self._engine = engine
+        self._height = height
+        self._widget: Any = None
+
+    @property
+    def engine(self) -> Literal["page", "kernel"]:
+        """The engine that computes the pictures."""
+        return self._engine
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page to an HTML file, with the scene inside.
+
+        Browsers open it without firsthit and without a network.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, which ends in ``.html``.
+
+        Raises
+        ------
+        ValueError
+            For another extension.
+        FileWriteError
+            If the system refuses to write it; also an `OSError`.
+        """
+        path = Path(path)
+        if path.suffix.lower() not in (".html", ".htm"):
+            raise ValueError(f"{path} must end in .html")
+        _firsthit.write_bytes(path, self._viewer.report())
+
+    def __repr__(self) -> str:
+        """Say what it shows."""
+        return f"NotebookView({self._title!r}, engine={self._engine!r})"
+
+    def _repr_html_(self) -> str:
+        picture = base64.b64encode(self._viewer.still()).decode()
+        title = html.escape(self._title)
+        shown = f'<img alt="{title}" style="height:100%" src="data:image/png;base64,{picture}">'
+        if self._engine == "kernel":
+            # Where widgets are not shown.
+            return f"<div>{shown}</div>"
+        # Where no frame may be, what is behind it is seen.
+        page = html.escape(self._viewer.report().decode())
+        over = "position:absolute;inset:0;width:100%;height:100%;border:0;background:Canvas"
+        may = 'sandbox="allow-scripts allow-downloads" allow="clipboard-write"'
+        frame = f'<iframe title="{title}" {may} style="{over}" srcdoc="{page}"></iframe>'
+        return f'<div style="position:relative;height:{self._height}px">{shown}{frame}</div>'
+
+    def _repr_mimebundle_(self, **given: Any) -> Any:
+        shown = {"text/html": self._repr_html_(), "text/plain": repr(self)}
+        if self._engine != "kernel":
+            return shown
+        if self._widget is None:
+            from .widget import PageWidget
+
+            self._widget = PageWidget(self._viewer, self._height)
+        data, about = self._widget._repr_mimebundle_(**given)
+        return {**data, **shown}, about
+
+
+def notebook_view(
+    scene: Scene,
+    camera: Camera | None,
+    title: str,
+    engine: Literal["page", "kernel"] | None,
+    height: int,
+    **given: Any,
+) -> NotebookView:
+    """Check what `Scene.view` was given, and make what it returns."""
+    if engine not in (None, "page", "kernel"):
+        raise ValueError(f'engine must be "page" or "kernel", got {engine!r}')
+    if isinstance(height, bool) or not isinstance(height, int) or height < 1:
+        raise ValueError(f"height must be a positive number of pixels, got {height!r}")
+    if engine is None:
+        is_page = scene._triangles() <= _MOST_TRIANGLES
+        engine = "page" if is_page or not has_widgets() else "kernel"
+    if engine == "kernel" and not has_widgets():
+        raise ImportError('the engine "kernel" takes anywidget: pip install "firsthit[notebook]"')
+    from .viewer import viewer_of
+
+    viewer = viewer_of(scene, camera, title, **given)
+    return NotebookView(viewer, title, engine, height)
+
+
+def has_widgets() -> bool:
+    """Return whether anywidget is there."""
+    from importlib.util import find_spec
+
+    return find_spec("anywidget") is not None
+
+
+class Viewable:
+    """The part of `Scene` that shows it in notebooks."""
+
+    def view(
+        self,
+        camera: Camera | None = None,
+        *,
+        background: Sky | npt.ArrayLike | None = None,
+        environment: Environment | None = None,
+        objects: Selection | None = None,
+        shade: ShaderName | Shader | None = None,
+        light: LightName | None = None,
+        ground: bool | None = None,
+        title: str = "scene",
+        engine: Literal["page", "kernel"] | None = None,
+        height: int = 560,
+    ) -> NotebookView:
+        """Show the scene in a notebook: turn it, ask pixels, measure, copy the camera.
+
+        From a script, `firsthit.view` shows the same in the browser. The page shows the scene as it
+        is at the call.
+
+        Parameters
+        ----------
+        camera : Camera, optional
+            Where the page begins, as for `firsthit.view`.
+        background, environment, objects, shade, light, ground
+            As for `render`. ``shade`` is no function of one's own.
+        title : str
+            What the page calls it.
+        engine : {"page", "kernel"}, optional
+            Who computes the pictures. ``"page"``: firsthit in the page itself, as a WebAssembly
+            module, with the scene; it works without a kernel, and the notebook is a few megabytes
+            larger. ``"kernel"``: this process with all its threads; it takes anywidget, ``pip
+            install firsthit[notebook]``, and needs no port. If left out, the kernel for more than
+            500,000 triangles where anywidget is there, else the page.
+        height : int
+            Of what is shown, in pixels of the notebook.
+
+        Returns
+        -------
+        NotebookView
+            What notebooks show. Its ``save`` writes the page to a file.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `firsthit.view`.
+        ImportError
+            For the engine ``"kernel"`` without anywidget.
+
+        Examples
+        --------
+        >>> import firsthit as fh
+        >>> scene = fh.Scene()
+        >>> ball = scene.add(fh.Sphere((0, 0, 0), 1))
+        >>> scene.view(title="a ball", engine="page")
+        NotebookView('a ball', engine='page')
+        """
+        return notebook_view(
+            self,  # type: ignore[arg-type]
+            camera, title, engine, height, background=background, environment=environment,
+            objects=objects, shade=shade, light=light, ground=ground,
+        )  # fmt: skip
+
+    def _repr_html_(self) -> str:
+        """Show a picture of it, for notebooks."""
+        from .viewer import viewer_of
+
+        said = html.escape(repr(self))
+        try:
+            viewer = viewer_of(self, None, "scene", **dict.fromkeys(_LOOK))  # type: ignore[arg-type]
+            picture = base64.b64encode(viewer.still()).decode()
+        except ValueError:
+            # There is nothing to be seen of it.
+            return f"<p>{said}</p>"
+        return f'<img alt="{said}" src="data:image/png;base64,{picture}"><p>{said}</p>'
+
+
+#: How a picture looks, of `render`'s arguments.
+_LOOK = ("background", "environment", "objects", "shade", "light", "ground")
