@@ -86,6 +86,11 @@ class Filters:
         return masks, self.cull, skip, left, only
 
 
+def of_each_ray(mask: Any) -> Any:
+    """Return masks that rays have each; one for all is left to `Built.seen`, and costs nothing."""
+    return mask if np.ndim(mask) else None
+
+
 def surfaces(name: str, given: Any) -> Surfaces:
     """Return the objects and primitives of surfaces; -1 where there is none."""
     if not isinstance(given, tuple | list) or len(given) != 2:

@@ -94,13 +94,27 @@ class Built:
             return Built(objects, self.lights, self.around, previous=native)
         return Built(objects, self.lights, self.around, native)
 
-    def seen(self, mask: int, only: Sequence[int] | None, blend_below: float | None) -> Built:
-        """Return what rays with a mask meet, or only some of it, by identifiers.
+    def seen(
+        self,
+        mask: npt.ArrayLike | None,
+        objects: Selection | None,
+        blend_below: float | None = None,
+    ) -> Built:
+        """Return what rays of one mask are shot at, where there is one, and of some objects.
 
         All objects are in it, and those that are not met are hidden. What is translucent is cut out
         below an alpha, if there is one.
         """
-        key = mask, None if only is None else tuple(only), blend_below
+        if objects is None and blend_below is None and (mask is None or np.ndim(mask)):
+            return self
+        bits = ALL if mask is None or np.ndim(mask) else one_mask("mask", mask)
+        only = None if objects is None else tuple(chosen(self.objects, objects))
+        alpha = None if blend_below is None else share("blend_below", blend_below)
+        return self.seen_by((bits, only, alpha))
+
+    def seen_by(self, key: SeenKey) -> Built:
+        """Return what is seen by a mask, of objects by identifiers, below an alpha."""
+        mask, only, blend_below = key
         last = self._seen
         if last is None or last.key != key:
             native = self.native.seen_by(mask, None if only is None else list(only), blend_below)
@@ -147,7 +161,7 @@ def _seen_again(
     around: Around,
     key: SeenKey,
 ) -> Built:
-    return Built(objects, lights, around).seen(*key)
+    return Built(objects, lights, around).seen_by(key)
 
 
 class Traceable:
@@ -160,22 +174,6 @@ class Traceable:
     def _native(self) -> _firsthit.Scene:
         """Return what rays are shot at."""
         return self._ready().native
-
-    def _seen(
-        self,
-        built: Built,
-        mask: npt.ArrayLike | None,
-        objects: Selection | None,
-        blend_below: float | None = None,
-    ) -> Built:
-        """Return what rays of one mask are shot at, where there is one, and of some objects."""
-        if objects is None and blend_below is None and (mask is None or np.ndim(mask)):
-            return built
-        bits = ALL if mask is None or np.ndim(mask) else one_mask("mask", mask)
-        only = None if objects is None else chosen(built.objects, objects)
-        return built.seen(
-            bits, only, None if blend_below is None else share("blend_below", blend_below)
-        )
 
     @property
     def up(self) -> Vector:

@@ -119,7 +119,7 @@ class Picture(NamedTuple):
         if own is not None and lines is not None and "color" in names and "edge" not in asked:
             asked.append("edge")
         camera = scene._view() if camera is None else camera
-        built = scene._seen(scene._ready(), None, given["objects"], given["blend_below"])
+        built = scene._ready().seen(None, given["objects"], given["blend_below"])
         filters, native = Filters.of(None, given["cull"], None), built.native
         if given["environment"] is not None:
             native = built.lit_by(given["environment"], scene.up)

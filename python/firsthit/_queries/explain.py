@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import copy
 import json
-import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
 from firsthit._base.arrays import count, index, locked, numbers
 from firsthit._objects.filters import Filters
 from firsthit._objects.object import chosen
-from firsthit._objects.traceable import Traceable
 from firsthit._sensors.camera import Camera
 
 from .leaving import rays_of
@@ -19,9 +17,8 @@ from .leaving import rays_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import Selection, Side
-
-    from .leaving import LeavingRays
+    from firsthit._base.types import Selection
+    from firsthit._objects.traceable import Built
 
 
 #: What of a hit are vectors, (2,) or (3,) float64.
@@ -140,89 +137,33 @@ class Explanation:
         return Explanation, (self._text, self._record)
 
 
-class Explainable(Traceable):
-    """The part of `Scene` that explains rays."""
-
-    def explain(
-        self,
-        origin: npt.ArrayLike | Camera | LeavingRays,
-        direction: npt.ArrayLike | None = None,
-        *,
-        pixel: tuple[int, int] | None = None,
-        t_min: float = 0.0,
-        t_max: float = math.inf,
-        mask: int | None = None,
-        cull: Side | None = None,
-        skip: tuple[int, int] | None = None,
-        objects: Selection | None = None,
-        blend_below: float | None = None,
-        behind: int = 10,
-    ) -> Explanation:
-        """Explain one ray.
-
-        What it meets first and the surface there, why each other object is not that, and what lies
-        behind. It agrees to the bit with `shoot` and `shoot_all`.
-
-        Parameters
-        ----------
-        origin, direction : (3,) array_like
-            The ray, in world space. Instead of both, a `Camera` with a ``pixel``, or
-            `LeavingRays` (`Hits.leave`) of the shape ``()``.
-        pixel : pair of int, optional
-            Of a camera: the column from the left and the row from the top, both from 0. The ray
-            goes through the pixel's centre.
-        t_min, t_max, mask, cull, skip, objects, blend_below
-            As for `shoot`, for this ray.
-        behind : int
-            How many crossings behind the hit are listed; the others are counted.
-
-        Returns
-        -------
-        Explanation
-            ``print`` shows it as ``firsthit probe`` does.
-
-        Raises
-        ------
-        ValueError
-            For a pixel outside of the picture, for more than one ray, and as `shoot`.
-        MemoryError
-            If there is too little memory.
-
-        Examples
-        --------
-        >>> import firsthit as fh
-        >>> scene = fh.Scene()
-        >>> scene.add(fh.Plane(point=(0, 0, 0), normal=(0, 0, 1)), name="ground")
-        0
-        >>> scene.add(fh.Sphere(center=(0, 0, 1), radius=1), name="ball")
-        1
-        >>> story = scene.explain((0, 0, 5), (0, 0, -1))
-        >>> story.hit["name"], story.hit["t"]
-        ('ball', 3.0)
-        >>> [(one.name, one.reason) for one in story.candidates]
-        [('ground', 'behind_hit'), ('ball', 'hit')]
-        >>> [(place.t, place.name) for place in story.behind]
-        [(5.0, 'ground'), (5.0, 'ball')]
-        """
-        explained: _firsthit._Rays | _firsthit._PixelRay
-        if isinstance(origin, Camera):
-            if direction is not None:
-                raise ValueError("direction must be left out with a camera, which has its own")
-            ends = _end("t_min", t_min), _end("t_max", t_max)
-            filters = _one_filter(Filters.of(mask, cull, skip))
-            explained = origin._native, _pixel(pixel), ends, filters
-        elif pixel is not None:
-            raise ValueError("pixel must be left out without a camera")
-        else:
-            rays = rays_of(origin, direction, t_min, t_max, masks=mask, cull=cull, skip=skip)
-            if rays.shape != ():
-                raise ValueError(f"explain takes one ray, got rays of shape {rays.shape}")
-            explained = rays.part(slice(0, 1))
-        most = count("behind", behind)
-        built = self._seen(self._ready(), None, None, blend_below)
-        among = None if objects is None else chosen(built.objects, objects)
-        text, record = _firsthit.explain(built.native, explained, among, most)
-        return Explanation(text, json.loads(record))
+def explained(
+    built: Built,
+    given: tuple[Any, ...],
+    pixel: tuple[int, int] | None,
+    objects: Selection | None,
+    behind: int,
+) -> Explanation:
+    """Explain one ray; ``given`` is as `rays_of` has it."""
+    origin, direction, t_min, t_max, mask, cull, skip = given
+    ray: _firsthit._Rays | _firsthit._PixelRay
+    if isinstance(origin, Camera):
+        if direction is not None:
+            raise ValueError("direction must be left out with a camera, which has its own")
+        ends = _end("t_min", t_min), _end("t_max", t_max)
+        filters = _one_filter(Filters.of(mask, cull, skip))
+        ray = origin._native, _pixel(pixel), ends, filters
+    elif pixel is not None:
+        raise ValueError("pixel must be left out without a camera")
+    else:
+        rays = rays_of(*given)
+        if rays.shape != ():
+            raise ValueError(f"explain takes one ray, got rays of shape {rays.shape}")
+        ray = rays.part(slice(0, 1))
+    most = count("behind", behind)
+    among = None if objects is None else chosen(built.objects, objects)
+    text, record = _firsthit.explain(built.native, ray, among, most)
+    return Explanation(text, json.loads(record))
 
 
 def _end(name: str, given: npt.ArrayLike) -> float:

@@ -84,7 +84,6 @@ def rays_of(
     directions: Any,
     t_min: Any = 0.0,
     t_max: Any = math.inf,
-    *,
     masks: Any = None,
     cull: Any = None,
     skip: Any = None,

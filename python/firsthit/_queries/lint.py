@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from firsthit import _firsthit
 from firsthit._base.arrays import count, locked, threads_or_all
 from firsthit._objects.object import identified
-from firsthit._objects.traceable import Traceable
 
 if TYPE_CHECKING:
     import os
@@ -157,53 +156,10 @@ class LintReport:
         return LintReport, (self._built, *self._settings, 0)
 
 
-class Lintable(Traceable):
-    """The part of `Scene` that looks for mistakes."""
-
-    def lint(
-        self, *, ignore: Iterable[str] = (), places: int = 10, threads: int | None = None
-    ) -> LintReport:
-        """Look for what may be wrong with the meshes.
-
-        Holes, flipped faces, shells inside out, degenerate and duplicate faces, non-manifold edges,
-        self-intersections, vertices that are not finite or not used, digits lost far from the
-        origin, and unlikely sizes. Areas, volumes and whether faces meet are decided in exact
-        arithmetic. Vertices in one place are one, whether or not faces share them. Hidden objects
-        are looked at too.
-
-        Parameters
-        ----------
-        ignore : iterable of str
-            Names of kinds that are not looked for, such as ``"units"``; `LintReport.kinds` has all.
-        places : int
-            How many places of each kind the report has.
-        threads : int, optional
-            The number of threads; all cores if left out. The result is the same for any number.
-
-        Returns
-        -------
-        LintReport
-            Findings with counts and places.
-
-        Raises
-        ------
-        ValueError
-            For a kind that there is not.
-        MemoryError
-            If there is too little memory.
-
-        Examples
-        --------
-        >>> import firsthit as fh
-        >>> scene = fh.Scene()
-        >>> corners = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]
-        >>> scene.add(fh.Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3]]))
-        0
-        >>> scene.lint()
-        LintReport(hole: 3)
-        """
-        if isinstance(ignore, str):
-            raise TypeError(f"ignore must be several names, got {ignore!r}")
-        names = tuple(ignore)
-        use = threads_or_all(threads)
-        return LintReport(self._ready(), names, count("places", places), use)
+def report(built: Built, ignore: Iterable[str], places: int, threads: int | None) -> LintReport:
+    """Look for what may be wrong with the meshes."""
+    if isinstance(ignore, str):
+        raise TypeError(f"ignore must be several names, got {ignore!r}")
+    names = tuple(ignore)
+    use = threads_or_all(threads)
+    return LintReport(built, names, count("places", places), use)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from firsthit import _firsthit
 from firsthit._base.arrays import lock, locked, threads_or_all, vector
 from firsthit._base.errors import warn
-from firsthit._objects.traceable import Traceable
 
 if TYPE_CHECKING:
     import os
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, Selection, Vector
+    from firsthit._base.types import FillRule, Vector
     from firsthit._objects.traceable import Built
 
 
@@ -153,77 +152,17 @@ class Section:
         return Section, (*self._made_from, 0)
 
 
-class Cuttable(Traceable):
-    """The part of `Scene` that planes cut."""
-
-    def section(
-        self,
-        origin: npt.ArrayLike,
-        normal: npt.ArrayLike,
-        *,
-        rule: FillRule = "nonzero",
-        objects: Selection | None = None,
-        threads: int | None = None,
-    ) -> Section:
-        """Cut all meshes by a plane.
-
-        The side of each vertex is decided in exact arithmetic; one on the plane counts as on the
-        side to which the normal points. Curves are joined by the edges that triangles share. So the
-        curves of a closed mesh are closed, whatever lies on the plane. A face in the plane is cut
-        if the solid is below it, and not if it is above. Where all curves of a mesh are closed,
-        they are the outlines of what is inside, see `inside`: shells that overlap have one in
-        common.
-
-        Parameters
-        ----------
-        origin : (3,) array_like
-            A point of the plane, in world space.
-        normal : (3,) array_like
-            The direction at right angles to it, of any length but zero.
-        rule : {"nonzero", "parity"}
-            What is inside, see `inside`.
-        objects : int, str, or sequence of them, optional
-            Cut these only, by identifiers or names; all but hidden ones if left out.
-        threads : int, optional
-            The number of threads; all cores if left out. The result is the same for any number.
-
-        Returns
-        -------
-        Section
-            The curves with objects and primitives, area and perimeter. An object with a transform
-            is cut as its vertices are in the world, rounded to float64.
-
-        Raises
-        ------
-        ValueError
-            For an origin or a normal that is not finite, a normal that is zero, another ``rule``,
-            and a name that no object has.
-        IndexError, TypeError
-            For ``objects`` that are not there, or are no identifiers and no names.
-        MemoryError
-            If there is too little memory.
-
-        Warns
-        -----
-        FirsthitWarning
-            For objects that are left out, since they are no meshes.
-
-        Examples
-        --------
-        >>> import firsthit as fh
-        >>> scene = fh.Scene()
-        >>> corners = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]
-        >>> scene.add(fh.Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
-        0
-        >>> cut = scene.section((0, 0, 1), (0, 0, 1))
-        >>> cut.area
-        0.5
-        >>> cut.polylines
-        (Polyline(object 0, closed, 3 points),)
-        """
-        use = threads_or_all(threads)
-        plane = vector("origin", origin), vector("normal", normal)
-        section = Section(self._seen(self._ready(), None, objects), *plane, rule, use)
-        for doubt in section._native.warnings():
-            warn(doubt)
-        return section
+def cut(
+    built: Built,
+    origin: npt.ArrayLike,
+    normal: npt.ArrayLike,
+    rule: FillRule,
+    threads: int | None,
+) -> Section:
+    """Cut all meshes by a plane."""
+    use = threads_or_all(threads)
+    plane = vector("origin", origin), vector("normal", normal)
+    section = Section(built, *plane, rule, use)
+    for doubt in section._native.warnings():
+        warn(doubt)
+    return section

@@ -9,18 +9,13 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from firsthit import _firsthit
 
+from .viewer import viewer_of
+
 if TYPE_CHECKING:
     import os
 
-    import numpy.typing as npt
-
-    from firsthit._base.types import LightName, Selection
-    from firsthit._looks.environment import Environment
-    from firsthit._looks.lights import Sky
-    from firsthit._looks.shading import Shader
     from firsthit._scene.scene import Scene
     from firsthit._sensors.camera import Camera
-    from firsthit.typing import ShaderName
 
 #: With more triangles inside, an output is more than 25 MB.
 _MOST_TRIANGLES = 500_000
@@ -137,83 +132,16 @@ def has_widgets() -> bool:
     return find_spec("anywidget") is not None
 
 
-class Viewable:
-    """The part of `Scene` that shows it in notebooks."""
-
-    def view(
-        self,
-        camera: Camera | None = None,
-        *,
-        background: Sky | npt.ArrayLike | None = None,
-        environment: Environment | None = None,
-        objects: Selection | None = None,
-        shade: ShaderName | Shader | None = None,
-        light: LightName | None = None,
-        ground: bool | None = None,
-        title: str = "scene",
-        engine: Literal["page", "kernel"] | None = None,
-        height: int = 560,
-    ) -> NotebookView:
-        """Show the scene in a notebook: turn it, ask pixels, measure, copy the camera.
-
-        From a script, `firsthit.view` shows the same in the browser. The page shows the scene as it
-        is at the call.
-
-        Parameters
-        ----------
-        camera : Camera, optional
-            Where the page begins, as for `firsthit.view`.
-        background, environment, objects, shade, light, ground
-            As for `render`. ``shade`` is no function of one's own.
-        title : str
-            What the page calls it.
-        engine : {"page", "kernel"}, optional
-            Who computes the pictures. ``"page"``: firsthit in the page itself, as a WebAssembly
-            module, with the scene; it works without a kernel, and the notebook is a few megabytes
-            larger. ``"kernel"``: this process with all its threads; it takes anywidget, ``pip
-            install firsthit[notebook]``, and needs no port. If left out, the kernel for more than
-            500,000 triangles where anywidget is there, else the page.
-        height : int
-            Of what is shown, in pixels of the notebook.
-
-        Returns
-        -------
-        NotebookView
-            What notebooks show. Its ``save`` writes the page to a file.
-
-        Raises
-        ------
-        TypeError, ValueError
-            As `firsthit.view`.
-        ImportError
-            For the engine ``"kernel"`` without anywidget.
-
-        Examples
-        --------
-        >>> import firsthit as fh
-        >>> scene = fh.Scene()
-        >>> ball = scene.add(fh.Sphere((0, 0, 0), 1))
-        >>> scene.view(title="a ball", engine="page")
-        NotebookView('a ball', engine='page')
-        """
-        return notebook_view(
-            self,  # type: ignore[arg-type]
-            camera, title, engine, height, background=background, environment=environment,
-            objects=objects, shade=shade, light=light, ground=ground,
-        )  # fmt: skip
-
-    def _repr_html_(self) -> str:
-        """Show a picture of it, for notebooks."""
-        from .viewer import viewer_of
-
-        said = html.escape(repr(self))
-        try:
-            viewer = viewer_of(self, None, "scene", **dict.fromkeys(_LOOK))  # type: ignore[arg-type]
-            picture = base64.b64encode(viewer.still()).decode()
-        except ValueError:
-            # There is nothing to be seen of it.
-            return f"<p>{said}</p>"
-        return f'<img alt="{said}" src="data:image/png;base64,{picture}"><p>{said}</p>'
+def picture_html(scene: Scene) -> str:
+    """Show a picture of a scene, for notebooks."""
+    said = html.escape(repr(scene))
+    try:
+        viewer = viewer_of(scene, None, "scene", **dict.fromkeys(_LOOK))
+        picture = base64.b64encode(viewer.still()).decode()
+    except ValueError:
+        # There is nothing to be seen of it.
+        return f"<p>{said}</p>"
+    return f'<img alt="{said}" src="data:image/png;base64,{picture}"><p>{said}</p>'
 
 
 #: How a picture looks, of `render`'s arguments.

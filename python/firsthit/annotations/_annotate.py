@@ -127,7 +127,7 @@ def annotate(
         only = tuple(k for k, made in enumerate(whole.objects) if not made.removed)
     else:
         only = chosen(whole.objects, objects)
-    built = scene._seen(whole, None, objects)
+    built = whole.seen(None, objects)
     groups, names = grouped([(k, built.objects[k]) for k in only], classes, by)
     points = settled(keypoints)
     _check_keys(points, groups, names)
