@@ -18,7 +18,7 @@ import numpy as np
 from ._base.arrays import threads_or_all
 from ._files.channels import distinct
 from ._parts.scene_store import read
-from ._queries.hits import _OF_RAYS
+from ._queries.channels import OF_RAYS
 
 if TYPE_CHECKING:
     import os
@@ -156,7 +156,7 @@ class Shooter:
         threads: int | None = None,
     ) -> None:
         threads_or_all(threads)
-        self._channels, self._threads = distinct(channels, _OF_RAYS), threads
+        self._channels, self._threads = distinct(channels, OF_RAYS), threads
         self._scene = read(Path(scene))
 
     def __call__(self, rays: Columns) -> Columns:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from firsthit._base.arrays import chosen, chunks, lock
 from firsthit._base.progress import later
 from firsthit._files.stored import stored
 
+from .channels import Channels
 from .hits import Hits
 from .rays import NO_MAXIMUM, NO_MINIMUM, Rays
 from .source import Source
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._base.progress import Report
-    from firsthit._base.types import Asked, AttributeOf, ChannelName, NamedIdentifier, Progress
+    from firsthit._base.types import Asked
     from firsthit._objects.traceable import Built
 
     from .hits import Index
@@ -32,10 +34,11 @@ if TYPE_CHECKING:
 _MOST = 1 << 48
 
 
-class AllHits:
+class AllHits(Channels):
     """Every hit of rays, one after the other: the hits of each ray in order, ray by ray.
 
-    The rays' shape is written (...) below, and m is the number of all hits. ``all[k]`` is what the
+    A channel has the shape (m,) or (m, k), where m is the number of all hits, and `Hits` have (...)
+    and (..., k). The rays' shape is written (...) in what is not a channel. ``all[k]`` is what the
     ray ``k`` met, a `Hits` of shape (n,); of rays of more axes it takes an index for each of them,
     such as ``all[2, 3]``. Any other index, such as a mask or a slice, leads to the `AllHits` of
     some of the rays. Iterating goes along the first axis.
@@ -58,16 +61,9 @@ class AllHits:
     def __init__(self) -> None:
         raise TypeError("AllHits are made by Scene.shoot_all")
 
-    #: The scene as it was shot.
-    _built: Built
-    _arrays: Arrays
     #: The rays without their limits.
     _rays: Rays
     _offsets: npt.NDArray[np.int64]
-    #: As many as the rays were shot with.
-    _threads: int
-    #: All hits as `Hits`, once they were asked for.
-    _flat: Hits | None
 
     @classmethod
     def _of(
@@ -81,8 +77,13 @@ class AllHits:
         """Return the hits in ``arrays`` of rays, those of each between two offsets."""
         made = cls.__new__(cls)
         made._built, made._arrays, made._rays = built, arrays, rays
-        made._offsets, made._threads, made._flat = offsets, threads, None
+        made._offsets, made._threads, made._made = offsets, threads, {}
+        made._shape = (len(arrays[0]),)
         return made
+
+    @cached_property
+    def _source(self) -> Source:  # type: ignore[override]
+        return Source(None, None, self._rays.take(self.ray, self._shape))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -112,107 +113,15 @@ class AllHits:
     @property
     def hits(self) -> Hits:
         """All hits in a row, a `Hits` of shape (m,), each with its ray: for channels and files."""
-        if self._flat is None:
-            made = len(self._arrays[0])
-            source = Source(None, None, self._rays.take(self.ray, (made,)))
-            self._flat = Hits._of(self._built, self._arrays, source, (made,), self._threads)
-        return self._flat
+        flat = Hits._of(self._built, self._arrays, self._source, self._shape, self._threads)
+        flat._made = self._made
+        return flat
 
     @property
     def t(self) -> npt.NDArray[np.float64]:
         """The ray parameters of the hits, (m,) float64, in units of the direction's length."""
         lock(self._arrays[0])
         return self._arrays[0]
-
-    @property
-    def object(self) -> npt.NDArray[np.int32]:
-        """The identifiers of the objects, (m,) int32."""
-        lock(self._arrays[1])
-        return self._arrays[1]
-
-    @property
-    def primitive(self) -> npt.NDArray[np.int32]:
-        """The identifiers of the objects' parts, such as triangles, (m,) int32."""
-        lock(self._arrays[2])
-        return self._arrays[2]
-
-    @property
-    def face(self) -> npt.NDArray[np.int32]:
-        """The identifiers of the polygons that became triangles, (m,) int32."""
-        return self.hits.face
-
-    @property
-    def node(self) -> npt.NDArray[np.int32]:
-        """The identifiers of the file's nodes that objects come from, (m,) int32; -1 for none."""
-        return self.hits.node
-
-    @property
-    def mesh(self) -> npt.NDArray[np.int32]:
-        """The identifiers of the meshes that objects are, or are parts of, (m,) int32."""
-        return self.hits.mesh
-
-    @property
-    def material(self) -> npt.NDArray[np.int32]:
-        """The identifiers of the materials, (m,) int32; -1 where there is none."""
-        return self.hits.material
-
-    def names(self, channel: NamedIdentifier) -> tuple[str, ...]:
-        """Return the names of what the identifiers of a channel stand for; see `Hits.names`.
-
-        Parameters
-        ----------
-        channel : {"object", "node", "mesh", "material"}
-            The channel.
-
-        Returns
-        -------
-        tuple of str
-            The name of each identifier, from 0 on.
-
-        Raises
-        ------
-        ValueError
-            For another channel.
-        """
-        return self.hits.names(channel)
-
-    @property
-    def barycentric(self) -> npt.NDArray[np.float64]:
-        """The weights of the triangle's corners, (m, 3) float64; NaN for other shapes."""
-        return self.hits.barycentric
-
-    @property
-    def position(self) -> npt.NDArray[np.float64]:
-        """The points that are hit, in world space and scene units, (m, 3) float64."""
-        return self.hits.position
-
-    @property
-    def normal(self) -> npt.NDArray[np.float64]:
-        """The geometric normals, in world space, (m, 3) float64, of length one."""
-        return self.hits.normal
-
-    @property
-    def incidence(self) -> npt.NDArray[np.float64]:
-        """The angles between rays and normals, see `Hits.incidence`, (m,) float64, radians."""
-        return self.hits.incidence
-
-    @property
-    def front(self) -> npt.NDArray[np.bool_]:
-        """Whether the ray met the front, to which the normal points, (m,) bool.
-
-        It enters a solid there, or a closed mesh whose triangles face outwards.
-        """
-        return self.hits.front
-
-    @property
-    def uv(self) -> npt.NDArray[np.float64]:
-        """The texture coordinates, (m, 2) float64; NaN where there are none."""
-        return self.hits.uv
-
-    @property
-    def base_color(self) -> npt.NDArray[np.float64]:
-        """The linear colours of the surfaces, without light, (m, 3) float64."""
-        return self.hits.base_color
 
     @property
     def origin(self) -> npt.NDArray[Any]:
@@ -223,93 +132,6 @@ class AllHits:
     def direction(self) -> npt.NDArray[Any]:
         """The directions of the rays, in world space, (..., 3), of the type that was given."""
         return self._rays.directions()
-
-    @property
-    def channels(self) -> tuple[ChannelName, ...]:
-        """The names of the channels of these hits."""
-        return self.hits.channels
-
-    def channel(
-        self,
-        name: Asked,
-        *,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: Any = None,
-    ) -> npt.NDArray[Any]:
-        """Return a channel, as the attribute of its name; see `Hits.channel`.
-
-        Parameters
-        ----------
-        name : str
-            One of `channels`, or ``"attribute:NAME"`` for an `attribute`.
-        threads : int, optional
-            The number of threads; as many as the rays were shot with if left out.
-        progress : bool or callable, optional
-            As for `Scene.shoot`; it counts hits.
-        out : array, optional
-            As for `Hits.channel`.
-
-        Returns
-        -------
-        (m,) or (m, k) array
-            As the attribute, or ``out``.
-
-        Raises
-        ------
-        ValueError
-            For a name that is none of `channels`.
-        MemoryError
-            If the array does not fit into memory.
-        """
-        return self.hits.channel(name, threads=threads, progress=progress, out=out)
-
-    @property
-    def attributes(self) -> tuple[str, ...]:
-        """The names of the attributes that the scene's meshes have, sorted."""
-        return self.hits.attributes
-
-    def attribute(
-        self,
-        name: str,
-        *,
-        of: AttributeOf | None = None,
-        threads: int | None = None,
-        progress: Progress | None = None,
-        out: Any = None,
-    ) -> npt.NDArray[np.float64]:
-        """Return an attribute of the meshes at each hit, (m,) or (m, k); see `Hits.attribute`.
-
-        Parameters
-        ----------
-        name : str
-            One of `attributes`.
-        of : str, optional
-            ``"vertices"``, ``"corners"`` or ``"faces"``.
-        threads : int, optional
-            The number of threads; as many as the rays were shot with if left out.
-        progress : bool or callable, optional
-            As for `Scene.shoot`; it counts hits.
-        out : array, optional
-            As for `Hits.channel`.
-
-        Returns
-        -------
-        (m,) or (m, k) array of float64
-            As `Hits.attribute`.
-
-        Raises
-        ------
-        ValueError
-            For a name that no mesh of the scene has.
-        MemoryError
-            If the array does not fit into memory.
-        """
-        return self.hits.attribute(name, of=of, threads=threads, progress=progress, out=out)
-
-    def items(self) -> Iterator[tuple[ChannelName, npt.NDArray[Any]]]:
-        """Yield the name and the array of each channel, computed when it is reached."""
-        return self.hits.items()
 
     def save(
         self,
@@ -339,8 +161,8 @@ class AllHits:
         ValueError, FileWriteError
             As `Hits.save`.
         """
-        others = {"ray": self.ray.astype(np.int32), **self.hits._own(path, own)}
-        self.hits._save(path, channels, others, stored(compress=compress))
+        others = {"ray": self.ray.astype(np.int32), **self._own(path, own)}
+        self._save(path, channels, others, stored(compress=compress))
 
     def to_dict(
         self, channels: Asked | Sequence[Asked] | None = None, *, copy: bool = False
@@ -366,7 +188,7 @@ class AllHits:
             As `channel`.
         """
         ray = self.ray.copy() if copy else self.ray
-        return {"ray": ray, **self.hits.to_dict(channels, copy=copy)}
+        return {"ray": ray, **super().to_dict(channels, copy=copy)}
 
     def __getitem__(self, index: Index | str) -> Any:
         """Return the `Hits` of one ray, or the `AllHits` of some of the rays.
@@ -374,7 +196,7 @@ class AllHits:
         By a name, return the channel or the attribute of all hits, as `Hits` do.
         """
         if isinstance(index, str):
-            return self.hits._named(index)
+            return self._named(index)
         numbers = chosen(index, self.shape)
         row = np.ascontiguousarray(numbers.reshape(-1))
         starts = self._offsets[row]
@@ -402,10 +224,6 @@ class AllHits:
             raise TypeError("the hits of one ray have no length; their number is counts")
         return self.shape[0]
 
-    def __bool__(self) -> bool:
-        """Return True, also if there are no rays: the length must not decide."""
-        return True
-
     def __iter__(self) -> Iterator[Any]:
         """Yield what each ray met, along the first axis."""
         return (self[k] for k in range(len(self)))
@@ -415,17 +233,9 @@ class AllHits:
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle with the scene as it was shot, and without what can be computed again."""
-        return {**self.__dict__, "_flat": None}
-
-    def __copy__(self) -> AllHits:
-        """Copy: what hits hold does not change, and is shared."""
-        other = AllHits.__new__(AllHits)
-        other.__dict__.update(self.__dict__)
-        return other
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> AllHits:
-        """Copy as `copy.copy` does."""
-        return self.__copy__()
+        kept = {**self.__dict__, "_made": {}}
+        kept.pop("_source", None)
+        return kept
 
 
 def _offsets(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

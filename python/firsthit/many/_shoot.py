@@ -17,7 +17,7 @@ from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
 from firsthit._parts.drive import is_here
 from firsthit._parts.inside import open_inside
-from firsthit._queries.hits import _OF_RAYS
+from firsthit._queries.channels import OF_RAYS
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum, checked
 from ._hit_files import EXTENSIONS, check_package, write_hits
@@ -148,7 +148,7 @@ def shoot_many(
         raise TypeError(f"fold must be callable and have a method merge, got {fold!r}")
     if fold is None:
         check_package(save)
-    wanted = [] if fold is not None else distinct(channels, _OF_RAYS)
+    wanted = [] if fold is not None else distinct(channels, OF_RAYS)
     share, objects = shared(scene), settled(objects)
     met = {"cull": cull, "objects": objects, "blend_below": blend_below}
     _try(share, wanted, fold, met)
