@@ -531,7 +531,6 @@ READERS = (
     "_output",
     "_output_formats",
     "_plan",
-    "_poses",
 )
 
 

@@ -1,6 +1,12 @@
-"""Numbers in what commands say."""
+"""Numbers, directions and places in what commands say."""
 
 from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
 
 
 def count(number: int, noun: str) -> str:
@@ -15,3 +21,30 @@ def size(bytes: int) -> str:  # noqa: A002 - it is what is counted
         left /= 1000.0
         del units[0]
     return f"{left:.3g} {units[0]}"
+
+
+_AXES = {(1.0, 0.0, 0.0): "+x", (0.0, 1.0, 0.0): "+y", (0.0, 0.0, 1.0): "+z"}
+
+
+def triple(vector: Iterable[float]) -> str:
+    """Return three numbers as options take them, such as ``0,1.8,0``."""
+    return ",".join(f"{number:g}" for number in vector)
+
+
+def place(point: Iterable[float], extent: float) -> str:
+    """Return a place in a scene that reaches so far, to six digits and to a millionth of that."""
+    return ",".join(_coordinate(number, extent) for number in point)
+
+
+def _coordinate(number: float, extent: float) -> str:
+    step = extent * 1e-6
+    if not (math.isfinite(number) and math.isfinite(step) and number and step):
+        return f"{number:g}"
+    digits = math.floor(math.log10(abs(number))) - math.floor(math.log10(step)) + 1
+    return f"{number:.{min(max(digits, 6), 17)}g}"
+
+
+def direction(vector: Sequence[float]) -> str:
+    """Return a direction in words, an axis by its name, as the Rust program has it."""
+    x, y, z = vector
+    return _AXES.get((x, y, z), triple(vector))

@@ -13,9 +13,8 @@ from firsthit.datasets import Plan, dataset
 from firsthit.datasets._check import checked
 from firsthit.many import processes
 
-from ._directions import direction
 from ._program import Parser, UsageError, run
-from ._words import count, size
+from ._words import count, direction, size
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

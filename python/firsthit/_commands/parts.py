@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from firsthit._parts.ranges import in_words
+from firsthit._parts.folder import in_words
 from firsthit.many._parts_of import found
 
 from ._program import Parser, run

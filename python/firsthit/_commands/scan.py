@@ -14,10 +14,10 @@ from firsthit._base.types import Returns, Rings
 from firsthit._lidar.lidar_scan import lacking
 from firsthit._lidar.scan import ScanSettings
 
-from ._directions import direction, place
 from ._program import Parser, UsageError, run
 from ._scanner import add_place, add_scanner, scanner, with_values
 from ._values import memory, named_number, numbers, whole
+from ._words import direction, place
 
 if TYPE_CHECKING:
     import argparse

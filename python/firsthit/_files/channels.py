@@ -1,4 +1,4 @@
-"""The channels that files hold, by their formats."""
+"""Which channels go into which file, and how files hold numbers."""
 
 from __future__ import annotations
 
@@ -7,11 +7,15 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast, get_args
 
+from firsthit._base.arrays import flag, number, text
 from firsthit._base.channel_hints import hint
-from firsthit._base.types import DistanceName, MatteName
+from firsthit._base.types import DistanceName, Far, MatteName
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from firsthit import _firsthit
+
 
 #: The extensions of point clouds: lists of points, with all channels.
 CLOUDS = (".ply", ".pcd")
@@ -109,3 +113,19 @@ def distinct(names: _Name | Sequence[_Name], known: Sequence[_Name]) -> list[_Na
             meant = hint(name, known)
             raise ValueError(f"channels must be among {there}, got {name!r}{meant}")
     return list(dict.fromkeys(asked))
+
+
+def stored(
+    png_scale: float | None = None,
+    far: Far | None = None,
+    png_labels: bool = False,  # noqa: FBT001, FBT002 - given by name where users say it
+    compress: bool = False,  # noqa: FBT001, FBT002 - as above
+) -> _firsthit._Stored:
+    """Check how files are to hold numbers, and return it as the native half takes it."""
+    if far is not None:
+        if text("far", far) not in get_args(Far):
+            raise ValueError(f"far must be 'saturate', 'zero' or None, got {far!r}")
+        if png_scale is None:
+            raise ValueError("far needs png_scale: it is about PNGs of distances in steps")
+    scale = None if png_scale is None else number("png_scale", png_scale)
+    return scale, far, flag("png_labels", png_labels), flag("compress", compress)

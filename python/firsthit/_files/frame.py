@@ -17,8 +17,7 @@ from firsthit._base.errors import FileFormatError, warn
 from firsthit._base.log import timed
 from firsthit._looks.display import Display, as_display
 
-from .channels import files, is_cloud, is_of_several, matte_of
-from .stored import stored
+from .channels import files, is_cloud, is_of_several, matte_of, stored
 
 if TYPE_CHECKING:
     from collections.abc import ItemsView, Iterator, KeysView, Sequence, ValuesView

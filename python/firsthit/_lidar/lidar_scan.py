@@ -17,8 +17,7 @@ from firsthit._base.arrays import flag, lock
 from firsthit._base.log import timed
 
 from . import las
-from .scan_file import read_scan
-from .scan_metadata import metadata
+from .scan_file import metadata, read_scan
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

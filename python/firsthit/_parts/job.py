@@ -11,9 +11,8 @@ from firsthit._base.arrays import count as whole_number
 from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError
 
 from .digest import of_json
+from .files import sync, writing_file
 from .records import read
-from .sync import sync
-from .whole_file import writing_file
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from firsthit._base.errors import FileError, FileReadError, FileWriteError
 
 from .digest import canonical, of_file, of_json, of_stream
+from .files import sync
 from .inside import open_inside, size_of
 from .records import read
-from .sync import sync
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,7 +10,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import chosen, chunks, lock
 from firsthit._base.progress import later
-from firsthit._files.stored import stored
+from firsthit._files.channels import stored
 
 from .channels import Channels
 from .hits import Hits

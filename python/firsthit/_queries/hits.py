@@ -9,7 +9,7 @@ import numpy as np
 from firsthit._base.arrays import chosen
 from firsthit._base.channel_hints import hint
 from firsthit._base.rounding import singles_within
-from firsthit._files.stored import stored
+from firsthit._files.channels import stored
 
 from .channels import Channels
 from .leaving import leaving

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,23 @@ if TYPE_CHECKING:
     from .trajectory import Trajectory
 
 
-class RollingShutter(OtherSensor):
+class _Moving(OtherSensor):
+    """A camera on a body that moves."""
+
+    _arguments: tuple[Camera, Trajectory, *tuple[Any, ...]]
+
+    @property
+    def camera(self) -> Camera:
+        """The camera, in the body's coordinates."""
+        return self._arguments[0]
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The trajectory of the body."""
+        return self._arguments[1]
+
+
+class RollingShutter(_Moving):
     """A camera whose lines are read out one after the other while it moves. Immutable.
 
     With n lines (rows, or columns where it is read out sideways), the line that is read out as
@@ -61,6 +77,8 @@ class RollingShutter(OtherSensor):
     array([1., 3., 5., 7.])
     """
 
+    _arguments: tuple[Camera, Trajectory, float, float, Readout]
+
     def __init__(
         self,
         camera: Camera,
@@ -78,16 +96,6 @@ class RollingShutter(OtherSensor):
         self._native = _firsthit.Sensor.rolling_shutter(
             camera._native, trajectory._native, begin, lasting, way
         )
-
-    @property
-    def camera(self) -> Camera:
-        """The camera, in the body's coordinates."""
-        return self._arguments[0]
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The trajectory of the body."""
-        return self._arguments[1]
 
     @property
     def times(self) -> npt.NDArray[np.float64]:
@@ -123,7 +131,7 @@ def _rolling_shutter(
     return RollingShutter(camera, trajectory, start=start, readout=readout, direction=direction)
 
 
-class Pushbroom(OtherSensor):
+class Pushbroom(_Moving):
     """A camera of one row of pixels that moves, and sees a row at each of some times. Immutable.
 
     It is a line scanner, or the camera of a satellite. Row k of the picture is what the camera sees
@@ -155,6 +163,8 @@ class Pushbroom(OtherSensor):
     (200, 50)
     """
 
+    _arguments: tuple[Camera, Trajectory, npt.NDArray[np.float64]]
+
     def __init__(self, camera: Camera, trajectory: Trajectory, times: npt.ArrayLike) -> None:
         if not isinstance(camera, Camera):
             raise TypeError(f"camera must be a Camera, got {camera!r}")
@@ -164,16 +174,6 @@ class Pushbroom(OtherSensor):
         seconds = np.array(cast(seconds, np.float64))
         self._arguments = camera, checked(trajectory), seconds
         self._native = _firsthit.Sensor.pushbroom(camera._native, trajectory._native, seconds)
-
-    @property
-    def camera(self) -> Camera:
-        """The camera, in the body's coordinates."""
-        return self._arguments[0]
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The trajectory of the body."""
-        return self._arguments[1]
 
     @property
     def times(self) -> npt.NDArray[np.float64]:

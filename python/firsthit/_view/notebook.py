@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from firsthit import _firsthit
 
-from .viewer import viewer_of
+from .view import viewer_of
 
 if TYPE_CHECKING:
     import os
@@ -119,7 +119,7 @@ def notebook_view(
         engine = "page" if is_page or not has_widgets() else "kernel"
     if engine == "kernel" and not has_widgets():
         raise ImportError('the engine "kernel" takes anywidget: pip install "firsthit[notebook]"')
-    from .viewer import viewer_of
+    from .view import viewer_of
 
     viewer = viewer_of(scene, camera, title, **given)
     return NotebookView(viewer, title, engine, height)

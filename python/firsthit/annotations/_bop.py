@@ -14,13 +14,14 @@ from ._files import (
     as_png,
     class_numbers,
     class_of,
+    is_uniform,
     meters,
     named,
     refused,
+    rotation_and_scale,
     stems,
     still,
 )
-from ._rigid import is_uniform, rotation_and_scale
 
 if TYPE_CHECKING:
     import os

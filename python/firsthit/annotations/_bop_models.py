@@ -16,8 +16,7 @@ from firsthit._sensors.camera import Camera
 from firsthit._sensors.project import intrinsic_matrix
 
 from ._classes import grouped
-from ._files import as_json, meters
-from ._rigid import is_uniform, rotation_and_scale
+from ._files import as_json, is_uniform, meters, rotation_and_scale
 from ._tessellated import tessellated
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Shared parts of all formats: pictures by name, classes by number, files that appear whole."""
+"""What all formats share: pictures by name, classes by number, rigid poses."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._annotations import Instance
+
+    Floats = npt.NDArray[np.float64]
+
 
 #: Pictures by the names of their files, or in an order that numbers them; or one.
 Pictures = Mapping[str, Annotations] | Sequence[Annotations] | Annotations
@@ -119,3 +122,26 @@ def as_json(value: Any) -> bytes:
 def as_png(mask: npt.NDArray[np.bool_]) -> bytes:
     """Return a mask as a PNG of one channel of 8 bits: 255 where it is true."""
     return png.as_png(mask.astype(np.uint8) * np.uint8(255))
+
+
+#: By how much axes may be off a right angle, or lengths differ, and still be rounding.
+_ROUNDING = 1e-9
+
+
+def rotation_and_scale(pose: Floats) -> tuple[Floats, Floats] | str:
+    """Take a pose apart: a rotation, (3, 3), after a scale along the object's axes, (3,).
+
+    Return why that cannot be, where it cannot.
+    """
+    scale = np.linalg.norm(pose[:3, :3], axis=0)
+    rotation = pose[:3, :3] / scale
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > _ROUNDING:
+        return "its transform shears"
+    if np.linalg.det(rotation) < 0.0:
+        return "its transform mirrors"
+    return rotation, scale
+
+
+def is_uniform(scale: Floats) -> bool:
+    """Tell whether a scale is the same along all axes."""
+    return bool(scale.max() - scale.min() <= _ROUNDING * scale.max())

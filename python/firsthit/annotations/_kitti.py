@@ -12,8 +12,7 @@ from firsthit._base.arrays import number
 from firsthit._files.whole import write
 
 from ._coco import MaskKind
-from ._files import class_of, meters, named, refused, stems, still
-from ._rigid import rotation_and_scale
+from ._files import class_of, meters, named, refused, rotation_and_scale, stems, still
 
 if TYPE_CHECKING:
     import os

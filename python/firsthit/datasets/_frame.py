@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from firsthit._files.channels import DISTANCES, in_path
-from firsthit._files.stored import stored
+from firsthit._files.channels import DISTANCES, in_path, stored
 from firsthit._parts.digest import canonical, of_arrays
 from firsthit._parts.part import name_of
 from firsthit._pictures.render import render

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from firsthit._files.whole import write
 from firsthit._parts.digest import canonical
-from firsthit._parts.link import link
+from firsthit._parts.files import link, writing_file
 from firsthit._parts.part import name_of, remove_leftovers
 from firsthit._parts.records import read
-from firsthit._parts.whole_file import writing_file
 from firsthit.annotations._bop import SAME_SIZE
 from firsthit.annotations._bop_models import camera_record, models, write_models
 from firsthit.annotations._classes import TOLD_OF

@@ -8,12 +8,12 @@ import json
 import pathlib
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ._chance import Inside, Sphere
 from ._cost import Cost, cost
 from ._document import Document
-from ._given import Path
+from ._given import Listed, Path
 from ._lidars import LidarSensor
 from ._output import output
-from ._poses import poses
 from ._scenes import scenes
 from ._sensors import sensors
 from ._table import Table
@@ -26,6 +26,28 @@ if TYPE_CHECKING:
     from ._place import Poses
     from ._scenes import PlannedScene
     from ._sensors import PlannedSensor
+
+
+#: The kinds of poses.
+KINDS = ("sphere", "inside", "path", "list")
+
+
+def poses(table: Table, folder: pathlib.Path) -> tuple[Poses, int]:
+    """Return the poses of a plan, and the seed."""
+    kind = table.text("kind", among=KINDS)
+    seed = table.whole("seed", 0, most=2**63 - 1)
+    made: Poses
+    if kind == "sphere":
+        made = Sphere.read(table)
+    elif kind == "inside":
+        made = Inside.read(table)
+    elif kind == "path":
+        made = Path.read(table, folder)
+    else:
+        made = Listed.read(table, folder)
+    table.finish()
+    return made, seed
+
 
 #: The version of this form of plan.
 VERSION = 1

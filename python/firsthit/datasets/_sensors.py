@@ -30,42 +30,11 @@ _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
 
 
 @dataclass(frozen=True, eq=False)
-class CameraSensor:
-    """A camera on the rig that sees all of its picture at once."""
+class _OnRig:
+    """A camera on the rig."""
 
     name: str
     camera: Camera
-    annotate: bool | None
-
-    needs_path: ClassVar[bool] = False
-
-    @property
-    def is_annotated(self) -> bool:
-        """Whether its pictures are, where any are: unless the plan says otherwise."""
-        return self.annotate is not False
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(rows, columns) of its picture."""
-        return self.camera.shape
-
-    def seeing(self, time: float) -> tuple[float, float]:
-        """Return when it begins and ends to see in a frame of a time."""
-        return time, time
-
-    def at(self, place: Place) -> Camera:
-        """Return the camera at a place of the rig."""
-        return self.camera.moved(place.pose)
-
-
-@dataclass(frozen=True, eq=False)
-class RollingSensor:
-    """A camera on the rig whose first line begins at the frame's time."""
-
-    name: str
-    camera: Camera
-    readout: float
-    direction: Readout
     annotate: bool | None
 
     needs_path: ClassVar[bool] = True
@@ -79,6 +48,34 @@ class RollingSensor:
     def shape(self) -> tuple[int, int]:
         """(rows, columns) of its picture."""
         return self.camera.shape
+
+
+@dataclass(frozen=True, eq=False)
+class CameraSensor(_OnRig):
+    """A camera on the rig that sees all of its picture at once."""
+
+    needs_path: ClassVar[bool] = False
+
+    @property
+    def is_annotated(self) -> bool:
+        """Whether its pictures are, where any are: unless the plan says otherwise."""
+        return self.annotate is not False
+
+    def seeing(self, time: float) -> tuple[float, float]:
+        """Return when it begins and ends to see in a frame of a time."""
+        return time, time
+
+    def at(self, place: Place) -> Camera:
+        """Return the camera at a place of the rig."""
+        return self.camera.moved(place.pose)
+
+
+@dataclass(frozen=True, eq=False)
+class RollingSensor(_OnRig):
+    """A camera on the rig whose first line begins at the frame's time."""
+
+    readout: float
+    direction: Readout
 
     def seeing(self, time: float) -> tuple[float, float]:
         """Return the times of the lines that are read out first and last."""
@@ -100,21 +97,11 @@ class RollingSensor:
 
 
 @dataclass(frozen=True, eq=False)
-class PushbroomSensor:
+class PushbroomSensor(_OnRig):
     """A camera of one row on the rig, whose first row is seen at the frame's time."""
 
-    name: str
-    camera: Camera
     lines: int
     line_rate: float
-    annotate: bool | None
-
-    needs_path: ClassVar[bool] = True
-
-    @property
-    def is_annotated(self) -> bool:
-        """Whether its pictures are, where any are: if the plan says so."""
-        return self.annotate is True
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -165,7 +152,7 @@ def _sensor(table: Table, folder: Path) -> PlannedSensor:
     if kind == "rolling_shutter":
         readout = table.number("readout", least=0.0)
         direction = table.text("direction", "top_down", get_args(Readout))
-        return RollingSensor(name, camera(table), readout, direction, annotate)
+        return RollingSensor(name, camera(table), annotate, readout, direction)
     lines = table.whole("lines", least=1)
     rate = table.number("line_rate", above=0.0)
-    return PushbroomSensor(name, camera(table, one_row=True), lines, rate, annotate)
+    return PushbroomSensor(name, camera(table, one_row=True), annotate, lines, rate)

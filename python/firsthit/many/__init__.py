@@ -6,7 +6,7 @@ scene, in this machine or in another that shares the folder.
 """
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum
-from ._made import Made
+from ._jobs import Made
 from ._pack import Packed, pack
 from ._parts_of import JobState, parts
 from ._processes import processes

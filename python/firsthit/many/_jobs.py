@@ -33,8 +33,6 @@ from firsthit._parts.scene_store import BUILT, SharedScene, forget, read
 from firsthit._parts.time_left import checked_progress
 from firsthit._scene.scene import Scene
 
-from ._made import Made
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -45,7 +43,34 @@ if TYPE_CHECKING:
 
     from ._rays import Batch
 
-#: What parts are called in the folder of a job.
+
+class Made(NamedTuple):
+    """What a run came to.
+
+    Attributes
+    ----------
+    parts : int
+        How many parts the job has.
+    made : int
+        How many this run made.
+    kept : int
+        How many it found, whole.
+    missing : int
+        How many parts are still missing.
+    digest : str or None
+        The sha256 over the digests of all parts in their order; ``None`` while some are missing. It
+        is the same for any number of runs, workers, threads and machines.
+    result
+        What a ``fold`` came to; ``None`` while parts are missing, and without one.
+    """
+
+    parts: int
+    made: int
+    kept: int
+    missing: int
+    digest: str | None
+    result: Any = None
+
 
 #: Counts up when the same job makes other bytes.
 ANSWER = 1

@@ -10,8 +10,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import color_of, count, number
-from firsthit._files.channels import DISTANCES, distinct, files, in_path
-from firsthit._files.stored import stored
+from firsthit._files.channels import DISTANCES, distinct, files, in_path, stored
 from firsthit._looks.colors import Colors
 from firsthit._looks.display import Display
 from firsthit._looks.edges import Edges
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
     from firsthit._sensors.sensor import Sensor
     from firsthit.typing import ColorMapName, LightName, OwnShade, ShaderName, ToneMapName
 
-    from ._made import Made
+    from ._jobs import Made
 
 #: The files of pictures.
 EXTENSIONS = (".npz", ".exr", ".png", ".npy", ".ply", ".pcd")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit._parts.digest import of_arrays
-from firsthit._parts.whole_file import writing_file
+from firsthit._parts.files import writing_file
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from firsthit._sensors.sensor import Sensor
 
     from ._fold import Arrays
-    from ._made import Made
+    from ._jobs import Made
     from ._rays import RaySource
 
     Rays = (

@@ -15,8 +15,8 @@ from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError
 from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
 from firsthit._parts.drive import is_here
+from firsthit._parts.files import link
 from firsthit._parts.inside import open_inside
-from firsthit._parts.link import link
 from firsthit._parts.records import read
 
 from ._jobs import How, Job, listed, settled, shared
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from firsthit._parts.scene_store import SharedScene
     from firsthit._scene.scene import Scene
 
-    from ._made import Made
+    from ._jobs import Made
 
 #: The matrix in the folder of a job, once all blocks are there.
 MATRIX = "visible.zarr"
