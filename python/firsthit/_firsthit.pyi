@@ -107,48 +107,30 @@ __all__ = [
 ]
 
 _Vector = tuple[float, float, float]
-_Hits = tuple[
-    npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.float64]
-]
-_Surfaces = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]
+_Doubles = npt.NDArray[np.float64]
+_Integers = npt.NDArray[np.int32]
+_Hits = tuple[_Doubles, _Integers, _Integers, _Doubles]
+_Surfaces = tuple[_Integers, _Integers]
 _Filters = tuple[
     npt.NDArray[np.uint32] | None,
     Side | None,
     _Surfaces | None,
-    tuple[
-        npt.NDArray[np.int32],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.int8],
-    ]
-    | None,
-    npt.NDArray[np.int32] | None,
+    tuple[_Integers, _Integers, _Doubles, npt.NDArray[np.int8]] | None,
+    _Integers | None,
 ]
-_Rays = tuple[
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-    _Filters | None,
-]
-_Ends = tuple[npt.NDArray[np.float64], _Surfaces | None]
+_Rays = tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Filters | None]
+_Ends = tuple[_Doubles, _Surfaces | None]
 _Label = tuple[int, str]
 _Labels = tuple[_Label | None, _Label | None]
 _Seen = tuple[bool, bool]
-_Object = tuple[Shape, str, npt.NDArray[np.float64] | None, list[_Material], int, _Seen, _Labels]
+_Object = tuple[Shape, str, _Doubles | None, list[_Material], int, _Seen, _Labels]
 #: What has it, name, components, whether it is a label, numbers.
 _Property = tuple[str, str, int, bool, npt.NDArray[Any]]
-_Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
+_Copies = tuple[_Doubles | None, _Doubles | None]
 _Value = bool | float | _Vector
 _Light = tuple[str, list[tuple[str, _Value]]]
 _Environment = tuple[
-    str,
-    Sequence[_Vector],
-    Sequence[float],
-    EnvironmentMap | None,
-    float,
-    bool,
-    _Vector | None,
+    str, Sequence[_Vector], Sequence[float], EnvironmentMap | None, float, bool, _Vector | None
 ]
 _Colors = tuple[
     str | None,
@@ -212,22 +194,14 @@ _View = tuple[
 _Matrix3 = list[list[float]]
 _Matrix4 = list[list[float]]
 _CameraOut = tuple[str, _View, bool]
-_PolylineOut = tuple[
-    int,
-    bool,
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.int32],
-    float | None,
-    float,
-]
+_PolylineOut = tuple[int, bool, _Doubles, _Doubles, _Integers, float | None, float]
 _Report = Callable[[int], object]
 
 #: A list for each property of objects, but for those that many share: these are there once.
 class _Objects(TypedDict):
     names: list[str]
     shapes: list[int | tuple[str, list[float]]]
-    transforms: npt.NDArray[np.float64] | None
+    transforms: _Doubles | None
     is_moved: list[bool]
     materials: list[list[_MaterialOut]]
     looks: list[int]
@@ -302,7 +276,7 @@ class Camera:
     def resize(self, rows: int, columns: int) -> Camera: ...
     def thin_lens(self, aperture: float, focus: float) -> Camera: ...
     def depth(self, point: _Vector) -> float: ...
-    def project(self, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...
+    def project(self, points: _Doubles) -> _Doubles: ...
     @staticmethod
     def framing(
         scene: Scene, up: _Vector, view: str, rows: int | None, columns: int | None
@@ -313,61 +287,37 @@ class Camera:
         vertical_fov_degrees: float, rows: int, columns: int
     ) -> tuple[float, float, float]: ...
     def frame(self) -> tuple[_Vector, _Vector, _Vector, _Vector]: ...
-    def rays(
-        self, rows: tuple[int, int], sample: int
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
-    def rays_of(
-        self, pixels: npt.NDArray[np.int64]
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
-    def distances(
-        self, is_range: bool, pixels: npt.NDArray[np.int64], t: npt.NDArray[np.float64]
-    ) -> npt.NDArray[np.float64]: ...
+    def rays(self, rows: tuple[int, int], sample: int) -> tuple[_Doubles, _Doubles]: ...
+    def rays_of(self, pixels: npt.NDArray[np.int64]) -> tuple[_Doubles, _Doubles]: ...
+    def distances(self, is_range: bool, pixels: npt.NDArray[np.int64], t: _Doubles) -> _Doubles: ...
     def moved(self, world_from_body: _Matrix4) -> Camera: ...
 
 @final
 class Sensor:
     @staticmethod
     def table(
-        origins: npt.NDArray[np.float64],
-        directions: npt.NDArray[np.float64],
-        shape: tuple[int, int],
-        aim: _Vector | None,
+        origins: _Doubles, directions: _Doubles, shape: tuple[int, int], aim: _Vector | None
     ) -> Sensor: ...
     @staticmethod
     def rolling_shutter(
         camera: Camera, body: Trajectory, start: float, readout: float, direction: str
     ) -> Sensor: ...
     @staticmethod
-    def pushbroom(camera: Camera, body: Trajectory, times: npt.NDArray[np.float64]) -> Sensor: ...
+    def pushbroom(camera: Camera, body: Trajectory, times: _Doubles) -> Sensor: ...
     @staticmethod
     def lidar(pattern: Pattern, pose: _Matrix4, body: Trajectory | None) -> Sensor: ...
     def shape(self) -> tuple[int, int]: ...
     def has_aim(self) -> bool: ...
-    def times(self, pixels: npt.NDArray[np.int64]) -> npt.NDArray[np.float64] | None: ...
-    def rays(
-        self, rows: tuple[int, int], sample: int
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
-    def rays_of(
-        self, pixels: npt.NDArray[np.int64]
-    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
-    def distances(
-        self, is_range: bool, pixels: npt.NDArray[np.int64], t: npt.NDArray[np.float64]
-    ) -> npt.NDArray[np.float64]: ...
-    def places(self, pixels: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]: ...
-    def spread(
-        self, pixels: npt.NDArray[np.int64], divergence: float, count: int
-    ) -> npt.NDArray[np.float64]: ...
+    def times(self, pixels: npt.NDArray[np.int64]) -> _Doubles | None: ...
+    def rays(self, rows: tuple[int, int], sample: int) -> tuple[_Doubles, _Doubles]: ...
+    def rays_of(self, pixels: npt.NDArray[np.int64]) -> tuple[_Doubles, _Doubles]: ...
+    def distances(self, is_range: bool, pixels: npt.NDArray[np.int64], t: _Doubles) -> _Doubles: ...
+    def places(self, pixels: npt.NDArray[np.int64]) -> _Doubles: ...
+    def spread(self, pixels: npt.NDArray[np.int64], divergence: float, count: int) -> _Doubles: ...
     def returns(
-        self, pixels: npt.NDArray[np.int64], ranges: npt.NDArray[np.float64], threads: int
-    ) -> tuple[
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.float64],
-    ]: ...
-    def poses(self, pixels: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]: ...
+        self, pixels: npt.NDArray[np.int64], ranges: _Doubles, threads: int
+    ) -> tuple[_Doubles, _Doubles, _Integers, _Integers, _Integers, _Doubles]: ...
+    def poses(self, pixels: npt.NDArray[np.int64]) -> _Doubles: ...
 
 @final
 class Pattern:
@@ -407,58 +357,40 @@ class Pattern:
     ) -> Pattern: ...
     @staticmethod
     def table(
-        azimuths: npt.NDArray[np.float64],
-        elevations: npt.NDArray[np.float64],
-        times: npt.NDArray[np.float64],
-        rings: npt.NDArray[np.int32],
+        azimuths: _Doubles, elevations: _Doubles, times: _Doubles, rings: _Integers
     ) -> Pattern: ...
     @staticmethod
     def read_csv(path: Path) -> Pattern: ...
     def name(self) -> str: ...
     def shape(self) -> tuple[int, int]: ...
-    def beams(
-        self,
-    ) -> tuple[
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.int32],
-    ]: ...
+    def beams(self) -> tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Integers]: ...
 
 @final
 class Trajectory:
     def __new__(
         cls,
-        times: npt.NDArray[np.float64],
-        positions: npt.NDArray[np.float64],
-        rotations: npt.NDArray[np.float64],
+        times: _Doubles,
+        positions: _Doubles,
+        rotations: _Doubles,
         interpolation: str,
         extrapolation: str,
     ) -> Trajectory: ...
     @staticmethod
-    def rotations(matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...
+    def rotations(matrices: _Doubles) -> _Doubles: ...
     @staticmethod
     def read(
         path: Path, kind: str, times: Path | None, interpolation: str, extrapolation: str
     ) -> Trajectory: ...
     def write(self, path: Path, kind: str) -> None: ...
-    def parts(
-        self,
-    ) -> tuple[
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.float64],
-        tuple[Interpolation, Extrapolation],
-    ]: ...
-    def at(self, times: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...
+    def parts(self) -> tuple[_Doubles, _Doubles, _Doubles, tuple[Interpolation, Extrapolation]]: ...
+    def at(self, times: _Doubles) -> _Doubles: ...
     def in_axes(self, given: str, wanted: str) -> Trajectory: ...
 
 @final
 class Mesh:
     def __new__(
         cls,
-        vertices: npt.NDArray[np.float64],
+        vertices: _Doubles,
         triangles: npt.NDArray[np.uint32],
         attributes: Sequence[npt.NDArray[np.float32] | None],
         labels: Sequence[npt.NDArray[np.uint32] | None],
@@ -472,8 +404,8 @@ class Mesh:
     def area(self) -> float: ...
     def volume(self) -> float | None: ...
     def split(self) -> list[Mesh]: ...
-    def moved(self, vertices: npt.NDArray[np.float64]) -> Mesh: ...
-    def vertices(self) -> npt.NDArray[np.float64]: ...
+    def moved(self, vertices: _Doubles) -> Mesh: ...
+    def vertices(self) -> _Doubles: ...
     def triangles(self) -> npt.NDArray[np.uint32]: ...
 
 @final
@@ -522,7 +454,7 @@ class Scene:
     def changed(
         self,
         replaced: list[tuple[int, _Object]],
-        places: tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]],
+        places: tuple[npt.NDArray[np.int64], _Doubles],
         hidden: list[tuple[int, bool]],
     ) -> Scene: ...
     def seen_by(self, mask: int, only: list[int] | None, blend_below: float | None) -> Scene: ...
@@ -554,16 +486,14 @@ def lidar_models() -> list[str]: ...
 def axes_from(wanted: str, given: str) -> _Matrix4: ...
 def lint_kinds() -> list[tuple[str, str]]: ...
 def polygons(
-    points: npt.NDArray[np.float64],
-    corners: npt.NDArray[np.uint32],
-    sizes: npt.NDArray[np.uint32],
+    points: _Doubles, corners: npt.NDArray[np.uint32], sizes: npt.NDArray[np.uint32]
 ) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.uint32]]: ...
-def check_transforms(rows: npt.NDArray[np.float64]) -> tuple[int, str] | None: ...
+def check_transforms(rows: _Doubles) -> tuple[int, str] | None: ...
 def check_environment(candidate: _Environment) -> None: ...
 def sun_of(environment: _Environment, up: _Vector) -> _Light | None: ...
 def environment_radiance(
     environment: _Environment, up: _Vector, directions: list[list[float]]
-) -> npt.NDArray[np.float64]: ...
+) -> _Doubles: ...
 def check_material(candidate: _Material) -> _Settings: ...
 def srgb_levels() -> list[float]: ...
 def check_pose(pose: _Matrix4) -> None: ...
@@ -596,27 +526,11 @@ def save(
     up_is_guessed: bool,
 ) -> None: ...
 def shoot(
-    scene: Scene,
-    rays: _Rays,
-    copies: _Copies,
-    threads: int,
-    out: _Hits,
-    report: _Report | None,
+    scene: Scene, rays: _Rays, copies: _Copies, threads: int, out: _Hits, report: _Report | None
 ) -> None: ...
 def shoot_all(
-    scene: Scene,
-    rays: _Rays,
-    count: int,
-    nearest: int | None,
-    threads: int,
-    report: _Report | None,
-) -> tuple[
-    npt.NDArray[np.uintp],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.int32],
-    npt.NDArray[np.int32],
-    npt.NDArray[np.float64],
-]: ...
+    scene: Scene, rays: _Rays, count: int, nearest: int | None, threads: int, report: _Report | None
+) -> tuple[npt.NDArray[np.uintp], _Doubles, _Integers, _Integers, _Doubles]: ...
 def shoot_camera(
     scene: Scene, camera: Camera | Sensor, threads: int, out: _Hits, report: _Report | None
 ) -> None: ...
@@ -636,40 +550,19 @@ _PixelRay = tuple[Camera, tuple[int, int], tuple[float, float], _Filters | None]
 
 def before_viewplane(scene: Scene, camera: Camera) -> int: ...
 def explain(
-    scene: Scene,
-    explained: _Rays | _PixelRay,
-    among: Sequence[int] | None,
-    behind: int,
+    scene: Scene, explained: _Rays | _PixelRay, among: Sequence[int] | None, behind: int
 ) -> tuple[str, str]: ...
 def count(
     scene: Scene, rays: _Rays, threads: int, out: npt.NDArray[np.uint32], report: _Report | None
 ) -> None: ...
 def closest_points(
-    scene: Scene,
-    points: npt.NDArray[np.float64],
-    wanted: tuple[int, float],
-    threads: int,
-    report: _Report | None,
-) -> tuple[
-    npt.NDArray[np.float64],
-    npt.NDArray[np.int32],
-    npt.NDArray[np.int32],
-    npt.NDArray[np.float64],
-    npt.NDArray[np.float64],
-]: ...
+    scene: Scene, points: _Doubles, wanted: tuple[int, float], threads: int, report: _Report | None
+) -> tuple[_Doubles, _Integers, _Integers, _Doubles, _Doubles]: ...
 def signed_distances(
-    scene: Scene,
-    points: npt.NDArray[np.float64],
-    how: tuple[str, bool],
-    threads: int,
-    report: _Report | None,
-) -> npt.NDArray[np.float64]: ...
+    scene: Scene, points: _Doubles, how: tuple[str, bool], threads: int, report: _Report | None
+) -> _Doubles: ...
 def inside(
-    scene: Scene,
-    points: npt.NDArray[np.float64],
-    how: tuple[bool, str],
-    threads: int,
-    report: _Report | None,
+    scene: Scene, points: _Doubles, how: tuple[bool, str], threads: int, report: _Report | None
 ) -> npt.NDArray[np.bool_]: ...
 def path_lengths(
     scene: Scene,
@@ -678,7 +571,7 @@ def path_lengths(
     how: tuple[bool, str],
     threads: int,
     report: _Report | None,
-) -> npt.NDArray[np.float64]: ...
+) -> _Doubles: ...
 def thickness(
     scene: Scene,
     rays: _Rays,
@@ -686,15 +579,11 @@ def thickness(
     how: tuple[bool, str],
     threads: int,
     report: _Report | None,
-) -> npt.NDArray[np.float64]: ...
+) -> _Doubles: ...
 def rules(scene: Scene, rule: str) -> list[str]: ...
 def attribute(
-    scene: Scene,
-    named: tuple[str, str | None],
-    hits: Any,
-    threads: int,
-    report: _Report | None,
-) -> tuple[int, npt.NDArray[np.float64]]: ...
+    scene: Scene, named: tuple[str, str | None], hits: Any, threads: int, report: _Report | None
+) -> tuple[int, _Doubles]: ...
 def attribute_names(scene: Scene) -> list[tuple[str, str, int]]: ...
 def channel(
     scene: Scene,
@@ -770,17 +659,14 @@ class PageServer:
 def resolve(
     scene: Scene, camera: Camera | Sensor, shading: _Shading, up: _Vector
 ) -> tuple[int, list[str]]: ...
-def draws(
-    pixels: npt.NDArray[np.int64], sample: int, number: int, count: int
-) -> npt.NDArray[np.float64]: ...
+def draws(pixels: npt.NDArray[np.int64], sample: int, number: int, count: int) -> _Doubles: ...
 def color_names() -> tuple[list[str], list[str]]: ...
 def shader_settings(name: str) -> list[tuple[str, str]]: ...
 def check_shader(
     name: str, settings: Sequence[tuple[str, _Value]]
 ) -> list[tuple[str, bool | float | tuple[float, float, float]]]: ...
 def edge_defaults() -> tuple[
-    list[EdgeKind],
-    tuple[float, float, list[EdgeKind], tuple[float, float] | None, _Vector],
+    list[EdgeKind], tuple[float, float, list[EdgeKind], tuple[float, float] | None, _Vector]
 ]: ...
 def check_edges(edges: EdgesTuple) -> None: ...
 def defaults() -> tuple[int, list[_Vector]]: ...
@@ -815,8 +701,4 @@ def note_input(path: Path) -> None: ...
 def is_input(path: Path) -> bool: ...
 def read_points(
     path: Path,
-) -> tuple[
-    npt.NDArray[np.float64],
-    list[tuple[str | None, list[int], npt.NDArray[Any], str]],
-    list[str],
-]: ...
+) -> tuple[_Doubles, list[tuple[str | None, list[int], npt.NDArray[Any], str]], list[str]]: ...
