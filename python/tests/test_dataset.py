@@ -328,7 +328,7 @@ def test_a_run_that_ends_while_it_puts_together_is_gone_on_with(whole, tmp_path,
 
     def ending(path, content):
         if len(written) == stop:
-            path.with_name(f".{path.name}.{'0' * 6}.tmp").write_bytes(content[:5])
+            path.with_name(f".{path.name}.{'0' * 32}").write_bytes(content[:5])
             raise KeyboardInterrupt
         written.append(path)
         write(path, content)
@@ -337,7 +337,7 @@ def test_a_run_that_ends_while_it_puts_together_is_gone_on_with(whole, tmp_path,
         patched.setattr("firsthit.datasets._merge.write", ending)
         with pytest.raises(KeyboardInterrupt):
             fh.dataset(made, tmp_path)
-    (left,) = tmp_path.rglob(".*.tmp")
+    (left,) = tmp_path.rglob(f".*.{'0' * 32}")
     os.utime(left, (time.time() - 90_000,) * 2)
     assert fh.dataset(made, tmp_path).made == 0
     assert tree(tmp_path) == tree(whole[0])

@@ -10,6 +10,8 @@ another type altogether is a ``TypeError``.
 import os
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
@@ -66,6 +68,20 @@ class FileWriteError(FileError, OSError):
 
 class FileFormatError(FileError, ValueError):
     """A file's content is wrong."""
+
+
+@contextmanager
+def blaming(
+    path: str | os.PathLike[str], kind: type[FileReadError] | type[FileWriteError]
+) -> Iterator[None]:
+    """Raise what the system says as an error about a path."""
+    try:
+        yield
+    except FileError:
+        raise
+    except OSError as error:
+        text = os.fspath(path)
+        raise kind(f"{text}: {error.strerror or error}", text) from error
 
 
 def refuse_input(path: str | os.PathLike[str]) -> None:

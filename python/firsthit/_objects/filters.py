@@ -88,7 +88,7 @@ class Filters:
 
 def of_each_ray(mask: Any) -> Any:
     """Return masks that rays have each; one for all is left to `Built.seen`, and costs nothing."""
-    return mask if np.ndim(mask) else None
+    return mask if mask is None or np.ndim(mask) else None
 
 
 def surfaces(name: str, given: Any) -> Surfaces:

@@ -9,7 +9,8 @@ import shutil
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, BinaryIO
 
-from firsthit._base.errors import FileError, FileWriteError, refuse_input
+from firsthit._base.errors import FileWriteError, blaming
+from firsthit._files.whole import writing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,29 +45,18 @@ def writing_file(path: Path) -> Iterator[BinaryIO]:
     FileWriteError
         If the system refuses, and over a file that was read.
     """
-    refuse_input(path)
-    # `remove_leftovers` knows this name.
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(16)}")
-    try:
-        try:
-            with beside.open("xb") as file:
-                yield file
-                file.flush()
-                os.fsync(file.fileno())
-            beside.replace(path)
-            sync(path.parent)
-        finally:
-            beside.unlink(missing_ok=True)
-    except FileError:
-        raise
-    except OSError as error:
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+    with writing(path) as file:
+        yield file
+        file.flush()
+        os.fsync(file.fileno())
+    with blaming(path, FileWriteError):
+        sync(path.parent)
 
 
 def link(source: Path, path: Path) -> None:
     """Give a file a second name, which takes no room; a copy where that cannot be."""
     beside = path.with_name(f".{path.name}.{secrets.token_hex(16)}")
-    try:
+    with blaming(path, FileWriteError):
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists() and path.samefile(source):
             return
@@ -79,5 +69,3 @@ def link(source: Path, path: Path) -> None:
         finally:
             # Where somebody else was faster, both are names of one file, and none is replaced.
             beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error

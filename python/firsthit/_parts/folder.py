@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-from firsthit._base.errors import FileFormatError, FileWriteError
+from firsthit._base.errors import FileFormatError, FileWriteError, blaming
 
 from .digest import Digests
 from .part import discard, name_of, record_of, remove_leftovers
@@ -65,11 +65,8 @@ class Parts:
         if self._folder.is_symlink():
             name = os.fspath(self._folder)
             raise FileWriteError(f"{name}: a link, not the folder of a job", name)
-        try:
+        with blaming(self._folder, FileWriteError):
             self._folder.mkdir(exist_ok=True)
-        except OSError as error:
-            name = os.fspath(self._folder)
-            raise FileWriteError(f"{name}: {error.strerror or error}", name) from error
         remove_leftovers(self._folder)
 
     def path(self, number: int) -> Path:

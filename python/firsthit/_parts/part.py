@@ -13,11 +13,11 @@ import re
 import shutil
 import time
 import uuid
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit._base.errors import FileError, FileReadError, FileWriteError
+from firsthit._base.errors import FileError, FileReadError, FileWriteError, blaming
 
 from .digest import canonical, of_file, of_json, of_stream
 from .files import sync
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 #: What killed runs leave behind, and when it is removed: somebody else may still be at it before.
-_LEFT = re.compile(r"\..*\.([0-9a-f]{32}|[0-9A-Za-z]{6}\.tmp)")
+_LEFT = re.compile(r"\..*\.[0-9a-f]{32}")
 _OLD_SECONDS = 24 * 3600
 
 
@@ -167,16 +167,13 @@ def record_of(path: Path, form: Form, job: str, *, verify: bool = False) -> dict
 def discard(path: Path) -> None:
     """Remove a damaged part. It loses its name first, so that it is never half there."""
     aside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
-    try:
+    # Somebody else may be faster.
+    with blaming(path, FileWriteError), suppress(FileNotFoundError):
         path.rename(aside)
         if aside.is_dir() and not aside.is_symlink():
             shutil.rmtree(aside)
         else:
             aside.unlink()
-    except FileNotFoundError:
-        pass  # Somebody else was faster.
-    except OSError as error:
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
 
 
 def remove_leftovers(folder: Path) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.errors import FileFormatError, FileReadError
+from firsthit._base.errors import FileFormatError, FileReadError, blaming
 
 from .conventions import quaternion
 
@@ -115,9 +115,7 @@ def content(path: str | os.PathLike[str]) -> bytes:
     # To open a pipe would wait for its other end.
     if Path(path).exists() and not Path(path).is_file():
         raise FileReadError(f"{text}: not a regular file", text)
-    try:
+    with blaming(path, FileReadError):
         read = Path(path).read_bytes()
-    except OSError as error:
-        raise FileReadError(f"{text}: {error.strerror}", text) from None
     _firsthit.note_input(Path(path))
     return read

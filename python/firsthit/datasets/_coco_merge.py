@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import codecs
 import json
-import os
-import secrets
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
-from firsthit._base.errors import FileWriteError
+from firsthit._parts.files import writing_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -24,23 +23,14 @@ def save_coco(
     """
     numbers = {name: k for k, name in enumerate(classes, 1)}
     categories = _categories(pictures(), numbers)
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(16)}")
     about = f"annotations of scenes by firsthit {_firsthit.version()}"
-    try:
-        try:
-            with beside.open("x", encoding="utf-8", newline="\n") as file:
-                file.write(f'{{"info": {_text({"description": about})}, "licenses": [], "images": ')
-                _write(file, _images(pictures()))
-                file.write(f', "categories": {_text(categories)}, "annotations": ')
-                _write(file, _annotations(pictures(), numbers, categories))
-                file.write("}\n")
-                file.flush()
-                os.fsync(file.fileno())
-            beside.replace(path)
-        finally:
-            beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+    with writing_file(path) as bytes_of_it:
+        file = codecs.getwriter("utf-8")(bytes_of_it)
+        file.write(f'{{"info": {_text({"description": about})}, "licenses": [], "images": ')
+        _write(file, _images(pictures()))
+        file.write(f', "categories": {_text(categories)}, "annotations": ')
+        _write(file, _annotations(pictures(), numbers, categories))
+        file.write("}\n")
 
 
 def _categories(pictures: Iterable[dict[str, Any]], numbers: dict[str, int]) -> list[Any]:
@@ -79,7 +69,7 @@ def _annotations(
             yield made
 
 
-def _write(file: IO[str], values: Iterable[Any]) -> None:
+def _write(file: codecs.StreamWriter, values: Iterable[Any]) -> None:
     file.write("[")
     for k, value in enumerate(values):
         file.write((", " if k else "") + _text(value))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
-from firsthit._base.errors import FileFormatError, FileReadError
+from firsthit._base.errors import FileFormatError, FileReadError, blaming
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -54,16 +54,13 @@ class Document(NamedTuple):
         """Read a plan from a file."""
         file, name = Path(path), os.fspath(path)
         try:
-            if file.exists() and not file.is_file():
-                what = "a folder" if file.is_dir() else "a device or a pipe"
-                raise FileReadError(f"{name}: {what}, not a file", name)
-            with file.open("rb") as opened:
-                content = opened.read(MOST_BYTES + 1)
+            with blaming(path, FileReadError):
+                if file.exists() and not file.is_file():
+                    what = "a folder" if file.is_dir() else "a device or a pipe"
+                    raise FileReadError(f"{name}: {what}, not a file", name)
+                with file.open("rb") as opened:
+                    content = opened.read(MOST_BYTES + 1)
             _firsthit.note_input(file)
-        except OSError as error:
-            if isinstance(error, FileReadError):
-                raise
-            raise FileReadError(f"{name}: {error.strerror or error}", name) from error
         except ValueError as error:  # a name with a zero byte
             raise FileReadError(f"{name!r}: {error}", name) from error
         if len(content) > MOST_BYTES:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 from urllib.parse import quote
 
 from firsthit._base.arrays import count, flag
-from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError
+from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError, blaming
 from firsthit._parts.digest import Digests, canonical, of_file, of_json
 from firsthit._parts.files import writing_file
 from firsthit._parts.folder import in_words
@@ -303,10 +303,8 @@ def _shard(
 
 
 def _read(path: Path) -> str:
-    try:
+    with blaming(path, FileReadError):
         return of_file(path)
-    except OSError as error:
-        raise FileReadError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
 
 
 def _has_size(path: Path, size: int) -> bool:
@@ -354,11 +352,8 @@ class _Read(io.RawIOBase):
         self._file, self._path, self.sha256 = file, path, hashlib.sha256()
 
     def read(self, size: int = -1) -> bytes:
-        try:
+        with blaming(self._path, FileReadError):
             piece = self._file.read(size)
-        except OSError as error:
-            name = os.fspath(self._path)
-            raise FileReadError(f"{name}: {error.strerror or error}", name) from error
         if len(piece) < size:
             raise _refused(self._path, _DAMAGED)
         self.sha256.update(piece)
@@ -386,10 +381,8 @@ def _tar_of(content: int) -> int:
 def _claim(into: Path, said: dict[str, Any]) -> list[dict[str, Any]] | None:
     """Make the folder that of these shards; return them if all are there."""
     path = into / INDEX
-    try:
+    with blaming(into, FileWriteError):
         into.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileWriteError(f"{into}: {error.strerror or error}", os.fspath(into)) from error
     known = known_job(path)
     _refuse_strange(into, None if known is not None else set())
     remove_leftovers(into)
@@ -414,10 +407,8 @@ def _claim(into: Path, said: dict[str, Any]) -> list[dict[str, Any]] | None:
 
 def _refuse_strange(into: Path, shards: set[str] | None) -> None:
     """Refuse a folder with anything but the index and some shards: ``None`` for any."""
-    try:
+    with blaming(into, FileWriteError):
         names = sorted(os.listdir(into))  # noqa: PTH208 - names are all that is asked for
-    except OSError as error:
-        raise FileWriteError(f"{into}: {error.strerror or error}", os.fspath(into)) from error
     for name in names:
         is_shard = _SHARD.fullmatch(name) and (shards is None or name in shards)
         if not (is_shard or name == INDEX or _LEFT.fullmatch(name)):

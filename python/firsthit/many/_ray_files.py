@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from firsthit._base.errors import FileFormatError, FileReadError
+from firsthit._base.errors import FileFormatError, FileReadError, blaming
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -45,15 +45,11 @@ class RayFile(NamedTuple):
         middle alone is not told.
         """
         made = hashlib.sha256()
-        try:
-            with self.path.open("rb") as file:
-                size = file.seek(0, os.SEEK_END)
-                for start in (0, max(0, size - _END)):
-                    file.seek(start)
-                    made.update(file.read(_END))
-        except OSError as error:
-            text = os.fspath(self.path)
-            raise FileReadError(f"{text}: {error.strerror or error}", text) from None
+        with blaming(self.path, FileReadError), self.path.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            for start in (0, max(0, size - _END)):
+                file.seek(start)
+                made.update(file.read(_END))
         return size, made.hexdigest()
 
     def rays(self, first: int, last: int) -> Table:
@@ -110,10 +106,8 @@ def _rows(path: Path) -> int:
 
 def _version(path: Path) -> tuple[int, int]:
     """Return what tells whether a file was changed since it was read."""
-    try:
+    with blaming(path, FileReadError):
         there = path.stat()
-    except OSError as error:
-        raise FileReadError(f"{path}: {error.strerror or error}", os.fspath(path)) from None
     return there.st_size, there.st_mtime_ns
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from firsthit._base.arrays import count, number, vectors
-from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError
+from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError, blaming
 from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
 from firsthit._parts.drive import is_here
@@ -222,11 +222,8 @@ def bits(folder: str | os.PathLike[str], *, rows: slice = slice(None)) -> npt.ND
         for right in range(across):
             path = into / "c" / str(down) / str(right)
             try:
-                with open_inside(into, f"c/{down}/{right}") as file:
+                with blaming(path, FileReadError), open_inside(into, f"c/{down}/{right}") as file:
                     chunk = np.frombuffer(file.read(deep * wide + 1), np.uint8)
-            except OSError as error:
-                text = os.fspath(path)
-                raise FileReadError(f"{text}: {error.strerror or error}", text) from None
             except ValueError as error:
                 raise FileFormatError(f"{into}: {error}", os.fspath(into)) from None
             if chunk.size != deep * wide:
