@@ -13,7 +13,10 @@ identifiers and ``nan`` elsewhere.
 (array([ 4., inf]), array([ 0, -1], dtype=int32))
 """
 
-from . import _firsthit, annotations, datasets, many
+from importlib import import_module as _import_module
+from typing import TYPE_CHECKING
+
+from . import _firsthit, annotations, many
 from ._base.errors import FileError, FileFormatError, FileReadError, FileWriteError, FirsthitWarning
 from ._base.info import info
 from ._files.frame import Frame, read_metadata
@@ -60,8 +63,24 @@ from ._sensors.trajectory import Trajectory
 from ._view.notebook import NotebookView
 from ._view.view import View, view
 from .annotations import annotate
-from .datasets import Plan, dataset
 from .many import parts, render_many, shoot_many, visible_many
+
+if TYPE_CHECKING:
+    from . import datasets
+    from .datasets import Plan, dataset
+else:  # A checker would believe that there is any name.
+
+    def __getattr__(name):
+        """Import data sets when they are first asked for: they take a tenth of the time."""
+        if name not in ("Plan", "dataset", "datasets"):
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        module = _import_module(".datasets", __name__)
+        return module if name == "datasets" else getattr(module, name)
+
+    def __dir__():
+        """Return the names that are there, and those that are imported when they are asked for."""
+        return sorted({*globals(), *__all__})
+
 
 # Not `info()`: an import succeeds whatever `FIRSTHIT_ISA` says.
 __version__ = _firsthit.version()
