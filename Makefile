@@ -232,12 +232,12 @@ pages:
 DOC := RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
 
 # The site, in target/docs: see mkdocs.yml. Once .venv-docs is there, it asks no other host for anything. RUST= leaves out
-# the Rust reference and the viewer, which take cargo a while the first time.
+# the Rust reference, the program's help and the viewer, which take cargo a while the first time.
 RUST ?= yes
 docs: .venv-docs/ready
 	$(if $(RUST),$(DOC) --quiet)
 	$(if $(RUST),$(MAKE) --silent program)
-	NO_MKDOCS_2_WARNING=1 $(if $(RUST),,WITHOUT_VIEWER=1) .venv-docs/bin/python -B -m mkdocs build --strict
+	NO_MKDOCS_2_WARNING=1 $(if $(RUST),,WITHOUT_PROGRAM=1) .venv-docs/bin/python -B -m mkdocs build --strict
 	@echo "made target/docs; to read it: $(PYTHON) -m http.server --directory target/docs"
 
 .venv-docs/ready: docs/requirements.txt

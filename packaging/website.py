@@ -5,8 +5,8 @@ the site, README.md is the first page, and the other documents of the root are p
 files that the site has not become links to the repository if Cargo.toml has its address, and plain
 text otherwise.
 
-The Rust reference joins the site if `cargo doc` has made it, and the viewer with the chapter alive
-if the program is built with its WebAssembly module.
+The Rust reference joins the site if `cargo doc` has made it. The program, if it is built, adds what
+it says of itself, and the viewer with the chapter alive. `llms.txt` lists all pages for programs.
 
 The site asks no other host for anything: a script, style, font or picture from elsewhere is an
 error.
@@ -29,6 +29,7 @@ from mkdocs.structure.files import File
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig
     from mkdocs.structure.files import Files
+    from mkdocs.structure.nav import Navigation
     from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parents[1]
@@ -51,7 +52,21 @@ RUST = "<!-- the Rust reference -->"
 CHAPTER = "<!-- the chapter alive -->"
 CHAPTER_FILE = "chapter.html"
 
+#: What the program says of itself; options of these commands are with the Python package.
+HELP = "reference/program.md"
+OF_THE_PACKAGE = {
+    "scan": "sensors.md#on-the-command-line",
+    "dataset": "datasets.md",
+    "parts": "cluster.md",
+    "pack": "datasets.md",
+}
+
+#: All pages, in the order of the contents.
+PAGES: list[Page] = []
+
 LINK = re.compile(r"\[((?:[^][]|\[[^]]*\])*)\]\(([^()\s]+)\)")
+#: A picture as HTML, up to its source and that.
+PICTURE = re.compile(r'(<img [^>]*?\bsrc=")([^":]+)')
 FENCE = re.compile(r"^(```.*?^```$)", re.MULTILINE | re.DOTALL)
 #: A name in a docstring; `ray` and `parts` are attributes more often than what the package has.
 NAMED = re.compile(
@@ -75,16 +90,44 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             if path.is_file() and path.name != ".lock" and path.suffix != ".md":
                 name = f"rust/{path.relative_to(RUSTDOC).as_posix()}"
                 files.append(File.generated(config, name, abs_src_path=str(path)))
+    files.append(File.generated(config, HELP, content=_help()))
     chapter = _chapter()
     if chapter is not None:
         files.append(File.generated(config, CHAPTER_FILE, content=chapter))
     return files
 
 
+def _has_program() -> bool:
+    # An old one may be there that nobody asked for.
+    return not os.environ.get("WITHOUT_PROGRAM") and PROGRAM.is_file()
+
+
+def _help() -> str:
+    """Return what `--help` says for each command; without the program, that it says it."""
+    page = "# The program\n\nThe program's own words: `firsthit --help` for each command.\n"
+    if not _has_program():
+        return page
+
+    def said(*words: str) -> str:
+        command, wide = [PROGRAM, *words, "--help"], os.environ | {"COLUMNS": "100"}
+        done = subprocess.run(command, env=wide, check=True, capture_output=True, text=True)
+        return done.stdout
+
+    overview = said()
+    commands = re.findall(r"^  ([a-z]+)  ", overview.split("\nOptions:")[0], re.MULTILINE)
+    parts = {"firsthit": f"```text\n{overview}```"}
+    for name in commands:
+        if name in OF_THE_PACKAGE:
+            there = f"../{OF_THE_PACKAGE[name]}"
+            parts[f"firsthit {name}"] = f"With the Python package: [its page]({there})."
+        elif name != "help":
+            parts[f"firsthit {name}"] = f"```text\n{said(name)}```"
+    return page + "".join(f"\n## {name}\n\n{part}\n" for name, part in parts.items())
+
+
 def _chapter() -> bytes | None:
     """Return the viewer of a small scene as a report; nothing without the program."""
-    # An old one may be there that nobody asked for.
-    if os.environ.get("WITHOUT_VIEWER") or not PROGRAM.is_file():
+    if not _has_program():
         return None
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / CHAPTER_FILE
@@ -95,28 +138,45 @@ def _chapter() -> bytes | None:
         return path.read_bytes()
 
 
+def on_nav(nav: Navigation, config: MkDocsConfig, files: Files) -> None:
+    """Keep the pages in the order of the contents."""
+    PAGES[:] = nav.pages
+
+
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Let links lead to pages of the site."""
     here = page.file.src_uri
     document = FROM_PAGES.get(here, f"docs/{here}")
 
-    def link(found: re.Match[str]) -> str:
-        text, target = found.groups()
-        if re.match(r"[a-z]+:|#", target):
-            return found[0]
+    def on_site(target: str) -> str | None:
+        """Return where a link to a file leads here; nothing if the file is nowhere to be seen."""
         name, hash_sign, anchor = target.partition("#")
         path = posixpath.normpath(posixpath.join(posixpath.dirname(document), name))
         if not (ROOT / path).exists():
             raise PluginError(f"{document}: there is no {path}")
         there = ROOT_PAGES.get(path, path.removeprefix("docs/"))
+        if (ROOT / path).is_dir():
+            within = (each.file.src_uri for each in PAGES)
+            there = next((each for each in within if each.startswith(f"{there}/")), there)
         if (path in ROOT_PAGES or path.startswith("docs/")) and files.get_file_from_path(there):
             relative = posixpath.relpath(there, posixpath.dirname(here) or ".")
-            return f"[{text}]({relative}{hash_sign}{anchor})"
+            return f"{relative}{hash_sign}{anchor}"
         address = _address()
-        return f"[{text}]({address}/blob/HEAD/{path})" if address else text
+        return f"{address}/blob/HEAD/{path}" if address else None
+
+    def link(found: re.Match[str]) -> str:
+        text, target = found.groups()
+        if re.match(r"[a-z]+:|#", target):
+            return found[0]
+        there = on_site(target)
+        return f"[{text}]({there})" if there else text
+
+    def picture(found: re.Match[str]) -> str:
+        return f"{found[1]}{on_site(found[2])}"
 
     parts = FENCE.split(markdown)
     parts[::2] = [LINK.sub(link, part) for part in parts[::2]]
+    parts[::2] = [PICTURE.sub(picture, part) for part in parts[::2]]
     reference = posixpath.relpath("rust/firsthit/index.html", posixpath.dirname(here) or ".")
     told = (
         f"[Open the reference]({reference})."
@@ -140,8 +200,9 @@ def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -
 
 
 def on_post_build(config: MkDocsConfig) -> None:
-    """Refuse a site that loads anything from elsewhere."""
+    """Write a list of all pages, and refuse a site that loads anything from elsewhere."""
     site = Path(config.site_dir)
+    (site / "llms.txt").write_text(_for_programs(config), encoding="utf-8")
     foreign = [
         f"{path.relative_to(site)}: {found}"
         for path in site.rglob("*")
@@ -150,6 +211,21 @@ def on_post_build(config: MkDocsConfig) -> None:
     ]
     if foreign:
         raise PluginError("\n".join(["the site asks other hosts:", *foreign]))
+
+
+def _for_programs(config: MkDocsConfig) -> str:
+    """Return all pages, each with its beginning, as https://llmstxt.org has it."""
+    lines, part = [f"# {config.site_name}", "", f"> {config.site_description}"], ""
+    for page in PAGES:
+        section = page.ancestors[-1].title if page.ancestors else "Home"
+        if section != part:
+            part = section
+            lines += ["", f"## {part}", ""]
+        paragraphs = re.split(r"\n{2,}", FENCE.sub("", page.markdown or ""))
+        begins = next((each for each in paragraphs if re.match(r"[A-Z`*[]", each.strip())), "")
+        plain = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", " ".join(begins.split()))
+        lines.append(f"- [{page.title}]({page.url})" + (f": {plain}" if plain else ""))
+    return "\n".join(lines) + "\n"
 
 
 def _address() -> str:

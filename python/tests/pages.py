@@ -164,27 +164,6 @@ def _compare(expected: str, printed: str, place: str) -> None:
         raise AssertionError(f"{place}: printed\n{printed}\nin place of\n{expected}")
 
 
-#: Prints the help of several commands, with a zero byte after each.
-_HELP = """
-import os, sys
-from _firsthit_program import main
-for words in sys.argv[1:]:
-    sys.argv = [*words.split(), "--help"]
-    main()
-    os.write(1, bytes(1))
-"""
-
-
-def with_help(page: str) -> str:
-    """Return docs/reference/program.md with what the program says of each command now."""
-    part = re.compile(r"^## (firsthit(?: \w+)?)\n\n```text\n.*?^```$", re.MULTILINE | re.DOTALL)
-    command = [sys.executable, "-c", _HELP, *part.findall(page)]
-    wide = os.environ | {"COLUMNS": "100"}
-    done = subprocess.run(command, env=wide, capture_output=True, text=True, check=True)
-    told = iter(done.stdout.split("\0"))
-    return part.sub(lambda found: f"## {found[1]}\n\n```text\n{next(told)}```", page)
-
-
 def same(one: Path, other: Path) -> bool:
     """Tell whether two pictures are the same, however they are packed."""
     if one.suffix == ".svg":
@@ -203,9 +182,6 @@ def main() -> None:
 
     for name in sys.argv[1:]:
         page = (ROOT / name).resolve()
-        if page.name == "program.md":
-            page.write_text(with_help(page.read_text(encoding="utf-8")), encoding="utf-8")
-            continue
         with tempfile.TemporaryDirectory() as temporary:
             folder = Path(temporary)
             os.chdir(folder)
