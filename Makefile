@@ -51,6 +51,11 @@ gallery: .venv/ready
 	$(call develop,.venv)
 	$(VENV)/python docs/gallery/make.py $(ONLY)
 
+# The picture of the viewer in the README, by Chromium: after `make test-browser`, which brings what it needs.
+viewer-picture: program
+	FIRSTHIT="$(CURDIR)/$(PROGRAM)" $(BROWSER)/venv/bin/python docs/gallery/viewer.py
+.PHONY: viewer-picture
+
 # One selection of packages for all that tests compile: with another one, dependencies have other features, and all is compiled anew. Tests
 # run on the library of a release, which the program and the Python package share.
 TEST := $(CARGO) test --workspace --release

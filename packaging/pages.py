@@ -1,6 +1,6 @@
 """Make what a package index shows of firsthit: its page, and the address of its repository.
 
-The page, ``packaging/README.md``, is README.md without its picture and with its relative links as
+The page, ``packaging/README.md``, is README.md without its pictures and with its relative links as
 plain text: an index shows a page far from the files beside it. The repository's address stands in
 the workspace's Cargo.toml, and packages inherit it by a line of their own. Cargo refuses that line
 while the workspace has no address, so this script adds it once there is one.
@@ -21,12 +21,10 @@ INHERITED = "repository.workspace = true\n"
 
 def page(readme: str) -> str:
     """Return README.md's text as it can be read away from the repository."""
-    without_picture = re.sub(r"\A!\[[^]]*\]\([^)]*\)\s*", "", readme)
-    links_as_text = re.sub(r"\[([^]]+)\]\((?!https?:)[^)]*\)", r"\1", without_picture)
-    before, told, after = links_as_text.partition("# the picture above, no")
-    if not told:
-        raise ValueError("README.md no longer says `# the picture above, no`: this replaces it")
-    return f"{NOTE}{before}# an example scene, no{after}"
+    without_pictures = re.sub(
+        r"^(?:!\[[^]]*\]\([^)]*\)|<(?:img|br) [^>]*>)\n+", "", readme, flags=re.MULTILINE
+    )
+    return NOTE + re.sub(r"\[([^]]+)\]\((?!https?:)[^)]*\)", r"\1", without_pictures)
 
 
 def manifest(text: str, has_address: bool) -> str:  # noqa: FBT001

@@ -188,7 +188,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         folder = posixpath.dirname(page.url) or "."
         address = f"{posixpath.relpath(CHAPTER_FILE, folder)}#chapter"
         style = "width:100%;height:46rem;border:1px solid gray"
-        chapter = f'<iframe src="{address}" title="The viewer" style="{style}"></iframe>'
+        # In a sandbox it cannot scroll this page to its section.
+        may = 'sandbox="allow-scripts allow-downloads" allow="clipboard-write" loading="lazy"'
+        chapter = f'<iframe src="{address}" title="The viewer" {may} style="{style}"></iframe>'
     return "".join(parts).replace(RUST, told).replace(CHAPTER, chapter)
 
 

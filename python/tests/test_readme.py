@@ -1,54 +1,75 @@
-"""README.md's example in Python and the lines of docs/guide.md and others run as they stand."""
+"""README.md's lines and those of docs/annotations.md run as they stand."""
 
+import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
+import webbrowser
 
 import firsthit as fh
 import numpy as np
 import pages
 import pytest
-from pages import ROOT
+from pages import DOCS, ROOT
+
+README = ROOT / "README.md"
 
 
-def test_the_readme_s_example_runs(tmp_path, monkeypatch):
-    pytest.importorskip("pandas")
+def test_the_readme_s_three_lines_make_the_picture_beside_them(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    shutil.copy(ROOT / "testdata" / "torus_meshopt.glb", "part.glb")
-    (example,) = pages.blocks(ROOT / "README.md", "python")
-    told = {}
-    exec(example.text, told)
-    assert told["hits"].shape == told["hits"].object.shape == (720, 1280)
-    assert told["hits"].normal.shape == (720, 1280, 3)
-    assert told["blocked"]
-    assert told["layers"] > 0
-    assert told["scene"].objects[told["ball"]].transform[2, 3] == 2
-    part, whole = told["part"], fh.render(told["scene"], told["camera"])
-    assert (part["color"] == whole["color"][100:200, 300:500]).all()
-    names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"part.glb", "part.png", "out.exr", "out.png", "cloud.ply", "panorama.png"}
+    (tmp_path / "docs").symlink_to(DOCS, target_is_directory=True)
+    (example,) = pages.blocks(README, "python")
+    assert len(example.text.splitlines()) == 3
+    exec(example.text, {})
+    (beside,) = re.findall(r'<img [^>]*src="(\S+)"', README.read_text(encoding="utf-8"))
+    assert pages.same(tmp_path / "shapes.png", ROOT / beside)
 
 
-def test_the_guide_s_lines_run_and_write_its_pictures(tmp_path, monkeypatch):
+def jobs():
+    """The commands of the README's jobs, and beside each its Python."""
+    part = README.read_text(encoding="utf-8").split("\n## Five jobs\n")[1].split("\n## ")[0]
+    rows = [line.split("|")[2:4] for line in part.splitlines() if "`firsthit " in line]
+    found = [[re.search(r"`(.+?)`", cell)[1] for cell in row] for row in rows if len(row) == 2]
+    assert len(found) == 5
+    return found
+
+
+@pytest.fixture
+def part(tmp_path, monkeypatch):
+    """A part beside the rays that meet it, in a folder of their own."""
     monkeypatch.chdir(tmp_path)
-    shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
-    guide = ROOT / "docs" / "guide.md"
-    blocks = pages.blocks(guide, "python")
-    told = {}
-    for block in blocks:
-        exec(block.text, told)
-    assert max(len(block.text.splitlines()) for block in blocks[1:]) <= 5
-    assert told["z"].shape == told["cone"].shape == told["thick"].shape == (220, 480)
-    assert told["cone"].any()
-    assert told["pairs"].shape == (5, 2)
-    assert told["around"]["valid"].mean() == pytest.approx(np.pi / 4, abs=1e-3)
-    assert (tmp_path / "scan.ply").is_file()
-    assert float(told["there"]) > 0.9
-    pictures = pages.pictures(guide)
-    assert len(pictures) == 8
-    for shown in pictures:
-        assert pages.same(tmp_path / Path(shown).name, guide.parent / shown), shown
+    shutil.copy(ROOT / "testdata" / "cube_binary.stl", "part.stl")
+    np.save("rays.npy", [[0.1, 0.1, 9.0, 0.0, 0.0, -1.0]])
+    return tmp_path
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the lines are for a Unix shell")
+def test_the_readme_s_commands_run(part):
+    for command, _ in jobs():
+        line = command.replace("firsthit ", f"{sys.executable} -m firsthit ")
+        # A page is served until someone ends it.
+        line += " -o part.html" if " view " in line else ""
+        subprocess.run(line, shell=True, cwd=part, check=True, capture_output=True)
+    written = {path.suffix for path in part.iterdir()}
+    assert written == {".stl", ".npy", ".png", ".npz", ".ply", ".html"}
+
+
+def test_the_readme_s_python_runs_and_gives_what_the_commands_give(part, monkeypatch):
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    told = {"fh": fh, "scene": fh.load("part.stl")}
+    for _, python in jobs():
+        exec(python, told)
+    told["page"].stop()
+    assert opened == [told["page"].address]
+    assert told["z"].shape == (480, 640)
+    assert told["t"].shape == told["o"].shape == (2,)
+    assert (part / "part.png").is_file()
+    assert (part / "scan.ply").is_file()
+
+
+def test_the_readme_is_short():
+    assert len(README.read_text(encoding="utf-8").splitlines()) <= 120
 
 
 def test_the_lines_about_annotations_run_and_write_their_files(tmp_path, monkeypatch):
@@ -65,23 +86,3 @@ def test_the_lines_about_annotations_run_and_write_their_files(tmp_path, monkeyp
     assert {"coco.json", "bop/000000/scene_gt.json", "yolo/labels/train/000000.txt"} < names
     assert {"bop/000000/mask_visib/000000_000000.png", "yolo/data.yaml"} < names
     assert "kitti/training/label_2/000000.txt" in names
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="the lines are for a Unix shell")
-def test_the_guide_s_commands_run(tmp_path):
-    shutil.copy(ROOT / "docs" / "scenes" / "shapes.toml", tmp_path)
-    commands = pages.blocks(ROOT / "docs" / "guide.md", "sh")
-    assert len(commands) == 8
-    answers = []
-    for command in commands:
-        line = command.text.replace("firsthit ", f"{sys.executable} -m firsthit ")
-        done = subprocess.run(
-            line, shell=True, cwd=tmp_path, capture_output=True, text=True, check=True
-        )
-        answers.append(done.stdout.split())
-    assert [answer[0] for answer in answers[2:5]] == ["visible", "thickness", "inside"]
-    assert [float(answer[1]) for answer in answers[2:5]] == [0.0, pytest.approx(1, abs=0.1), 1.0]
-    scene = fh.load(tmp_path / "shapes.toml")
-    lidar = fh.Lidar.spinning(np.linspace(-25, 15, 64), columns=1024, position=(0, -2.2, 1.0))
-    lidar.scan(scene).save(tmp_path / "expected.ply")
-    assert (tmp_path / "scan.ply").read_bytes() == (tmp_path / "expected.ply").read_bytes()

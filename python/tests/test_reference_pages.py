@@ -1,7 +1,7 @@
 """The lines of the reference pages, which need files and names that the reader has, run too.
 
-Other tests run those of README.md, guide.md, gallery.md, annotations.md, and the
-other lines of cluster.md and datasets.md.
+Other tests run those of README.md, gallery.md, annotations.md, and the other lines of cluster.md
+and datasets.md.
 """
 
 import json
