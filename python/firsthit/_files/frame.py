@@ -453,6 +453,12 @@ class Frame:
         with timed("wrote %s", path):
             _firsthit.write(path, list(self._shape), channels, self._origin, how, display)
 
+    def _repr_html_(self) -> str:
+        """Show it at a glance, for notebooks."""
+        from ._glance import of_frame
+
+        return of_frame(self)
+
     def _repr_png_(self) -> bytes | None:
         pictures = [name for name in self._channels if matte_of(name) is None]
         if not pictures:

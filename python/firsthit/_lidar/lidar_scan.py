@@ -528,6 +528,12 @@ class LidarScan:
         rows, columns = self._shape
         return f"LidarScan({len(self)} returns of {rows} x {columns} beams)"
 
+    def _repr_html_(self) -> str:
+        """Show it at a glance, for notebooks."""
+        from ._glance import of_scan
+
+        return of_scan(self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as it is."""
         return LidarScan._of, (self._arrays, self._shape, self._said())

@@ -573,7 +573,36 @@ class Channels:
         """Return True, also without rays or hits: the length must not decide."""
         return True
 
-    def __copy__(self) -> Self:
+    def __iter__(self) -> Iterator[npt.NDArray[Any]]:
+        """Yield ``t`` and ``object``, for ``t, o = hits``."""
+        yield self.t
+        yield self.object
+
+    if not TYPE_CHECKING:  # A checker would believe that there is any attribute.
+
+        def __getattr__(self, name: str) -> Any:
+            """Refuse an attribute that there is not; of depth, say what it is called."""
+            if name != "depth":
+                # It was tried, and says once more why there is none, as z without an aim does.
+                return self.__getattribute__(name)
+            said = f"{type(self).__name__!r} object has no attribute {name!r}"
+            raise AttributeError(said + hint(name, self.channels), name=name, obj=self)
+
+    def __repr__(self) -> str:
+        met = int(np.count_nonzero(self._arrays[1] >= 0))
+        return f"Hits(shape={self._shape}, {met:,} of {len(self._arrays[1]):,} rays hit)"
+
+    def _repr_html_(self) -> str:
+        """Show it at a glance, for notebooks."""
+        from ._glance import of_hits
+
+        return of_hits(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle with the scene as it was shot, and without what can be computed again."""
+        return {**self.__dict__, "_made": {}}
+
+    def __copy__(self) -> Hits:
         """Copy: what hits hold does not change, and is shared."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)

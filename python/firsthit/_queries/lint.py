@@ -152,6 +152,12 @@ class LintReport:
         found = ", ".join(f"{finding.kind}: {finding.count}" for finding in self._findings)
         return f"LintReport({found or 'clean'})"
 
+    def _repr_html_(self) -> str:
+        """Show it at a glance, for notebooks."""
+        from ._glance import of_lint
+
+        return of_lint(self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return LintReport, (self._built, *self._settings, 0)
 

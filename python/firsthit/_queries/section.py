@@ -148,6 +148,12 @@ class Section:
         closed = sum(polyline.is_closed for polyline in self.polylines)
         return f"Section({closed} closed, {len(self) - closed} open, area {self.area:.6g})"
 
+    def _repr_html_(self) -> str:
+        """Show it at a glance, for notebooks."""
+        from ._glance import of_section
+
+        return of_section(self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return Section, (*self._made_from, 0)
 
