@@ -2,6 +2,7 @@
 
 import base64
 import re
+import sys
 
 import firsthit as fh
 import numpy as np
@@ -107,3 +108,32 @@ def test_a_scan_is_a_picture_of_its_ranges(scene):
     none = lidar.scan(scene, dropout=1.0, seed=1)
     assert len(none) == 0
     assert pictures(none._repr_html_()) == []
+
+
+def test_a_channel_is_plotted_with_its_unit_and_without_misses(scene, camera):
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pyplot.switch_backend("agg")
+    hits = scene.shoot(camera)
+    axes = hits.plot("z")
+    (image,) = axes.images
+    shown = image.get_array()
+    assert (shown.mask == np.isinf(hits.z)).all()
+    assert (shown.compressed() == hits.z[np.isfinite(hits.z)]).all()
+    assert image.colorbar.ax.get_ylabel() == "z (scene units)"
+    # Row 0 is at the top.
+    assert axes.get_ylim() == (29.5, -0.5)
+    frame = fh.render(scene, camera, channels=("color", "object"), samples=1)
+    assert frame.plot("object", ax=axes) is axes
+    assert (axes.images[1].get_array().mask == (frame["object"] < 0)).all()
+    with pytest.raises(ValueError, match=r"color must have rows and columns of one number each"):
+        frame.plot("color")
+    with pytest.raises(ValueError, match=r"got the shape \(2,\)"):
+        scene.shoot([[0, 0, 9], [1, 0, 9]], [0, 0, -1]).plot("t")
+    with pytest.raises(KeyError, match="no channel 'z'"):
+        frame.plot("z")
+
+
+def test_a_plot_without_matplotlib_says_what_is_missing(scene, camera, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    with pytest.raises(ImportError, match="plot takes matplotlib: pip install matplotlib"):
+        scene.shoot(camera).plot("t")

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
-from firsthit import _firsthit
-from firsthit._base.arrays import count, text
-from firsthit._base.channel_hints import hint
-from firsthit._base.errors import FileFormatError, warn
-from firsthit._base.log import timed
-from firsthit._looks.display import Display, as_display
-
-from .channels import files, is_cloud, is_of_several, matte_of, stored
+from . import _firsthit
+from ._arrays import count, text
+from ._channel_hints import hint
+from ._display import Display, as_display
+from ._errors import FileFormatError, warn
+from ._files import files, is_cloud, is_of_several, matte_of
+from ._log import timed
+from ._plot import Plottable
+from ._stored import stored
 
 if TYPE_CHECKING:
     from collections.abc import ItemsView, Iterator, KeysView, Sequence, ValuesView
@@ -40,7 +41,7 @@ _DTYPES = ("float64", "float32", "int32", "bool")
 _AS_UINT32 = _DTYPES[2:]
 
 
-class Frame:
+class Frame(Plottable):
     """A picture: named channels over the same pixels, row 0 at the top.
 
     ``frame["z"]`` is the array of a channel, of shape (rows, columns), or (rows, columns, k) where
