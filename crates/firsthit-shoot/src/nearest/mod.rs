@@ -72,6 +72,7 @@ impl Default for Wanted {
 /// # Errors
 ///
 /// Those of [`closest_points`].
+#[doc(alias("nearest point", "distance query"))]
 pub fn closest_point(scene: &Scene, point: DVec3) -> Result<Option<ClosestPoint>> {
     let all = closest_points(scene, &[point.to_array()], Wanted::default(), &())?;
     Ok(all.get(0, 0))

@@ -58,6 +58,7 @@ use crate::watch::Watch;
 /// assert_eq!((hit.t, hit.object), (2.0, 0));
 /// # Ok::<(), firsthit::Error>(())
 /// ```
+#[doc(alias("raycast", "ray_cast", "ray triangle intersection", "first hit"))]
 pub fn shoot(scene: &Scene, p: DVec3, u_r: DVec3) -> Hit {
     Cpu::default().first_hit(scene, &Ray::new(p, u_r))
 }
@@ -73,6 +74,7 @@ pub fn shoot(scene: &Scene, p: DVec3, u_r: DVec3) -> Hit {
 /// assert!(!occluded(&scene, eye, target - eye, 0.3), "the ball is farther away");
 /// # Ok::<(), firsthit::Error>(())
 /// ```
+#[doc(alias("any hit", "shadow ray", "line of sight"))]
 pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
     Cpu::default().any_hit(scene, &Ray::new(p, u_r).up_to(t_max))
 }
@@ -86,6 +88,7 @@ pub fn occluded(scene: &Scene, p: DVec3, u_r: DVec3, t_max: f64) -> bool {
 ///
 /// [`Error::Limit`](crate::error::Error::Limit) when the answers do not fit into memory,
 /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it.
+#[doc(alias("raycast", "ray_cast", "ray triangle intersection", "all hits"))]
 pub fn trace<Q: Query, R: Rays + ?Sized>(
     scene: &Scene,
     rays: &R,

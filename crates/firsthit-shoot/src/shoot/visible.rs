@@ -48,6 +48,7 @@ impl Viewpoint {
 /// # Errors
 ///
 /// [`Error::Argument`](crate::error::Error::Argument) for a tolerance that is negative or not finite, and those of [`trace`].
+#[doc(alias("line of sight", "viewshed"))]
 pub fn visible(
     scene: &Scene,
     pairs: &[[Viewpoint; 2]],

@@ -46,6 +46,7 @@ pub struct Insides {
 ///
 /// [`Error::Limit`](crate::error::Error::Limit) when the answers do not fit into memory,
 /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it.
+#[doc(alias("point in mesh", "contains"))]
 pub fn inside(scene: &Scene, points: &[DVec3], by: By, watch: &dyn Watch) -> Result<Insides> {
     inside_with(FillRule::default(), scene, points, by, watch)
 }
