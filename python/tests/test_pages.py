@@ -42,9 +42,10 @@ def test_a_page_has_code_and_says_where_to_go_next(page):
         assert (page.parent / shown).stat().st_size < 60_000, shown
 
 
-def test_each_task_has_a_picture_that_it_makes():
-    for page in PAGES:
-        assert pages.pictures(page) or page.parent.name == "start", page
+def test_each_task_has_a_picture_that_it_makes_a_command_and_python():
+    for page in (DOCS / "tasks").glob("*.md"):
+        assert pages.pictures(page), page
+        assert {"sh", "python"} <= {block.language for block in pages.blocks(page)}, page
 
 
 def test_only_what_sets_up_is_left_out():
