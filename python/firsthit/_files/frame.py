@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
-from . import _firsthit
-from ._arrays import count, text
-from ._channel_hints import hint
-from ._display import Display, as_display
-from ._errors import FileFormatError, warn
-from ._files import files, is_cloud, is_of_several, matte_of
-from ._log import timed
-from ._plot import Plottable
-from ._stored import stored
+from firsthit import _firsthit
+from firsthit._base.arrays import count, text
+from firsthit._base.channel_hints import hint
+from firsthit._base.errors import FileFormatError, warn
+from firsthit._base.log import timed
+from firsthit._looks.display import Display, as_display
+
+from .channels import files, is_cloud, is_of_several, matte_of, stored
+from .plot import Plottable
 
 if TYPE_CHECKING:
     from collections.abc import ItemsView, Iterator, KeysView, Sequence, ValuesView
@@ -456,7 +456,7 @@ class Frame(Plottable):
 
     def _repr_html_(self) -> str:
         """Show it at a glance, for notebooks."""
-        from ._glance import of_frame
+        from .glance import of_frame
 
         return of_frame(self)
 

@@ -530,7 +530,7 @@ class LidarScan:
 
     def _repr_html_(self) -> str:
         """Show it at a glance, for notebooks."""
-        from ._glance import of_scan
+        from firsthit._files.glance import of_scan
 
         return of_scan(self)
 

@@ -8,19 +8,15 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args, overload
 
 import numpy as np
 
-from . import _firsthit
-from ._arrays import chosen, filled, flag, lock, text, threads_or_all
-from ._attributes import Attributed
-from ._channel_hints import hint
-from ._files import attribute_of, distinct, files, is_cloud, is_of_several
-from ._frame import in_file
-from ._leaving import leaving
-from ._log import timed
-from ._plot import Plottable
-from ._progress import following
-from ._rounding import singles, singles_within
-from ._stored import stored
-from ._types import ChannelName, MatteName, NamedIdentifier
+from firsthit import _firsthit
+from firsthit._base.arrays import chunks, filled, flag, lock, text, threads_or_all
+from firsthit._base.channel_hints import hint
+from firsthit._base.log import timed
+from firsthit._base.progress import following, later
+from firsthit._base.rounding import singles
+from firsthit._base.types import ChannelName, MatteName, NamedIdentifier
+from firsthit._files.channels import attribute_of, distinct, files, is_cloud, is_of_several
+from firsthit._files.frame import in_file
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -59,24 +55,8 @@ _OF_A_CAMERA: tuple[ChannelName, ...] = tuple(
 OF_RAYS = tuple(name for name in _OF_A_CAMERA if name not in ("range", "z"))
 
 
-class Hits(Attributed, Plottable):
-    """The first hits of rays, as arrays of the rays' shape, which is written (...) below.
-
-    ``t, o = hits`` unpacks distances and objects. ``hits[mask]`` and ``len(hits)`` work as for an
-    array of the rays' shape. ``hits["normal"]`` is a channel, and ``hits["quality"]`` an attribute
-    of the meshes that were hit. ``hits.to_dict()`` is a table.
-
-    A miss has ``t``, ``range`` and ``z`` of infinity; identifiers of -1; a false ``front``; and NaN
-    elsewhere. ``t``, ``object`` and ``primitive`` are there at once; the
-    others are computed when they are first read, from the rays and the scene as they were shot.
-
-    All arrays are read-only, because hits compute from them and return the same memory at every
-    read. A copy, such as ``hits.t.copy()``, can be written, and `channel` fills an array of yours.
-    Of one ray, of the shape (), a channel is a number of NumPy's, or a vector.
-    """
-
-    def __init__(self) -> None:
-        raise TypeError("Hits are made by Scene.shoot")
+class Channels:
+    """Hits by channels, each an array of the hits' shape, which is written (...) below."""
 
     #: The scene as it was shot.
     _built: Built
@@ -593,36 +573,7 @@ class Hits(Attributed, Plottable):
         """Return True, also without rays or hits: the length must not decide."""
         return True
 
-    def __iter__(self) -> Iterator[npt.NDArray[Any]]:
-        """Yield ``t`` and ``object``, for ``t, o = hits``."""
-        yield self.t
-        yield self.object
-
-    if not TYPE_CHECKING:  # A checker would believe that there is any attribute.
-
-        def __getattr__(self, name: str) -> Any:
-            """Refuse an attribute that there is not; of depth, say what it is called."""
-            if name != "depth":
-                # It was tried, and says once more why there is none, as z without an aim does.
-                return self.__getattribute__(name)
-            said = f"{type(self).__name__!r} object has no attribute {name!r}"
-            raise AttributeError(said + hint(name, self.channels), name=name, obj=self)
-
-    def __repr__(self) -> str:
-        met = int(np.count_nonzero(self._arrays[1] >= 0))
-        return f"Hits(shape={self._shape}, {met:,} of {len(self._arrays[1]):,} rays hit)"
-
-    def _repr_html_(self) -> str:
-        """Show it at a glance, for notebooks."""
-        from ._glance import of_hits
-
-        return of_hits(self)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickle with the scene as it was shot, and without what can be computed again."""
-        return {**self.__dict__, "_made": {}}
-
-    def __copy__(self) -> Hits:
+    def __copy__(self) -> Self:
         """Copy: what hits hold does not change, and is shared."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)

@@ -10,6 +10,7 @@ from firsthit._base.arrays import chosen
 from firsthit._base.channel_hints import hint
 from firsthit._base.rounding import singles_within
 from firsthit._files.channels import stored
+from firsthit._files.plot import Plottable
 
 from .channels import Channels
 from .leaving import leaving
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
     )
 
 
-class Hits(Channels):
+class Hits(Channels, Plottable):
     """The first hits of rays, as arrays of the rays' shape, which is written (...) below.
 
     ``t, o = hits`` unpacks distances and objects. ``hits[mask]`` and ``len(hits)`` work as for an
@@ -271,6 +272,12 @@ class Hits(Channels):
     def __repr__(self) -> str:
         met = int(np.count_nonzero(self._arrays[1] >= 0))
         return f"Hits(shape={self._shape}, {met:,} of {len(self._arrays[1]):,} rays hit)"
+
+    def _repr_html_(self) -> str:
+        """Show it at a glance, for notebooks."""
+        from firsthit._files.glance import of_hits
+
+        return of_hits(self)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle with the scene as it was shot, and without what can be computed again."""

@@ -154,7 +154,7 @@ class LintReport:
 
     def _repr_html_(self) -> str:
         """Show it at a glance, for notebooks."""
-        from ._glance import of_lint
+        from firsthit._files.glance import of_lint
 
         return of_lint(self)
 

@@ -150,7 +150,7 @@ class Section:
 
     def _repr_html_(self) -> str:
         """Show it at a glance, for notebooks."""
-        from ._glance import of_section
+        from firsthit._files.glance import of_section
 
         return of_section(self)
 

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._frame import Frame
+from .frame import Frame
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     import numpy.typing as npt
 
-    from ._hits import Hits
-    from ._lidar_scan import LidarScan
-    from ._lint import LintReport
-    from ._section import Section
+    from firsthit._lidar.lidar_scan import LidarScan
+    from firsthit._queries.hits import Hits
+    from firsthit._queries.lint import LintReport
+    from firsthit._queries.section import Section
 
 #: The most pixels of a small picture along an edge, and the most rows of a table.
 _PIXELS, _ROWS = 320, 8
