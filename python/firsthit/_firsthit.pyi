@@ -138,7 +138,6 @@ _Colors = tuple[
     ColorMapName,
     tuple[float, float] | None,
     tuple[_Vector | None, _Vector | None, _Vector | None],
-    bool,
 ]
 _Shading = tuple[
     str | None, list[tuple[str, _Value]], str | None, bool | None, int | None, _Colors | None

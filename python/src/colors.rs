@@ -5,7 +5,7 @@ use firsthit::scene::{ColorBy, Coloring};
 use pyo3::prelude::*;
 
 /// The source of the numbers, or the numbers of the objects; the map's name; the range; the colours
-/// below, above and where there is no number; whether there is a bar.
+/// below, above and where there is no number.
 #[derive(FromPyObject)]
 pub(crate) struct ColorsIn(
     Option<String>,
@@ -13,7 +13,6 @@ pub(crate) struct ColorsIn(
     String,
     Option<(f64, f64)>,
     [Option<[f64; 3]>; 3],
-    bool,
 );
 
 type Triple = (f64, f64, f64);
@@ -25,11 +24,10 @@ pub(crate) type ColorsOut = (
     &'static str,
     Option<(f64, f64)>,
     (Option<Triple>, Option<Triple>, Option<Triple>),
-    bool,
 );
 
 pub(crate) fn coloring_in(colors: &ColorsIn) -> firsthit::Result<Coloring> {
-    let ColorsIn(by, values, map, range, outside, bar) = colors;
+    let ColorsIn(by, values, map, range, outside) = colors;
     let by = match by {
         Some(by) => by.parse()?,
         None => ColorBy::Values(values.as_slice().into()),
@@ -42,7 +40,6 @@ pub(crate) fn coloring_in(colors: &ColorsIn) -> firsthit::Result<Coloring> {
         below,
         above,
         missing,
-        bar: *bar,
     })
 }
 
@@ -59,7 +56,6 @@ pub(crate) fn coloring_out(coloring: &Coloring) -> ColorsOut {
         coloring.map.name(),
         coloring.range.map(Into::into),
         (below, above, missing),
-        coloring.bar,
     )
 }
 

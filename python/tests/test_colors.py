@@ -29,7 +29,6 @@ def test_an_attribute_colours_surfaces_and_the_frame_has_the_legend(scene, camer
     legend = frame.metadata["colors"]
     assert legend["by"] == "attribute:heat"
     assert legend["range"] == [0, 4]
-    assert not legend["bar"]
     hits = scene.shoot(camera)
     heat = hits["heat"]
     known = np.isfinite(heat)
@@ -44,9 +43,8 @@ def test_an_attribute_colours_surfaces_and_the_frame_has_the_legend(scene, camer
 
 def test_a_number_for_each_object_and_the_scene_s_own_colors(scene, camera):
     by = fh.Colors([5.0, 7.0], range=(0, 10), above="red", map="turbo")
-    frame = fh.render(scene, camera, color_by=by, color_bar=True)
+    frame = fh.render(scene, camera, color_by=by)
     assert frame.metadata["colors"]["by"] == "values"
-    assert frame.metadata["colors"]["bar"]
     again = fh.render(scene, camera, color_by=np.array([5, 7]), color_range=(0, 10))
     assert again.metadata["colors"]["range"] == [0, 10]
     scene.shading = fh.Shading("lambert", colors=by)
@@ -57,7 +55,7 @@ def test_a_number_for_each_object_and_the_scene_s_own_colors(scene, camera):
 
 def test_colours_of_a_file_are_those_of_its_scene(tmp_path, scene, camera):
     path = tmp_path / "scene.fhs"
-    scene.shading = fh.Shading("lambert", colors=fh.Colors("object", map="blues", bar=True))
+    scene.shading = fh.Shading("lambert", colors=fh.Colors("object", map="blues"))
     scene.save(path)
     assert fh.open(path).shading.colors == scene.shading.colors
     text = '[[objects]]\nshape = "sphere"\ncenter = [0, 0, 0]\nradius = 1\n'

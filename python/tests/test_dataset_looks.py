@@ -58,7 +58,7 @@ def sky(folder):
             {"color_by": {"by": "object", "map": "blues", "range": [1, 3], "above": "red"}},
             {"color_by": fh.Colors("object", map="blues", range=(1, 3), above="red")},
         ),
-        ({"edges": 1.5, "color_bar": False}, {"edges": 1.5}),
+        ({"edges": 1.5}, None),
         (
             {"edges": {"kinds": "object", "hidden": [4, 2], "color": [1, 0, 0], "width": 2}},
             {"edges": fh.Edges(2, kinds="object", hidden=(4, 2), color=(1, 0, 0))},
@@ -154,8 +154,6 @@ def test_lines_of_a_scene_file_are_part_of_a_job(folder, tmp_path):
 @pytest.mark.parametrize(
     ("look", "words"),
     [
-        ({"color_bar": True}, "`color_bar` must be false: it would hide what the sensor sees"),
-        ({"color_by": {"by": "height", "bar": True}}, "output.color_by: `bar` must be left out"),
         ({"color_by": {"map": "turbo"}}, "output.color_by: missing key `by`"),
         ({"color_by": ""}, "the name of an attribute, which is not empty"),
         ({"color_by": True}, "`color_by` must be an array of n finite numbers"),
@@ -218,23 +216,6 @@ def test_lines_are_refused_of_sensors_that_move_while_they_see(folder):
     change(given)
     with pytest.raises(ValueError, match="`edges` must be left out: sensor 'eye' moves"):
         fh.Plan.from_dict(given, folder)
-
-
-def test_a_bar_that_a_scene_asks_for_is_refused_unless_the_plan_leaves_it_out(folder, tmp_path):
-    text = (folder / "yard.toml").read_text()
-    (folder / "barred.toml").write_text(text + '\n[colors]\nby = "height"\nbar = true\n')
-
-    def both(look):
-        given = of_look(look)
-        given["scenes"].append({"file": "barred.toml", "classes": {"ball": "ball"}})
-        return fh.Plan.from_dict(given, folder)
-
-    with pytest.raises(ValueError, match=r"scene 'barred\.toml': `color_bar` must be false"):
-        fh.dataset(both({}), tmp_path / "out")
-    assert not (tmp_path / "out").exists()
-    fh.dataset(both({"color_bar": False}), tmp_path / "out")
-    kept = fh.Frame.load(tmp_path / "out" / "frames" / "000002" / "eye.npz")
-    assert (kept.metadata["colors"]["by"], kept.metadata["colors"]["bar"]) == ("height", False)
 
 
 @pytest.mark.parametrize(

@@ -140,7 +140,6 @@ def test_frames_are_of_the_scene_as_it_was_at_the_call(scene):
         ({"channels": "x"}, ValueError, "channel"),
         ({"channels": "attribute:heat"}, ValueError, "attribute"),
         ({"color_by": "heat"}, ValueError, "color_by|attribute"),
-        ({"color_by": "height", "color_bar": True}, ValueError, "bar"),
         ({"region": np.s_[5:5, :]}, ValueError, "region"),
         ({"camera": fh.RaySensor([[0, 0, 5]], [[0, 0, -1]]), "edges": 1.0}, ValueError, "edges"),
         ({"shade": "toon"}, ValueError, "shade"),

@@ -127,15 +127,6 @@ impl Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        // The library leaves it to the caller to have a bar or not.
-        if let Error::Argument {
-            name: "color_bar",
-            got,
-            ..
-        } = &error
-        {
-            return Self::usage(format!("--color-bar does not fit a picture of {got}"));
-        }
         let code = match &error {
             Error::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe => {
                 return Self::stdout(source);

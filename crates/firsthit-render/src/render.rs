@@ -27,7 +27,7 @@ use crate::edge::{Edges, Lines, Subject};
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
 use crate::geometry::{DVec3, Digest, Side, Value, require};
-use crate::image::{Channel, ColorBar, Frame, Names, Origin, ShadingRecord};
+use crate::image::{Channel, Frame, Names, Origin, ShadingRecord};
 use crate::memory;
 use crate::scene::{Background, Scene};
 use crate::sensor::{Record, Sensor};
@@ -106,7 +106,7 @@ summary!(
 /// # Errors
 ///
 /// [`Error::Argument`] for no samples, and for a single one of a camera with an aperture, whose colours would
-/// be a pinhole's, and for a picture that is too small for a bar of colours; [`Error::Limit`] when the picture does not
+/// be a pinhole's; [`Error::Limit`] when the picture does not
 /// fit into memory, [`Error::Interrupted`] when `watch` stops it.
 pub fn render(
     scene: &Scene,
@@ -318,7 +318,6 @@ impl<'a> Picture<'a> {
             kind.check(self.scene)?;
             kind.check_sensor(self.sensor)?;
         }
-        self.bar()?;
         self.scene.check_light()?;
         if let Some(edges) = &self.edges {
             edges.check()?;
@@ -336,14 +335,6 @@ impl<'a> Picture<'a> {
 
     fn has_color(&self) -> bool {
         self.channels.iter().any(|kind| kind.needs_shade())
-    }
-
-    /// The bar of colours, if there is to be one.
-    fn bar(&self) -> Result<Option<ColorBar>> {
-        let colored = self.scene.colored().filter(|_| self.has_color());
-        let drawn = colored.filter(|colored| colored.coloring().bar);
-        let bar = |colored| ColorBar::new(&legend::record(colored), self.sensor.shape());
-        drawn.map(bar).transpose()
     }
 
     fn needs_samples(&self) -> bool {

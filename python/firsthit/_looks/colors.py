@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import color_of, flag, number, numbers, settle
+from firsthit._base.arrays import color_of, number, numbers, settle
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
         ColorMapName,
         tuple[float, float] | None,
         tuple[Vector | None, Vector | None, Vector | None],
-        bool,
     ]
 
 #: What gives numbers beside attributes; names of colour maps.
@@ -36,7 +35,7 @@ class Colors:
     """Colours of surfaces by numbers, in place of their own colours. Immutable.
 
     Every shader lights these colours as it lights others. `render` takes one as ``color_by``, and
-    `Shading` as ``colors``.
+    `Shading` as ``colors``. The legend is ``frame.metadata["colors"]``.
 
     Parameters
     ----------
@@ -55,9 +54,6 @@ class Colors:
         map.
     missing : (3,) array_like or str, optional
         The colour where there is no number, or NaN. If left out, the surface's own.
-    bar : bool, optional
-        Whether pictures have a bar of the colours with their numbers at the right edge. Their
-        metadata have them in any case: ``frame.metadata["colors"]``.
 
     Raises
     ------
@@ -78,7 +74,6 @@ class Colors:
     below: Vector | None
     above: Vector | None
     missing: Vector | None
-    bar: bool
 
     def __init__(
         self,
@@ -89,7 +84,6 @@ class Colors:
         below: npt.ArrayLike | None = None,
         above: npt.ArrayLike | None = None,
         missing: npt.ArrayLike | None = None,
-        bar: bool = False,
     ) -> None:
         if map not in MAPS:
             raise ValueError(f"map must be one of {', '.join(MAPS)}, got {map!r}")
@@ -104,14 +98,13 @@ class Colors:
             below=None if below is None else color_of("below", below),
             above=None if above is None else color_of("above", above),
             missing=None if missing is None else color_of("missing", missing),
-            bar=flag("bar", bar),
         )
 
     def _native(self) -> ColorsTuple:
         by = self.by if isinstance(self.by, str) else None
         values = [] if isinstance(self.by, str) else list(self.by)
         outside = (self.below, self.above, self.missing)
-        return by, values, self.map, self.range, outside, self.bar
+        return by, values, self.map, self.range, outside
 
 
 def colors_of(base: Colors | None, by: Any, **changes: Any) -> Colors | None:
@@ -125,10 +118,10 @@ def colors_of(base: Colors | None, by: Any, **changes: Any) -> Colors | None:
 
 def from_native(colors: ColorsTuple) -> Colors:
     """Return what a file says."""
-    by, values, name, ends, (below, above, missing), bar = colors
+    by, values, name, ends, (below, above, missing) = colors
     what: Any = values if by is None else by
     more = {"below": below, "above": above, "missing": missing}
-    return Colors(what, map=name, range=ends, bar=bar, **more)
+    return Colors(what, map=name, range=ends, **more)
 
 
 def _by(by: object) -> str | tuple[float, ...]:

@@ -59,7 +59,7 @@ _SAMPLES_WITH_NOISE = 256
 
 #: What of `render`'s arguments is about the library's shaders alone.
 _OF_SHADERS = ("background", "environment", "light", "ground", "ambient", "shadows")
-_OF_COLORS = ("color_by", "color_map", "color_range", "color_bar")
+_OF_COLORS = ("color_by", "color_map", "color_range")
 
 
 class Picture(NamedTuple):
@@ -352,7 +352,7 @@ def _look(said: Shading, given: dict[str, Any]) -> Shading:
     if ambient is not None and said.shade is None and shade is None:
         shader = "lambert"
     settings = {"ambient": ambient, "shadows": given["shadows"]}
-    numbers = {name: given[f"color_{name}"] for name in ("map", "range", "bar")}
+    numbers = {name: given[f"color_{name}"] for name in ("map", "range")}
     look = {name: given[name] for name in ("samples", "light", "ground")}
     look |= {"colors": colors_of(said.colors, given["color_by"], **numbers)}
     return said._but(shade=shader_of(shader, settings), **look)

@@ -49,7 +49,6 @@ def render(
     color_by: str | npt.ArrayLike | Colors | None = None,
     color_map: ColorMapName | None = None,
     color_range: tuple[float, float] | None = None,
-    color_bar: bool | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
     dtype: npt.DTypeLike | None = None,
@@ -146,8 +145,8 @@ def render(
     color_by : str, (n,) array_like of float or Colors, optional
         Colour surfaces by numbers, in place of their own colours: see `Colors`, which it may be as
         a whole. If left out, ``colors`` of `Scene.shading`.
-    color_map, color_range, color_bar : optional
-        Its ``map``, ``range`` and ``bar``.
+    color_map, color_range : optional
+        Its ``map`` and ``range``.
     threads : int, optional
         The number of threads; all cores if left out. The result is the same for any number.
     progress : bool or callable, optional
@@ -252,7 +251,6 @@ def render(
         color_by=color_by,
         color_map=color_map,
         color_range=color_range,
-        color_bar=color_bar,
         threads=threads,
         dtype=dtype,
     )
@@ -281,7 +279,6 @@ def render_progressively(
     color_by: str | npt.ArrayLike | Colors | None = None,
     color_map: ColorMapName | None = None,
     color_range: tuple[float, float] | None = None,
-    color_bar: bool | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Frame]:
@@ -297,7 +294,7 @@ def render_progressively(
         the first frame has 2. A function is called for each sample; with one it is called once.
     blend_below, shade, light, ground, ambient, shadows
         As for `render`.
-    color_by, color_map, color_range, color_bar, threads
+    color_by, color_map, color_range, threads
         As for `render`.
     progress : bool or callable, optional
         As for `Scene.shoot`; what all frames take counts together.
@@ -360,7 +357,6 @@ def render_progressively(
         color_by=color_by,
         color_map=color_map,
         color_range=color_range,
-        color_bar=color_bar,
         threads=threads,
     )
     return picture.frames(progress)

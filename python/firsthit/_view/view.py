@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: What of `render`'s arguments a page does not take: it asks for pictures itself.
 _NOT_GIVEN = dict.fromkeys(
     (
-        "ambient", "blend_below", "color_bar", "color_by", "color_map", "color_range", "cull",
+        "ambient", "blend_below", "color_by", "color_map", "color_range", "cull",
         "edges", "noise", "region", "resume", "samples", "shadows", "threads",
     )
 )  # fmt: skip

@@ -96,7 +96,7 @@ class FrameMaker:
             channels=output.channels,  # type: ignore[arg-type] # checked by the plan
             threads=self._threads,
             dtype=output.dtype,
-            **output.look.told(scene),
+            **output.look.said,
         )
         made.display = made.display._but(**output.look.display)
         for form in output.frames:

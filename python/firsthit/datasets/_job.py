@@ -110,7 +110,7 @@ def check(plan: Plan, number: int, scene: Scene, threads: int | None) -> Mark:
             if isinstance(sensor, LidarSensor):
                 continue
             corner = slice(0, 1), slice(0, 1)
-            look, channels = output.look.told(scene), cast("Any", output.channels)
+            look, channels = output.look.said, cast("Any", output.channels)
             # As many as tell whether a lens has enough.
             few = {"samples": min(look.get("samples", 2), 2)}
             render(scene, made, channels=channels, region=corner, threads=1, **{**look, **few})

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from firsthit import _firsthit
 from firsthit._base.types import ColorMapName, EdgeKind, LightName, ShaderName, ToneMapName
-from firsthit._looks.colors import Colors, colors_of
+from firsthit._looks.colors import Colors
 from firsthit._looks.edges import Edges
 from firsthit._looks.lights import background_native
 from firsthit._looks.shading import Shader, shader_of
@@ -18,8 +18,6 @@ from ._sensors import CameraSensor
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._scene.scene import Scene
-
     from ._sensors import PlannedSensor
     from ._table import Table
 
@@ -29,7 +27,7 @@ _DISPLAY = ("exposure", "tone_map")
 #: All keys.
 LOOK = (
     *("samples", "background", "environment", "light", "ground", "ambient", "shadows", "shade"),
-    *("color_by", "color_map", "color_range", "color_bar", "edges", *_DISPLAY),
+    *("color_by", "color_map", "color_range", "edges", *_DISPLAY),
 )
 
 
@@ -40,8 +38,6 @@ class Look(NamedTuple):
     ----------
     said : dict
         What `render` is told, whatever the scene.
-    has_no_bar : bool
-        Whether the plan says that there is no bar of colours.
     display : dict
         How PNGs show colours, as `Frame.save` is told.
     files : tuple of Path
@@ -49,32 +45,12 @@ class Look(NamedTuple):
     """
 
     said: dict[str, Any]
-    has_no_bar: bool
     display: dict[str, Any]
     files: tuple[Path, ...]
 
-    def told(self, scene: Scene) -> dict[str, Any]:
-        """Return what `render` is told of a scene.
-
-        Raises
-        ------
-        ValueError
-            For a scene whose pictures have a bar of colours by default.
-        """
-        changes = {name: self.said.get(f"color_{name}") for name in ("map", "range")}
-        colors = colors_of(scene.shading.colors, self.said.get("color_by"), **changes)
-        if colors is None or not colors.bar:
-            return self.said
-        if not self.has_no_bar:
-            why = f"this scene asks for a bar of colours: {_WHY_NO_BAR}"
-            raise ValueError(f"`color_bar` must be false, since {why}")
-        return {**self.said, "color_bar": False}
-
 
 #: Where no colours are made.
-NO_LOOK = Look({}, has_no_bar=False, display={"exposure": None, "tone_map": None}, files=())
-
-_WHY_NO_BAR = "it would hide what the sensor sees, and files say its numbers in their metadata"
+NO_LOOK = Look({}, display={"exposure": None, "tone_map": None}, files=())
 
 
 def look(
@@ -117,11 +93,8 @@ def look(
         "exposure": table.number("exposure", None),
         "tone_map": table.text("tone_map", None, get_args(ToneMapName)),
     }
-    bar = table.flag("color_bar", None)
-    if bar:
-        raise table.refused("color_bar", f"`color_bar` must be false: {_WHY_NO_BAR}")
     given = {name: value for name, value in made.items() if value is not None}
-    return Look(given, bar is False, display, files)
+    return Look(given, display, files)
 
 
 def _refuse_idle(
@@ -175,8 +148,6 @@ def _color_by(table: Table) -> Colors | None:
         with table.blaming("color_by"):
             return Colors(given)
     settings = table.table("color_by")
-    if "bar" in settings:
-        raise settings.refused("bar", f"`bar` must be left out: {_WHY_NO_BAR}")
     by, ends = _by(settings, "by"), _range(settings, "range")
     colors = {name: _color(settings, name) for name in ("below", "above", "missing")}
     name = settings.text("map", "viridis", get_args(ColorMapName))

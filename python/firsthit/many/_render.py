@@ -71,7 +71,6 @@ def render_many(
     color_by: str | npt.ArrayLike | Colors | None = None,
     color_map: ColorMapName | None = None,
     color_range: tuple[float, float] | None = None,
-    color_bar: bool | None = None,
     exposure: float | None = None,
     tone_map: ToneMapName | None = None,
     dtype: npt.DTypeLike | None = None,
@@ -115,7 +114,7 @@ def render_many(
         As for `render`. A shader of one's own must be a function of a module that workers can
         import. With an environment, workers in other processes open a scene that has it, of
         ``out/scene.fhs``.
-    color_by, color_map, color_range, color_bar
+    color_by, color_map, color_range
         As for `render`.
     exposure, tone_map : optional
         How ``.png`` shows ``color``, as for `Frame.save`.
@@ -197,7 +196,7 @@ def render_many(
     }
     more: dict[str, Any] = {"edges": lines, "light": light, "ground": ground, "color_by": numbers}
     more |= {"blend_below": blend_below, "dtype": None if dtype is None else np.dtype(dtype).name}
-    more |= {"color_map": color_map, "color_range": color_range, "color_bar": color_bar}
+    more |= {"color_map": color_map, "color_range": color_range}
     look |= {name: value for name, value in more.items() if value is not None}
     said = {
         "kind": "render",

@@ -131,14 +131,11 @@ pub(crate) struct ColorsArgs {
     /// The colour where there is no number [default: the surface's own]
     #[arg(long, value_name = "COLOR", value_parser = values::color, allow_hyphen_values = true)]
     pub(crate) color_missing: Option<Color>,
-    /// Draw a bar of the colours with their numbers at the right edge. The metadata say them in any case
-    #[arg(long)]
-    pub(crate) color_bar: bool,
 }
 
 impl ColorsArgs {
     /// The options, and whether each is given.
-    pub(crate) fn given(&self) -> [(&'static str, bool); 7] {
+    pub(crate) fn given(&self) -> [(&'static str, bool); 6] {
         [
             ("--color-by", self.color_by.is_some()),
             ("--color-map", self.color_map.is_some()),
@@ -146,7 +143,6 @@ impl ColorsArgs {
             ("--color-below", self.color_below.is_some()),
             ("--color-above", self.color_above.is_some()),
             ("--color-missing", self.color_missing.is_some()),
-            ("--color-bar", self.color_bar),
         ]
     }
 }

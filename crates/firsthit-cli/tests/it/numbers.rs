@@ -40,7 +40,7 @@ fn surfaces_get_the_colours_of_their_numbers_and_files_the_legend() {
     assert!(middle.iter().zip([59, 82, 139]).all(is_close), "{middle:?}");
     let expected = json!({
         "by": "attribute:heat", "map": "viridis", "range": [0.0, 16.0],
-        "below": null, "above": null, "missing": null, "bar": false,
+        "below": null, "above": null, "missing": null,
     });
     assert_eq!(legend(&lab, "a.png"), expected);
     lab.ok(&format!("render a.ply {ABOVE} -o b.png"));
@@ -53,12 +53,11 @@ fn a_range_marks_what_is_outside() {
     let large = ABOVE.replace("33x25", "330x250");
     lab.ok(&format!(
         "render a.ply {large} --shader unlit --samples 1 --color-by attribute:heat --color-map grey \
-         --color-range 0,2 --color-above red --color-bar"
+         --color-range 0,2 --color-above red"
     ));
     let (_, _, bytes) = lab.png("a.png");
     assert_eq!(bytes[3 * (125 * 330 + 165)..][..3], [255, 0, 0]);
     assert_eq!(legend(&lab, "a.png")["above"], json!([1.0, 0.0, 0.0]));
-    assert_eq!(legend(&lab, "a.png")["bar"], json!(true));
 }
 
 #[test]
@@ -100,12 +99,6 @@ fn what_makes_no_sense_is_refused_or_said() {
     );
     let unranged = "render a.ply --color-by object --color-below red";
     lab.fails(unranged, 2, "needs --color-range");
-    let tiny = "render a.ply --color-by object --color-bar --size 30x20";
-    lab.fails(
-        tiny,
-        2,
-        "--color-bar does not fit a picture of 30 x 20 pixels",
-    );
     let idle = lab.ok("render a.ply --size 30x20 --shader xray --color-by object");
     assert!(
         idle.stderr

@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::color_bar::ColorsRecord;
 use super::cryptomatte::{Cryptomatte, ascii};
 use super::frame::{Channel, Data, Display, Frame};
 use super::names::Names;
-use super::origin::{CameraRecord, Origin, SensorRecord, ShadingRecord};
+use super::origin::{CameraRecord, ColorsRecord, Origin, SensorRecord, ShadingRecord};
 use crate::geometry::Digest;
 
 /// The name that a file keeps the metadata under: an attribute of an EXR, a text of a PNG.

@@ -9,7 +9,6 @@
 
 #[cfg(feature = "png")]
 mod channel_colors;
-mod color_bar;
 mod compare;
 mod content;
 mod cryptomatte;
@@ -47,7 +46,6 @@ mod tones;
 
 #[cfg(feature = "png")]
 pub use channel_colors::{color_of_identifier, legend, short_legend};
-pub use color_bar::{ColorBar, ColorsRecord};
 pub use compare::{Difference, compare};
 pub use content::{Far, WriteSettings};
 pub use cryptomatte::{Cryptomatte, matte_id};
@@ -65,7 +63,7 @@ pub use frame::{Channel, Data, Description, Display, Frame, Unit};
 pub use metadata::{ChannelRecord, Encoding, METADATA_VERSION, Metadata, Pixels, Stored};
 pub use names::{Names, ObjectNames};
 pub use origin::{
-    CameraRecord, Intrinsics, Origin, Pose, SensorRecord, ShadingRecord, TimedPose,
+    CameraRecord, ColorsRecord, Intrinsics, Origin, Pose, SensorRecord, ShadingRecord, TimedPose,
     TrajectoryRecord,
 };
 #[cfg(feature = "cloud")]

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::color_bar::ColorsRecord;
 use super::cryptomatte::Cryptomatte;
 use super::names::Names;
 
@@ -50,6 +49,23 @@ pub struct ShadingRecord {
     pub settings: BTreeMap<String, serde_json::Value>,
     /// A digest of this and of the lights, the environment, the background and the ground.
     pub digest: String,
+}
+
+/// How surfaces were coloured by numbers: the legend of such a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ColorsRecord {
+    /// What gave the numbers: `attribute:NAME`, `values`, or another word of `--color-by`.
+    pub by: String,
+    /// The name of the colour map.
+    pub map: String,
+    /// The numbers of its first and its last colour.
+    pub range: [f64; 2],
+    /// The linear colour of numbers below the range; `None` for the map's first.
+    pub below: Option<[f64; 3]>,
+    /// The linear colour of numbers above the range; `None` for the map's last.
+    pub above: Option<[f64; 3]>,
+    /// The linear colour where there is no number; `None` for the surface's own.
+    pub missing: Option<[f64; 3]>,
 }
 
 /// A camera: in the specification's words, as intrinsic matrix, and as pose.

@@ -24,7 +24,7 @@ pub fn idle(setting: &str, channels: &[impl Borrow<Kind>]) -> Option<&'static st
         "noise" | "shade" | "shader" | "set" | "color" | "background" | "sky" | "light"
         | "environment" | "ambient" | "shadows" | "ground" => (Kind::needs_shade, "color"),
         "color_by" | "color_map" | "color_range" | "color_below" | "color_above"
-        | "color_missing" | "color_bar" | "edge_color" => (|kind| kind.name == "color", "color"),
+        | "color_missing" | "edge_color" => (|kind| kind.name == "color", "color"),
         "edges" | "edge_kinds" | "edge_angle" | "hidden_edges" | "wireframe" => {
             (|kind| kind.needs_shade() || kind.is_edge(), "color or edge")
         }

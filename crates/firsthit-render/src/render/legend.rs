@@ -11,7 +11,6 @@ pub(super) fn record(colored: &Colored) -> ColorsRecord {
         below,
         above,
         missing,
-        bar,
         ..
     } = colored.coloring();
     ColorsRecord {
@@ -21,6 +20,5 @@ pub(super) fn record(colored: &Colored) -> ColorsRecord {
         below: below.map(Into::into),
         above: above.map(Into::into),
         missing: missing.map(Into::into),
-        bar: *bar,
     }
 }

@@ -170,8 +170,7 @@ impl<'a> Render<'a> {
     /// use firsthit::{DVec3, Object, Render, Scene, Sphere};
     ///
     /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
-    /// let coloring = Coloring { bar: true, ..Coloring::new(ColorBy::Height) };
-    /// let frame = Render::new(&scene).size(120, 160).samples(1).color_by(coloring).frame()?;
+    /// let frame = Render::new(&scene).size(3, 4).color_by(Coloring::new(ColorBy::Height)).frame()?;
     /// let legend = frame.metadata().colors.expect("colours have a legend");
     /// assert_eq!((&*legend.by, legend.range), ("height", [-1.0, 1.0]));
     /// # Ok::<(), firsthit::Error>(())

@@ -17,7 +17,7 @@ use crate::channel::{self, Kind, Shots};
 use crate::edge::Lines;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, Filtered, RayFilter, Rays, single};
-use crate::image::{Channel, ColorBar, Data, Frame};
+use crate::image::{Channel, Data, Frame};
 use crate::memory::zeroed;
 use crate::parallel;
 use crate::scene::Background;
@@ -38,8 +38,6 @@ pub(super) struct Slab<'a> {
     channels: Vec<Channel>,
     /// The counts of the channels of mattes, in their order.
     mattes: Vec<Mattes>,
-    /// The bar that is drawn over the colours.
-    bar: Option<ColorBar>,
     /// The share of each pixel that lines of edges cover; empty where there are none.
     covered: Vec<f32>,
 }
@@ -95,7 +93,6 @@ impl<'a> Slab<'a> {
         });
         Ok(Self {
             mattes: mattes.collect::<Result<_>>()?,
-            bar: picture.bar()?,
             picture,
             known,
             occlusion: occlusion.transpose()?,
@@ -282,20 +279,16 @@ impl<'a> Slab<'a> {
         Ok(frame)
     }
 
-    /// Means of colours, with lines of edges and the bar of a colour map where there is one.
+    /// Means of colours, with lines of edges where there are some.
     fn colors<const N: usize>(&self, which: [usize; N]) -> Result<Data> {
         let mut means = self.known.means(which)?;
         self.draw_lines::<N>(&mut means);
-        if let Some(bar) = &self.bar {
-            let Region { rows, columns } = &self.part.region;
-            bar.draw(&mut means, N, (rows, columns));
-        }
         Ok(means)
     }
 
-    /// The alpha of the colours, lines and bar included.
+    /// The alpha of the colours, lines included.
     fn alpha(&self) -> Result<Data> {
-        if self.line_color().is_none() && self.bar.is_none() {
+        if self.line_color().is_none() {
             return self.known.means([ALPHA]);
         }
         let mut alpha = zeroed::<f32>(self.part.len())?;

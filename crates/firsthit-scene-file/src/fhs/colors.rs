@@ -18,7 +18,6 @@ pub(super) struct ColoringRecord {
     below: Option<Triple>,
     above: Option<Triple>,
     missing: Option<Triple>,
-    bar: bool,
 }
 
 impl ColoringRecord {
@@ -35,7 +34,6 @@ impl ColoringRecord {
             below: coloring.below.map(Triple::from),
             above: coloring.above.map(Triple::from),
             missing: coloring.missing.map(Triple::from),
-            bar: coloring.bar,
         }
     }
 
@@ -50,7 +48,6 @@ impl ColoringRecord {
             below: self.below.map(Into::into),
             above: self.above.map(Into::into),
             missing: self.missing.map(Into::into),
-            bar: self.bar,
             ..Coloring::new(by)
         })
     }

@@ -17,7 +17,7 @@ pub(super) const MAGIC: [u8; 8] = *b"\x89fhs\r\n\x1a\n";
 
 /// The version, to be changed with the format, and with the meaning of any array that it has from
 /// another room: nodes and leaves.
-pub(super) const VERSION: u32 = 4;
+pub(super) const VERSION: u32 = 5;
 
 /// The header's length, that of an entry of the table, and what sections are aligned to.
 pub(super) const UNIT: usize = BLOCK_ALIGNMENT;

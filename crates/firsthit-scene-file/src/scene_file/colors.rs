@@ -25,8 +25,6 @@ pub(super) static COLORS: Record = Record {
             above: optional(Form::Color),
             /// The colour where there is no number. Default: the surface's own.
             missing: optional(Form::Color),
-            /// Whether pictures have a bar of the colours with their numbers. Default: false.
-            bar: optional(Form::Boolean),
         }],
         rules: &[Rule::Needs("below", "range"), Rule::Needs("above", "range")],
     }],
@@ -45,7 +43,6 @@ pub(super) fn read(scene: &Section<'_, '_>) -> Checked<Option<Coloring>> {
         below: section.color("below"),
         above: section.color("above"),
         missing: section.color("missing"),
-        bar: section.boolean("bar").unwrap_or(false),
         ..Coloring::new(section.checked(by.parse::<ColorBy>())?)
     }))
 }

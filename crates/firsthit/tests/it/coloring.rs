@@ -243,11 +243,10 @@ fn bits(frame: &Frame) -> Vec<u64> {
     (0..data.len()).map(|k| data.value(k).to_bits()).collect()
 }
 
-/// The part sees only the first object, but has the colours that it has in the whole, and its part of the bar.
+/// The part sees only the first object, but has the colours that it has in the whole.
 #[test]
 fn a_picture_has_its_legend_and_the_same_bytes_for_any_threads_and_parts() {
     let coloring = Coloring {
-        bar: true,
         above: Some(Color::X),
         ..Coloring::new(ColorBy::Object)
     };
@@ -291,30 +290,7 @@ fn a_picture_has_its_legend_and_the_same_bytes_for_any_threads_and_parts() {
         (legend.range, legend.above),
         ([0.0, 2.0], Some([1.0, 0.0, 0.0]))
     );
-    assert!(legend.bar);
     // It goes with colours.
     let distances = whole.select(&["t"], |_| false).unwrap();
     assert_eq!(distances.metadata().colors, None);
-}
-
-#[test]
-fn a_bar_that_would_hide_the_middle_is_refused_before_anything_is_made() {
-    let coloring = Coloring {
-        bar: true,
-        ..Coloring::new(ColorBy::Object)
-    };
-    let scene = colored(row(), coloring);
-    let camera = Camera::look_at(DVec3::NEG_Y, DVec3::ZERO, DVec3::Z, 60.0, 20, 20).unwrap();
-    let shade = Shader::default().on(&scene);
-    let color = [kind("color").unwrap()];
-    let error = Picture::new(&scene, &camera, &shade, &color)
-        .render(&())
-        .unwrap_err();
-    assert!(error.to_string().contains("20 x 20"), "{error}");
-    let distance = [kind("t").unwrap()];
-    assert!(
-        Picture::new(&scene, &camera, &shade, &distance)
-            .render(&())
-            .is_ok()
-    );
 }

@@ -31,7 +31,6 @@ pub(super) fn coloring(
         below: args.color_below.or(base.below),
         above: args.color_above.or(base.above),
         missing: args.color_missing.or(base.missing),
-        bar: args.color_bar || base.bar,
         by: base.by,
     };
     for (option, color) in [

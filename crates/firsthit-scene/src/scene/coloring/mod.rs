@@ -42,8 +42,6 @@ pub struct Coloring {
     pub above: Option<Color>,
     /// The colour where there is no number, or NaN. If it is left open, the surface's own.
     pub missing: Option<Color>,
-    /// Whether pictures have a bar of the colours with their numbers.
-    pub bar: bool,
 }
 
 impl Coloring {
@@ -56,7 +54,6 @@ impl Coloring {
             below: None,
             above: None,
             missing: None,
-            bar: false,
         }
     }
 }

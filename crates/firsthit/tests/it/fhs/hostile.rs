@@ -255,7 +255,7 @@ fn what_is_no_built_scene_is_refused_in_a_line() {
     other[8] = 1;
     let error = attack(&other, false).unwrap_err();
     assert!(
-        error.contains("version 1, where this firsthit reads version 4"),
+        error.contains("version 1, where this firsthit reads version 5"),
         "{error}"
     );
     assert!(fhs::open(&folder.path("missing.fhs"), false).is_err());
