@@ -58,7 +58,8 @@ class Viewer:
     def stop(self) -> int:
         """Interrupt it; return its exit code."""
         self.process.send_signal(signal.SIGINT)
-        return self.process.wait(10)
+        with self.process:
+            return self.process.wait(10)
 
 
 class Page:

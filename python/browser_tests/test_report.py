@@ -80,8 +80,8 @@ def test_a_report_s_picture_and_hits_are_the_program_s(report: Page, tmp_path: P
     probe = ["probe", "cube.obj", *asked, "--pixel", f"{columns // 2},{rows // 2}", "--json"]
     said = subprocess.run([PROGRAM, *probe], cwd=tmp_path, check=True, capture_output=True)
     hit = json.loads(said.stdout)["hit"]
-    assert float(line(told, "t ")) == hit["t"]
-    assert line(told, "object") == f"{hit['object']} cube"
+    assert float(line(told, "t")) == hit["t"]
+    assert line(told, "object") == f"cube ({hit['object']})"
 
 
 def test_a_worker_that_fails_is_said(driver: webdriver.Chrome, tmp_path: Path) -> None:
@@ -120,7 +120,7 @@ def test_a_file_is_read_in_the_page(page: Page, viewer: Viewer, tmp_path: Path) 
     page.finish()
     page.unfold()
     rows, columns = shape(page)
-    assert line(hover(page, rows // 2, columns // 2), "object") == "0 lonely"
+    assert line(hover(page, rows // 2, columns // 2), "object") == "lonely (0)"
     # A bad file is said, and changes nothing.
     said = opened(page, tmp_path / "bad.obj", "v 0 0\n")
     assert said.startswith("bad.obj:1: ")
@@ -250,7 +250,8 @@ def test_a_notebook_s_kernel_answers_its_page(driver: webdriver.Chrome) -> None:
         assert len(np.unique(pixels(page))) > 5
         page.unfold()
         rows, columns = shape(page)
-        assert line(hover(page, rows // 2, columns // 2), "object") == "0 box"
+        assert line(hover(page, rows // 2, columns // 2), "object") == "box (0)"
     finally:
         driver.switch_to.default_content()
         server.shutdown()
+        server.server_close()

@@ -84,7 +84,24 @@ def vector(options: list[str], name: str) -> NDArray[np.float64]:
     return np.array([float(x) for x in options[options.index(name) + 1].split(",")])
 
 
-def hover(page: Page, row: int, column: int, *, click: bool = False) -> str:
+#: Names and what is said of them, in order; numbers with all digits, and commas between.
+Told = list[tuple[str, str]]
+
+
+def told_by(page: Page, name: str) -> Told:
+    """Read a list of names and numbers, with all digits."""
+    if page["digits"].get_attribute("aria-pressed") == "false":
+        page.run("document.getElementById('digits').click()")
+    found = page.run(
+        "return [...document.getElementById(arguments[0]).children].map((line) =>"
+        " [...line.children].map((part) => part.textContent))",
+        name,
+    )
+    assert isinstance(found, list)
+    return [(title, ", ".join(values)) for title, *values in found]
+
+
+def hover(page: Page, row: int, column: int, *, click: bool = False) -> Told:
     """Point at a pixel; return what the page says of it."""
     rows, columns = shape(page)
     actions = ActionChains(page.driver, duration=0)
@@ -93,13 +110,13 @@ def hover(page: Page, row: int, column: int, *, click: bool = False) -> str:
     if click:
         actions.click()
     actions.perform()
-    page.wait(lambda: page.data("probed") == f"{column},{row}")
-    return str(page["probe"].get_property("textContent"))
+    page.wait(lambda: page.data("probed") == f"{row},{column}")
+    return told_by(page, "probe")
 
 
-def line(told: str, name: str) -> str:
-    """The line of that name."""
-    return next(line[11:] for line in told.splitlines() if line.startswith(name))
+def line(told: Told, name: str) -> str:
+    """What is said of the first of that name."""
+    return next(said for title, said in told if title == name)
 
 
 def test_the_page_is_quiet_and_asks_nobody_else(page: Page, viewer: Viewer) -> None:
@@ -145,13 +162,13 @@ def test_a_pixel_says_what_probe_says(page: Page, viewer: Viewer) -> None:
             viewer, "probe", "cube.obj", *camera(page), "--pixel", f"{column},{row}", "--json"
         )
         expected = json.loads(said)
-        assert line(told, "pixel") == f"{column}, {row}"
+        assert line(told, "pixel") == f"({row}, {column})"
         if expected["hit"] is None:
-            assert line(told, "hit") == "none"
+            assert line(told, "object") == "none: the ray meets nothing"
             continue
-        assert float(line(told, "t ")) == expected["hit"]["t"]
-        assert line(told, "object") == f"{expected['hit']['object']} {expected['hit']['name']}"
-        assert line(told, "primitive") == str(expected["hit"]["primitive"])
+        assert float(line(told, "t")) == expected["hit"]["t"]
+        assert line(told, "object") == f"{expected['hit']['name']} ({expected['hit']['object']})"
+        assert line(told, "primitive").startswith(f"{expected['hit']['primitive']}, its ")
 
 
 def test_the_picture_is_the_one_that_render_makes(page: Page, viewer: Viewer) -> None:
@@ -168,7 +185,7 @@ def test_channels_are_shown(page: Page, channel: str) -> None:
     page.choose("channel", channel)
     page.wait(lambda: page.data("busy") == "no" and not np.array_equal(before, pixels(page)))
     assert page["map-label"].is_displayed() == (channel in {"t", "incidence"})
-    assert page["bar"].is_displayed() == (channel in {"t", "incidence"})
+    assert page["legend"].is_displayed() == (channel in {"t", "incidence"})
 
 
 def test_identifiers_have_the_colours_of_pngs(page: Page, viewer: Viewer) -> None:
@@ -193,15 +210,16 @@ def test_a_range_can_be_fixed(page: Page) -> None:
     page.choose("channel", "t")
     page.settle()
     page["fix-range"].click()
-    low, high = (page[name].text for name in ("bar-low", "bar-high"))
+    fixed = page["legend-numbers"].text
+    assert len(fixed.split()) == 5
     page.settle()
     page["picture"].send_keys("+" * 3)
     page.settle()
-    assert (page["bar-low"].text, page["bar-high"].text) == (low, high)
+    assert page["legend-numbers"].text == fixed
     for name in ("low", "high"):
         page[name].clear()
         page[name].send_keys(Keys.TAB)
-    page.wait(lambda: page["bar-low"].text != low)
+    page.wait(lambda: page["legend-numbers"].text != fixed)
 
 
 def test_drags_turn_and_move(page: Page) -> None:
@@ -291,10 +309,10 @@ def test_two_corners_of_a_cube_are_measured(page: Page) -> None:
         told = hover(page, row, column, click=True)
         marks.append(np.array([float(w) for w in line(told, "position").split(",")]))
     page.wait(lambda: page["measure"].is_displayed())
-    told = page["measure"].text
+    told = told_by(page, "measure")
     assert abs(float(line(told, "distance")) - 2.0) < 4 * pixel
     assert abs(float(line(told, "distance")) - np.linalg.norm(marks[1] - marks[0])) < 1e-5
-    assert line(told, "angle").startswith("0 degrees")
+    assert line(told, "angle of normals, in degrees") == "0"
     # A third makes a path of it.
     hover(page, rows // 2, columns // 2 - 60, click=True)
     page.wait(lambda: "path" in page["measure"].text)
@@ -327,11 +345,11 @@ def test_objects_are_hidden_and_shown_alone(page: Page) -> None:
     page.settle()
     # The triangle stands at z = 0, beside the cube.
     row, column = rows // 2, columns // 2 - 100
-    assert line(hover(page, row, column), "object").startswith("0 ")
+    assert line(hover(page, row, column), "object") == "cube (0)"
     boxes[0].click()
     page.settle()
     hover(page, row, column + 1)
-    assert "none" in hover(page, row, column)
+    assert line(hover(page, row, column), "object").startswith("none")
     page["show-all"].click()
     page["objects"].find_elements(By.TAG_NAME, "button")[1].click()
     assert [box.is_selected() for box in boxes] == [False, True]
@@ -423,7 +441,7 @@ def test_options_say_what_else_is_shown(page: Page, viewer: Viewer) -> None:
     page.finish()
     unsaid = "Not said here: the section plane."
     page.wait(lambda: page["unsaid"].get_property("textContent") == unsaid)
-    assert page["save-rendered"].get_attribute("disabled")
+    assert page["save-rendered"].get_attribute("aria-disabled") == "true"
 
 
 def test_a_framed_scene_fills_the_picture(page: Page) -> None:
@@ -480,18 +498,34 @@ def test_a_section_plane_looks_into_the_cube(page: Page) -> None:
     page.choose("cut-axis", "z")
     page.settle()
     hover(page, row, column + 1)
-    face, inside = hover(page, row, column).split("inside, behind the cut face:\n")
-    assert line(face, "cut face") == "0 cube"
+    told = hover(page, row, column)
+    face, inside = told[: (behind := told.index(("behind it", "")))], told[behind:]
+    assert line(face, "cut face") == "cube (0)"
     assert float(line(face, "position").split(",")[2]) == 0.0
     assert float(line(inside, "position").split(",")[2]) == -1.0
-    assert line(inside, "normal").endswith("back")
+    assert line(inside, "primitive").endswith("its back")
     hover(page, row, column, click=True)
     page.wait(lambda: page["marks"].find_elements(By.TAG_NAME, "small"))
-    assert page["marks"].find_element(By.TAG_NAME, "small").text.endswith(", 0")
+    assert page["marks"].find_element(By.TAG_NAME, "small").text.endswith(", 0.00000")
+    page.finish()
+    page.wait(lambda: page["faces"].is_displayed())
+    # The triangle beside it lies in the plane.
+    assert told_by(page, "faces")[:2] == [("area of all faces", "4"), ("cube (0)", "4")]
+    page.run(
+        "URL.createObjectURL = (blob) => { blob.text().then((text) => { window.saved = text; });"
+        " return 'data:,'; }"
+    )
+    page["save-svg"].click()
+    page.wait(lambda: "<path" in str(page.run("return window.saved")))
+    seen = pixels(page)[row, column]
+    assert seen[0] > 2 * seen[2], "the face is orange"
+    page["cut-own"].click()
+    page.finish()
+    assert np.ptp(pixels(page)[row, column]) < 30, "the cube is grey"
     page["cut-turned"].click()
     page.settle()
     hover(page, row, column + 1)
-    assert float(line(hover(page, row, column), "position").split(",")[2]) == 1.0
+    assert float(dict(hover(page, row, column))["position"].split(",")[2]) == 1.0
 
 
 def test_a_ball_moves_the_sun(page: Page) -> None:
@@ -563,39 +597,41 @@ def is_near(a: list[str], b: list[str]) -> bool:
 def test_the_chapter_follows_a_ray(page: Page, viewer: Viewer) -> None:
     page.settle()
     page.run("document.getElementById('chapter').open = true")
-    page.wait(lambda: page["chapter-x_c"].get_property("value") != "")
-    for name, value in {
-        "x_c": "0, 0, 5",
-        "u_c": "0, 0, -1",
-        "v_up": "0, 1, 0",
-        "z_p": "2",
-        "w": "4",
-        "h": "3",
-        "M": "3",
-        "N": "5",
-    }.items():
+    page.wait(lambda: page["chapter-size"].text == "12 \N{MULTIPLICATION SIGN} 16")
+    vectors = {"x_c": "0 0 5", "u_c": "0 0 -1", "v_up": "0 1 0"}
+    numbers = {"z_p": "2", "w": "4", "h": "3", "M": "3", "N": "5"}
+    for name, value in vectors.items():
+        numbers |= zip((f"{name}-{axis}" for axis in "xyz"), value.split(), strict=True)
+    for name, value in numbers.items():
         field = page[f"chapter-{name}"]
         field.clear()
         field.send_keys(value + Keys.TAB)
-    page.wait(lambda: page.data("painted") == "5x3")
+    page.wait(lambda: page.data("painted") == "3x5")
+    assert page["chapter-size"].text == "3 \N{MULTIPLICATION SIGN} 5"
     page.settle()
     rows, columns = shape(page)
     assert abs(columns / rows - 4 / 3) < 0.01
     ActionChains(page.driver, duration=0).move_to_element(page["picture"]).perform()
-    page.wait(lambda: page.data("probed") == "2,1")
-    words = page["chapter-words"].text
-    assert "(i, j) = (1, 2)" in words
-    assert "c_0 = x_c + z_p u_c = 0, 0, 3" in words
-    assert "t = 2" in words
-    assert "x = p + t u_r = 0, 0, 1" in words
+    page.wait(lambda: page.data("probed") == "1,2")
+    told = told_by(page, "chapter-words")
+    assert line(told, "pixel (row, column)") == "(1, 2)"
+    assert line(told, "i = M \N{MINUS SIGN} 1 \N{MINUS SIGN} row,  j = column") == "(1, 2)"
+    assert line(told, "c0 = xc + zp uc") == "0, 0, 3"
+    assert line(told, "t, o = shoot(p, ur)") == "2"
+    assert line(told, "o") == "cube (0)"
+    assert line(told, "x = p + t ur") == "0, 0, 1"
     # The same camera by the program: rays start on the viewplane.
     options = camera(page)
     assert options[options.index("--focal-length") + 1] == "2"
     told = json.loads(program(viewer, "probe", "cube.obj", *options, "--pixel", "2,1", "--json"))
     assert told["hit"]["t"] == 2.0
-    page["chapter-v_up"].clear()
-    page["chapter-v_up"].send_keys("0, 0, 1" + Keys.TAB)
-    assert page["chapter-v_up"].get_attribute("aria-invalid") == "true"
+    page["chapter-orthographic"].click()
+    page.settle()
+    assert page["orthographic"].is_selected()
+    page.wait(lambda: ("ur = uc", "0, 0, -1") in told_by(page, "chapter-words"))
+    page["chapter-v_up-y"].clear()
+    page["chapter-v_up-y"].send_keys("0" + Keys.TAB)
+    assert page["chapter-v_up-y"].get_attribute("aria-invalid") == "true"
     drawn = page.run(
         "const c = document.getElementById('chapter-scene');"
         "return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((x) => x > 0)"
@@ -603,12 +639,101 @@ def test_the_chapter_follows_a_ray(page: Page, viewer: Viewer) -> None:
     assert drawn
 
 
+def test_the_chapter_opens_where_one_looks(page: Page) -> None:
+    page.settle()
+    page.run("document.getElementById('chapter').open = true")
+    page.wait(lambda: page.data("painted") == "12x16")
+    top = page.run("return document.getElementById('chapter').getBoundingClientRect().top")
+    assert isinstance(top, int | float)
+    assert -1 <= top < 60
+
+
+def test_what_does_nothing_says_why(page: Page) -> None:
+    page.settle()
+    for name, why in {"clear": "No point is kept", "own-colors": "scene's colours"}.items():
+        assert page[name].get_attribute("aria-disabled") == "true"
+        page[name].click()
+        assert why in page.message()
+        assert why in str(page[name].get_attribute("title"))
+    page.choose("cut-axis", "x")
+    page["edges"].click()
+    assert not page["edges"].is_selected()
+    assert page.message() == "Not in a section."
+    page.choose("cut-axis", "none")
+    page["edges"].click()
+    assert page["edges"].is_selected()
+
+
+def test_numbers_have_digits_that_a_person_reads_and_all_of_them_on_a_click(page: Page) -> None:
+    page.settle()
+    rows, columns = shape(page)
+    exact = hover(page, rows // 2 + 31, columns // 2 - 40)
+    page["digits"].click()
+    number = page["probe"].find_element(By.XPATH, "div[dt = 't']/dd")
+    assert len(number.text) == 7
+    assert abs(float(number.text) - float(line(exact, "t"))) < 1e-5
+    number.click()
+    number = page["probe"].find_element(By.XPATH, "div[dt = 't']/dd")
+    assert number.text == line(exact, "t")
+
+
+def test_a_pointer_moves_nothing_but_numbers(page: Page) -> None:
+    rows, columns = shape(page)
+    tops = set()
+    for row, column in [(rows // 2, columns // 2), (1, 1), (rows // 2, columns // 2 + 1)]:
+        hover(page, row, column)
+        tops.add(page["copy-probe"].rect["y"])
+    assert len(tops) == 1
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1280, 720), (390, 844)])
+def test_nothing_is_cut(page: Page, size: Shape) -> None:
+    width, height = size
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    try:
+        page.settle()
+        page.choose("channel", "t")
+        page.choose("cut-axis", "view")
+        page.run("document.getElementById('chapter').open = true")
+        page.wait(lambda: page["faces"].is_displayed())
+        cut = page.run(
+            "const kinds = '#panel :is(input, button, dd, dt, label, p)';"
+            "const isCut = (one) => one.getBoundingClientRect().right > innerWidth ||"
+            " one.scrollWidth > one.clientWidth + 1 && getComputedStyle(one).display !== 'inline';"
+            "return [...document.querySelectorAll(kinds)]"
+            ".filter((one) => one.checkVisibility() && one.type !== 'file' && isCut(one))"
+            ".map((one) => one.outerHTML)"
+        )
+        assert cut == []
+        assert page.run("return document.documentElement.scrollWidth") == width
+    finally:
+        page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_colours_by_numbers_have_a_legend(driver: webdriver.Chrome, tmp_path: Path) -> None:
+    (tmp_path / "one.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 2\nf 1 2 3\n")
+    look = ["--color-by", "height", "--color-range", "0,1", "--color-above", "red"]
+    viewer = Viewer(tmp_path, "one.obj", "--up", "0,0,1", *look)
+    page = Page(driver)
+    page.open(viewer.address)
+    page.settle()
+    assert page["legend-name"].text == "height"
+    assert page["legend-numbers"].text.split() == ["1.00", "0.75", "0.50", "0.25", "0.00"]
+    assert page["legend-above"].is_displayed()
+    assert not page["legend-below"].is_displayed()
+    page.choose("channel", "object")
+    page.finish()
+    assert not page["legend"].is_displayed()
+    assert viewer.stop() == 0
+
+
 def test_the_picture_goes_with_the_window(page: Page) -> None:
     page.driver.set_window_size(900, 640)
     try:
         page.settle()
         rows, columns = shape(page)
-        page.wait(lambda: page.data("painted") == f"{columns}x{rows}")
+        page.wait(lambda: page.data("painted") == f"{rows}x{columns}")
     finally:
         page.driver.set_window_size(1000, 700)
 
@@ -643,7 +768,7 @@ def test_the_keyboard_alone_reaches_everything(page: Page) -> None:
     wanted = page.run(
         "const controls = 'button, select, input, textarea, summary, [tabindex]';"
         "return [...document.querySelectorAll(`#stage [tabindex], #panel :is(${controls})`)]"
-        ".filter((e) => !e.disabled && e.checkVisibility()).length"
+        ".filter((e) => e.checkVisibility()).length"
     )
     assert isinstance(wanted, int)
     reached = set()
@@ -736,16 +861,31 @@ def test_a_page_of_another_port_gets_nothing(page: Page, viewer: Viewer) -> None
         results = page.run("return window.results")
     finally:
         server.shutdown()
+        server.server_close()
     assert isinstance(results, list)
     assert len(results) == 8 * 2 * 2 * 2 + 6
     assert [name for name, result in results if result == "read"] == []
 
 
-def test_axe_finds_nothing(page: Page) -> None:
+#: What a hand may have opened before somebody looks at the page.
+OPENED = {
+    "everything": "document.getElementById('chapter').open = true",
+    "a section": "",
+    "keys": "document.getElementById('help').click()",
+}
+
+
+@pytest.mark.parametrize("opened", OPENED)
+def test_axe_finds_nothing(page: Page, opened: str) -> None:
     axe = pytest.importorskip("axe_core_python.base")
     script = Path(axe.__file__).with_name("axe.min.js")
     page.settle()
-    page.run("document.getElementById('chapter').open = true")
+    page.choose("channel", "t")
+    if opened == "a section":
+        page.choose("cut-axis", "x")
+        page.wait(lambda: page["faces"].is_displayed())
+    page.run(OPENED[opened])
+    page.settle()
     for scheme in ("light", "dark"):
         features = [{"name": "prefers-color-scheme", "value": scheme}]
         page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use crate::frame::Pixels;
 use crate::look::{FlatCamera, FrameRequest};
 use crate::probe::Probe;
+use crate::section::SectionRequest;
 use crate::viewer::Viewer;
 
 /// The answer to a question.
@@ -63,8 +64,9 @@ impl Viewer {
     /// | question | JSON | answer | pixels |
     /// |---|---|---|---|
     /// | `info` | not read | [`Viewer::info`] | |
-    /// | `frame` | [`FrameRequest`] | `rows`, `columns`, `samples`, `full_samples`, and of values `components` and `dtype` | a PNG, or values as a zlib stream |
+    /// | `frame` | [`FrameRequest`] | `rows`, `columns`, `samples`, `full_samples`, `range` of colours by numbers, and of values `components` and `dtype` | a PNG, or values as a zlib stream |
     /// | `probe` | [`Probe`] | [`Viewer::probe`] | |
+    /// | `section` | [`SectionRequest`] | [`Viewer::section`] | |
     /// | `camera` | `camera` | [`Viewer::camera_text`] | |
     ///
     /// # Errors
@@ -85,6 +87,7 @@ impl Viewer {
             "info" => told(Ok(self.info())),
             "frame" => Ok(self.frame_answer(&parsed(json)?, watch)?),
             "probe" => told(self.probe(&parsed::<Probe>(json)?, watch)),
+            "section" => told(self.section(&parsed::<SectionRequest>(json)?, watch)),
             "camera" => told(self.camera_text(&parsed::<CameraQuestion>(json)?.camera)),
             other => Err(AnswerError::Unknown(other.to_owned())),
         }
@@ -99,6 +102,9 @@ impl Viewer {
             "samples": painted.samples,
             "full_samples": painted.full_samples,
         });
+        if let Some(range) = painted.range {
+            json["range"] = json!(range);
+        }
         let pixels = match painted.pixels {
             Pixels::Png(bytes) => bytes,
             Pixels::Values {

@@ -20,11 +20,13 @@ const STRIPE: f64 = 0.8;
 /// The number of stripes along a scene's diagonal, dark ones and light ones.
 const STRIPES: f64 = 80.0;
 
-/// A shader, and the cut faces before it: each has its object's colour, and stripes.
+/// A shader, and the cut faces before it, with stripes.
 pub(crate) struct CappedShade<'a> {
     shade: &'a dyn Shade,
     scene: &'a Scene,
     plane: CutPlane,
+    /// The colour of all cut faces; `None`: each has its object's.
+    color: Option<Color>,
     /// Across the stripes, so long that each is one wide.
     across: DVec3,
     /// The error behind missing cut faces, if any are.
@@ -32,7 +34,11 @@ pub(crate) struct CappedShade<'a> {
 }
 
 impl<'a> CappedShade<'a> {
-    pub(crate) fn new(shade: &'a dyn Shade, scene: &'a Scene, plane: CutPlane) -> Self {
+    pub(crate) fn new(
+        shade: &'a dyn Shade,
+        scene: &'a Scene,
+        (plane, color): (CutPlane, Option<Color>),
+    ) -> Self {
         let [right, upwards] = plane.axes();
         let bounds = scene.bounds();
         let diagonal = (bounds.high - bounds.low).length();
@@ -40,6 +46,7 @@ impl<'a> CappedShade<'a> {
             shade,
             scene,
             plane,
+            color,
             across: (right + upwards) * (STRIPES / diagonal),
             failure: Mutex::new(None),
         }
@@ -60,7 +67,10 @@ impl<'a> CappedShade<'a> {
         let is_dark = place.floor().rem_euclid(2.0) == 1.0;
         let stripe = if is_dark { STRIPE } else { 1.0 };
         let light = stripe * (AMBIENT + (1.0 - AMBIENT) * cosine);
-        light * self.scene.objects()[object].color()
+        light
+            * self
+                .color
+                .unwrap_or_else(|| self.scene.objects()[object].color())
     }
 }
 

@@ -43,6 +43,11 @@ impl CutPlane {
         self.normal
     }
 
+    /// The point of the plane next to the world's origin.
+    pub(crate) fn origin(&self) -> DVec3 {
+        self.offset * self.normal
+    }
+
     /// Two directions in the plane, of length one and at right angles.
     pub(crate) fn axes(&self) -> [DVec3; 2] {
         let (x, y) = self.normal.any_orthonormal_pair();

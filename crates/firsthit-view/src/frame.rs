@@ -8,7 +8,7 @@ use firsthit::edge::Edges;
 use firsthit::geometry::{Value, rotation};
 use firsthit::image::{self, Channel, Data, Frame, WriteSettings};
 use firsthit::render::{Appearance, Picture, SAMPLES};
-use firsthit::scene::{Daylight, DirectionalLight, Environment, EnvironmentKind, Light};
+use firsthit::scene::{Colored, Daylight, DirectionalLight, Environment, EnvironmentKind, Light};
 use firsthit::sensor::Sensor;
 use firsthit::shade::{LightRig, Shade, Shader};
 use firsthit::shoot::Cpu;
@@ -20,7 +20,7 @@ use flate2::write::ZlibEncoder;
 use crate::cap::CappedShade;
 use crate::cut::{CutCamera, CutPlane};
 use crate::look::{EnvironmentChoice, EnvironmentRequest, FrameRequest};
-use crate::viewer::{ProgressiveState, Viewer};
+use crate::viewer::{ProgressiveState, Viewer, color_of};
 
 /// The state of a picture of more pixels is not kept: each takes some forty bytes.
 const MOST_KEPT: usize = 1 << 22;
@@ -37,7 +37,7 @@ const SUN_AZIMUTH: f64 = -60.0;
 const SUNLIGHT: f64 = 0.75;
 
 /// A picture that a page paints.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Painted {
     /// Pixels down and across.
     pub shape: [usize; 2],
@@ -45,6 +45,8 @@ pub struct Painted {
     pub samples: u32,
     /// The samples of the same picture when it is lit and the request leaves their number open.
     pub full_samples: u32,
+    /// The numbers of the first and the last colour, where surfaces are coloured by numbers.
+    pub range: Option<[f64; 2]>,
     /// The pixels.
     pub pixels: Pixels,
 }
@@ -81,6 +83,7 @@ impl Viewer {
         let scene = self.lit(look)?;
         let resolved = self.appearance_of(look)?.resolve(&scene, Some(&camera))?;
         let shading = resolved.shading(Cpu::shared());
+        let range = resolved.scene.colored().map(Colored::range);
         let plane = look.part.cut.as_ref().map(CutPlane::new).transpose()?;
         let cut = plane.map(|plane| CutCamera {
             camera: &camera,
@@ -90,7 +93,9 @@ impl Viewer {
             Some(cut) => cut,
             None => &camera,
         };
-        let capped = plane.map(|plane| CappedShade::new(&shading, &resolved.scene, plane));
+        let face = look.cut_color.map(|color| color_of("cut_color", color));
+        let face = face.transpose()?;
+        let capped = plane.map(|plane| CappedShade::new(&shading, &resolved.scene, (plane, face)));
         let shade: &dyn Shade = match &capped {
             Some(capped) => capped,
             None => &shading,
@@ -125,6 +130,7 @@ impl Viewer {
             shape: [look.camera.rows, look.camera.columns],
             samples: if kind.is_color() { resolved.samples } else { 1 },
             full_samples: self.full_samples(look, &scene, &camera)?,
+            range: range.filter(|_| kind.is_color()),
             pixels,
         })
     }

@@ -1,12 +1,25 @@
 //! Facts about the scene for a page, before the first frame.
 
+use firsthit::Color;
 use firsthit::camera::StandardView;
 use firsthit::channel;
 use firsthit::geometry::ColorMap;
+use firsthit::scene::Coloring;
 use firsthit::shade::LightRig;
 use serde_json::{Value, json};
 
 use crate::viewer::Viewer;
+
+/// What surfaces are coloured by, but for the range, which each frame tells.
+fn legend(coloring: &Coloring) -> Value {
+    let color = |color: Option<Color>| color.map(|color| color.to_array());
+    json!({
+        "by": coloring.by.text(),
+        "map": coloring.map.name(),
+        "below": color(coloring.below),
+        "above": color(coloring.above),
+    })
+}
 
 /// The channels that a page can show, in the order in which it lists them.
 const SHOWN: [&str; 10] = [
@@ -53,7 +66,6 @@ impl Viewer {
         });
         let channels = SHOWN.iter().filter_map(|name| channel::kind(name).ok());
         json!({
-            "firsthit": env!("CARGO_PKG_VERSION"),
             "title": self.title,
             "warnings": self.warnings,
             "up": self.scene().up().to_array(),
@@ -68,6 +80,8 @@ impl Viewer {
             "triangles": self.scene().triangles(),
             "camera": self.first_camera,
             "channels": channels.map(|kind| json!({"name": kind.name, "about": kind.about})).collect::<Vec<_>>(),
+            "colors": self.appearance.coloring.as_ref().map(legend),
+            "version": env!("CARGO_PKG_VERSION"),
             "maps": maps.collect::<serde_json::Map<_, _>>(),
             "lights": LightRig::NAMES,
             "views": views.collect::<Vec<_>>(),

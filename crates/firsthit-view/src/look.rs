@@ -41,6 +41,9 @@ pub struct FrameRequest {
     /// render` draws.
     #[serde(default)]
     pub edges: Option<f64>,
+    /// The colour of the faces that a plane cuts, which is linear; by default each has its object's.
+    #[serde(default)]
+    pub cut_color: Option<[f64; 3]>,
     /// The part of the scene that is seen.
     #[serde(default)]
     pub part: Visibility,
@@ -60,6 +63,7 @@ impl FrameRequest {
             colors: Vec::new(),
             ground: None,
             edges: None,
+            cut_color: None,
             part: Visibility::default(),
         }
     }

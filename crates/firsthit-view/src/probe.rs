@@ -18,7 +18,7 @@ use firsthit::measure::innermost;
 pub struct Probe {
     /// The camera.
     pub camera: FlatCamera,
-    /// The column from the left and the row from the top.
+    /// The row from the top and the column from the left.
     pub pixel: [usize; 2],
     /// The part of the scene that is seen.
     #[serde(default)]
@@ -27,8 +27,8 @@ pub struct Probe {
 
 impl Viewer {
     /// Everything about the ray through a pixel's centre: what `firsthit probe --json` prints but for the list of objects that were not met,
-    /// which is as long as the scene; and as `text` what it prints for people. Where the section plane cuts through a solid, `cut_face` is
-    /// the point of the plane, and the hit is what would be met inside.
+    /// which is as long as the scene. Where the section plane cuts through a solid, `cut_face` is the point of the plane, and the hit is what
+    /// would be met inside.
     ///
     /// # Errors
     ///
@@ -37,7 +37,7 @@ impl Viewer {
         let camera = asked.camera.camera()?;
         let scene = self.scene_of(&asked.part, &[])?;
         let mut settings = ExplainSettings::default();
-        let [column, row] = asked.pixel;
+        let [row, column] = asked.pixel;
         let is_inside = column < camera.columns() && row < camera.rows();
         let mut face = Value::Null;
         if let Some(cut) = asked.part.cut.as_ref().filter(|_| is_inside) {
@@ -58,13 +58,12 @@ impl Viewer {
                 });
             }
         }
-        let explained = explain_pixel(&scene, &camera, asked.pixel, &settings, watch)?;
+        let explained = explain_pixel(&scene, &camera, [column, row], &settings, watch)?;
         let mut told = explanation::json(&explained);
         if let Some(fields) = told.as_object_mut() {
             fields.remove("candidates");
         }
         told["cut_face"] = face;
-        told["text"] = explanation::text(&explained, false).into();
         Ok(told)
     }
 }

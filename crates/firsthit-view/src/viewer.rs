@@ -144,11 +144,7 @@ impl Viewer {
                 let expected = "identifiers of objects";
                 return Err(Error::argument("colors", expected, number));
             };
-            if !color.iter().all(|part| (0.0..=1.0).contains(part)) {
-                let expected = "parts from 0 to 1";
-                return Err(Error::argument("colors", expected, format!("{color:?}")));
-            }
-            *object = object.clone().colored(Color::from(color));
+            *object = object.clone().colored(color_of("colors", color)?);
         }
         Ok(objects)
     }
@@ -190,6 +186,15 @@ impl Viewer {
     pub(crate) fn keep_begun(&self, begun: ProgressiveState) {
         *lock(&self.begun) = Some(begun);
     }
+}
+
+/// A linear colour that a page gave.
+pub(crate) fn color_of(name: &'static str, color: [f64; 3]) -> Result<Color> {
+    if !color.iter().all(|part| (0.0..=1.0).contains(part)) {
+        let expected = "parts from 0 to 1";
+        return Err(Error::argument(name, expected, format!("{color:?}")));
+    }
+    Ok(Color::from(color))
 }
 
 /// A poisoned lock holds what it did.

@@ -40,6 +40,11 @@ export class NativeEngine {
         return this.#json("/probe", { camera, pixel, part });
     }
 
+    /** @param {Visibility} part @param {boolean} svg @returns {Promise<any>} */
+    section(part, svg) {
+        return this.#json("/section", { part, svg });
+    }
+
     /** @param {FlatCamera} camera @returns {Promise<any>} */
     cameraText(camera) {
         return this.#json("/camera", { camera });

@@ -53,6 +53,11 @@ export class PortEngine {
         return this.#json("probe", { camera, pixel, part });
     }
 
+    /** @param {Visibility} part @param {boolean} svg @returns {Promise<any>} */
+    section(part, svg) {
+        return this.#json("section", { part, svg });
+    }
+
     /** @param {FlatCamera} camera @returns {Promise<any>} */
     cameraText(camera) {
         return this.#json("camera", { camera });

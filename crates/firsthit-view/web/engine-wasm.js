@@ -106,6 +106,11 @@ export class WasmEngine {
         return (await this.another().#ask("probe", { camera, pixel, part })).answer;
     }
 
+    /** @param {Visibility} part @param {boolean} svg @returns {Promise<any>} */
+    async section(part, svg) {
+        return (await this.another().#ask("section", { part, svg })).answer;
+    }
+
     /** @param {FlatCamera} camera @returns {Promise<any>} */
     async cameraText(camera) {
         return (await this.#ask("camera", { camera })).answer;

@@ -5,14 +5,15 @@
 /** @typedef {{normal: number[], offset: number}} Cut */
 /** @typedef {{hidden: number[] | null, only: number[] | null, cut: Cut | null}} Visibility */
 /** @typedef {{choice: "own" | "none" | "daylight", strength: number, turn: number}} EnvironmentRequest */
-/** @typedef {{camera: FlatCamera, channel: string, samples: number | null, is_lit: boolean, light: string | null, sun: number[] | null, environment: EnvironmentRequest | null, colors: [number, number[]][], ground: boolean | null, edges: number | null, part: Visibility}} FrameRequest */
-/** @typedef {{rows: number, columns: number, samples: number, full_samples: number, seconds: number, components?: number, dtype?: "float32" | "int32"}} About */
+/** @typedef {{camera: FlatCamera, channel: string, samples: number | null, is_lit: boolean, light: string | null, sun: number[] | null, environment: EnvironmentRequest | null, colors: [number, number[]][], ground: boolean | null, edges: number | null, cut_color: number[] | null, part: Visibility}} FrameRequest */
+/** @typedef {{rows: number, columns: number, samples: number, full_samples: number, seconds: number, range?: [number, number], components?: number, dtype?: "float32" | "int32"}} About */
 /** @typedef {{about: About, blob?: Blob, image?: ImageBitmap, values?: Float32Array | Int32Array}} Painted */
 /**
  * @typedef {object} Engine
  * @property {() => Promise<any>} info what there is to look at
  * @property {(request: FrameRequest, signal: AbortSignal) => Promise<Painted>} frame a picture
- * @property {(camera: FlatCamera, pixel: [number, number], part: Visibility) => Promise<any>} probe what a pixel shows, by its column and row
+ * @property {(camera: FlatCamera, pixel: [number, number], part: Visibility) => Promise<any>} probe what a pixel shows, by its row and column
+ * @property {(part: Visibility, svg: boolean) => Promise<any>} section the faces that the plane cuts, with their areas, and their drawing if it is wanted
  * @property {(camera: FlatCamera) => Promise<any>} cameraText a camera as other programs read it
  * @property {() => Promise<any>} alive tells that the page is still there
  * @property {(samples: number, pixels: number) => (number | null)[]} steps in how many samples each a still picture of so many is asked for; null is all of them

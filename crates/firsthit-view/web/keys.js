@@ -36,5 +36,9 @@ export function press(event, keys, steer) {
 export function listKeys(keys) {
     const others = [["drag, arrows", "turn"], ["Shift drag, right drag, Shift arrows", "move"], ["wheel, + and -", "nearer, farther"], ["click", "keep a point: two and more are measured"]];
     const own = Object.entries(keys).map(([key, { about }]) => [key.length === 1 ? key.toUpperCase() : key, about]);
-    for (const [key, about] of [...others, ...own]) element("key-list").append(make("dt", key), make("dd", about));
+    for (const [key, about] of [...others, ...own]) {
+        const line = make("div");
+        line.append(make("dt", key), make("dd", about));
+        element("key-list").append(line);
+    }
 }

@@ -1,9 +1,11 @@
 // @ts-check
 // Hits that are kept: a path that is measured, with notes.
 
-import { download, element, make, plain, vector, words } from "./dom.js";
+import { disable, download, element, make, plain, words } from "./dom.js";
+import { label, MARK, strokeOutlined } from "./label.js";
 import { remember, remembered } from "./storage.js";
 import { measured } from "./probe-text.js";
+import { aligned, readOut } from "./readout.js";
 import { say } from "./status.js";
 
 /** @typedef {import("./camera.js").Vector} Vector */
@@ -80,16 +82,17 @@ export class Marks {
                 this.#remember();
                 this.changed();
             });
-            line.append(note, make("small", `${plain(mark.hit.name || mark.hit.shape || "")} ${vector(mark.hit.position)}`));
+            line.append(note, make("small", `${plain(mark.hit.name || mark.hit.shape || "")} ${aligned(mark.hit.position).join(", ")}`));
             return line;
         });
         element("marks").replaceChildren(...lines);
         const isEmpty = this.kept.length === 0;
-        for (const id of ["clear", "save-notes"]) element(id).disabled = isEmpty;
-        element("undo").disabled = isEmpty && this.cleared.length === 0;
-        const text = measured(this.kept.map((mark) => mark.hit));
-        element("measure").hidden = text === "";
-        element("measure").textContent = text;
+        const why = "No point is kept yet: click the picture.";
+        for (const id of ["clear", "save-notes"]) disable(id, isEmpty && why);
+        disable("undo", isEmpty && this.cleared.length === 0 && why);
+        const rows = measured(this.kept.map((mark) => mark.hit));
+        element("measure").hidden = rows.length === 0;
+        readOut(element("measure"), rows);
         this.#remember();
         this.changed();
     }
@@ -101,11 +104,6 @@ export class Marks {
     /** Draws them. @param {CanvasRenderingContext2D} on @param {(point: Vector) => [number, number] | null} pixelOf */
     draw(on, pixelOf) {
         const places = this.kept.map((mark) => pixelOf(mark.hit.position));
-        on.strokeStyle = on.fillStyle = "#ffd166";
-        on.lineWidth = 2;
-        on.font = "13px system-ui, sans-serif";
-        on.shadowColor = "#000";
-        on.shadowBlur = 3;
         on.beginPath();
         places.forEach((place, k) => {
             if (!place) return;
@@ -117,10 +115,9 @@ export class Marks {
             on.moveTo(place[0] + 5, place[1]);
             on.arc(place[0], place[1], 5, 0, 2 * Math.PI);
         });
-        on.stroke();
+        strokeOutlined(on, MARK, 2);
         places.forEach((place, k) => {
-            if (place) on.fillText(`${k + 1} ${this.kept[k].note}`, place[0] + 9, place[1] - 7);
+            if (place) label(on, `${k + 1} ${this.kept[k].note}`.trim(), place);
         });
-        on.shadowBlur = 0;
     }
 }

@@ -1,14 +1,7 @@
 // @ts-check
 // The list of objects: which are there, in which colours, and what the pointer is on.
 
-import { element, make, plain } from "./dom.js";
-
-/** A linear colour as "#rrggbb" in sRGB. @param {number[]} color */
-const hex = (color) => `#${color.map((part) => Math.round(255 * encoded(Math.max(0, Math.min(1, part)))).toString(16).padStart(2, "0")).join("")}`;
-/** @param {number} part from 0 to 1 */
-const encoded = (part) => (part <= 0.0031308 ? 12.92 * part : 1.055 * part ** (1 / 2.4) - 0.055);
-/** The linear part of a colour in sRGB (IEC 61966-2-1). @param {number} part from 0 to 1 */
-const linear = (part) => (part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4);
+import { disable, element, hex, linearColor, make, named, plain } from "./dom.js";
 
 export class Objects {
     /** @param {any} info @param {() => void} changed */
@@ -31,6 +24,7 @@ export class Objects {
         element("objects").replaceChildren(...lines);
         const more = info.object_count - info.objects.length;
         element("more-objects").textContent = more > 0 ? `... and ${more.toLocaleString("en")} more` : "";
+        this.#showColors();
         element("show-all").addEventListener("click", () => this.show(() => true));
         element("own-colors").addEventListener("click", () => {
             this.colors.clear();
@@ -39,25 +33,25 @@ export class Objects {
         });
         element("filter-objects").addEventListener("input", () => {
             const wanted = element("filter-objects").value.toLowerCase();
-            for (const line of lines) line.hidden = !line.textContent.toLowerCase().includes(wanted);
+            for (const line of lines) line.hidden = !line.querySelector("span").textContent.toLowerCase().includes(wanted);
         });
     }
 
     /** @param {any} object */
     #line(object) {
-        const line = make("li", "", { value: String(object.object) });
+        const line = make("li");
         const label = make("label");
         const box = make("input", "", { type: "checkbox" });
         box.checked = !this.hidden.has(object.object);
-        const triangles = object.triangles ? ` ${object.triangles.toLocaleString("en")}` : "";
-        label.append(box, make("span", plain(object.name || object.shape)), triangles);
-        const color = make("input", "", { type: "color", "aria-label": `colour of ${plain(object.name || object.shape)} ${object.object}` });
+        label.append(box, make("span", plain(object.name || object.shape)));
+        const size = make("small", object.triangles ? object.triangles.toLocaleString("en") : "–");
+        const color = make("input", "", { type: "color", "aria-label": `colour of ${named(object)}` });
         const own = hex(object.color);
         color.value = own;
         this.swatches.set(object.object, { field: color, own });
         color.addEventListener("input", () => this.#color(object.object, color.value));
-        const alone = make("button", "only", { "aria-label": `show only ${plain(object.name || object.shape)} ${object.object}` });
-        line.append(label, color, alone);
+        const alone = make("button", "only", { "aria-label": `show only ${named(object)}` });
+        line.append(label, make("small", String(object.object)), size, color, alone);
         this.boxes.set(object.object, box);
         box.addEventListener("change", () => {
             if (box.checked) this.hidden.delete(object.object);
@@ -70,8 +64,8 @@ export class Objects {
 
     /** @param {number} object @param {string} color as "#rrggbb" */
     #color(object, color) {
-        this.colors.set(object, [1, 3, 5].map((at) => linear(parseInt(color.slice(at, at + 2), 16) / 255)));
-        element("own-colors").disabled = false;
+        this.colors.set(object, linearColor(color));
+        this.#showColors();
         this.changed();
     }
 
@@ -81,7 +75,7 @@ export class Objects {
             const given = this.colors.get(object);
             field.value = given ? hex(given) : own;
         }
-        element("own-colors").disabled = this.colors.size === 0;
+        disable("own-colors", this.colors.size === 0 && "All objects have the scene's colours.");
     }
 
     saved() {

@@ -1,8 +1,9 @@
 // @ts-check
-// The picture on the stage: colours for the numbers of a channel, their range and its bar, and the picture as a file.
+// The picture on the stage: colours for the numbers of a channel and their legend, and the picture as a file.
 
 import { colored, rangeOf } from "./color.js";
-import { element, six } from "./dom.js";
+import { element, hex } from "./dom.js";
+import { drawLegend, showLegend } from "./legend.js";
 
 /** @typedef {import("./engine.js").Painted} Painted */
 /** @typedef {import("./compare.js").Shown} Shown */
@@ -32,8 +33,8 @@ export class Picture {
         const { rows, columns } = painted.about;
         const { canvas, drawing } = this;
         if (canvas.width !== columns || canvas.height !== rows) [canvas.width, canvas.height] = [columns, rows];
-        element("bar").hidden = true;
         if (painted.image) {
+            showLegend(this.#legendOf(painted.about.range));
             drawing.clearRect(0, 0, columns, rows);
             drawing.drawImage(painted.image, 0, 0);
             painted.image.close();
@@ -42,7 +43,7 @@ export class Picture {
         }
         const pixels = () => drawing.getImageData(0, 0, columns, rows).data;
         this.shown = isWhole ? { rows, columns, pixels: pixels(), values: painted.values ?? null, name: channel, isDone } : null;
-        document.body.dataset.painted = `${columns}x${rows}`;
+        document.body.dataset.painted = `${rows}x${columns}`;
     }
 
     /** @param {Painted} painted @param {string} channel */
@@ -54,8 +55,16 @@ export class Picture {
         const shown = channel === "position" ? this.#spread(values) : values;
         const pixels = colored(shown, components, { kind, map, range });
         this.drawing.putImageData(new ImageData(/** @type {any} */ (pixels), columns, rows), 0, 0);
-        if (range) showBar(map, range);
+        showLegend(range && { name: channel, map, range });
         this.range = range;
+    }
+
+    /** The legend of a scene that is coloured by numbers. @param {[number, number] | undefined} range */
+    #legendOf(range) {
+        const { colors, maps } = this.info;
+        if (!colors || !range) return null;
+        const [below, above] = [colors.below, colors.above].map((color) => color && hex(color));
+        return { name: colors.by.replace(/^attribute:/, ""), map: maps[colors.map], range, below, above };
     }
 
     /** Positions, each axis from -1 to 1. @param {Float32Array | Int32Array} values */
@@ -65,45 +74,23 @@ export class Picture {
     }
 
     /** The colour that is shown there. @param {[number, number]} pixel */
-    colorAt([column, row]) {
+    colorAt([row, column]) {
         return [...this.drawing.getImageData(column, row, 1, 1).data];
     }
 
-    /** The picture with its marks and its bar, as a PNG. @returns {Promise<Blob>} */
+    /** The picture with its marks and its legend, as a PNG. @returns {Promise<Blob>} */
     asShown() {
-        const [overlay, bar] = [element("overlay"), element("bar-map")];
+        const overlay = element("overlay");
         const whole = document.createElement("canvas");
         [whole.width, whole.height] = [overlay.width, overlay.height];
         const on = /** @type {CanvasRenderingContext2D} */ (whole.getContext("2d"));
         on.imageSmoothingEnabled = !this.canvas.classList.contains("pixels");
         for (const layer of [this.canvas, overlay]) on.drawImage(layer, 0, 0, whole.width, whole.height);
-        if (!element("bar").hidden) {
-            const scale = devicePixelRatio;
-            const [width, height, gap] = [192 * scale, 13 * scale, 8 * scale];
-            const [left, top] = [whole.width - width - gap, whole.height - height - gap];
-            on.drawImage(bar, left, top, width, height);
-            on.font = `${13 * scale}px system-ui, sans-serif`;
-            [on.textBaseline, on.shadowColor, on.shadowBlur, on.fillStyle] = ["bottom", "#000", 3 * scale, "#fff"];
-            on.fillText(element("bar-low").textContent, left, top - 2 * scale);
-            on.textAlign = "right";
-            on.fillText(element("bar-high").textContent, left + width, top - 2 * scale);
-        }
+        drawLegend(on, devicePixelRatio);
         return new Promise((resolve, reject) => {
             whole.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The browser made no PNG of the picture."))));
         });
     }
-}
-
-/** @param {number[][]} map @param {[number, number]} range */
-function showBar(map, range) {
-    const canvas = element("bar-map");
-    canvas.width = map.length;
-    const on = canvas.getContext("2d");
-    const pixels = on.createImageData(map.length, 1);
-    map.forEach((color, k) => pixels.data.set([...color, 255], 4 * k));
-    on.putImageData(pixels, 0, 0);
-    [element("bar-low").textContent, element("bar-high").textContent] = range.map(six);
-    element("bar").hidden = false;
 }
 
 /** The range that was typed, if it is one. @returns {[number, number] | null} */

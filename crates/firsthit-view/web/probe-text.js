@@ -1,57 +1,58 @@
 // @ts-check
-// What a pixel shows, and what lies between hits, in lines.
+// What a pixel shows, and what lies between hits, in rows.
 
-import { plain, six, vector } from "./dom.js";
+import { named, plain } from "./dom.js";
+import { unknown } from "./readout.js";
 
-/** @typedef {[number, number, number]} Vector */
+/** @typedef {import("./readout.js").Row} Row */
 
-/** @param {any} probed @returns {string} */
-export function probeText(probed) {
-    const { pixel, hit, cut_face: face } = probed;
-    const lines = [`pixel      ${pixel.column}, ${pixel.row}`];
-    if (!hit) return [...lines, "hit        none"].join("\n");
-    if (face) {
-        lines.push(
-            `cut face   ${face.object} ${plain(face.name || face.shape)}`,
-            `t          ${face.t}`,
-            `position   ${face.position.join(", ")}`,
-            `normal     ${vector(face.normal)}`,
-            "inside, behind the cut face:",
+const NONE = "–";
+
+/** The rows of a probed pixel. There are as many for a miss, and where nothing was pointed at, so that nothing jumps. @param {any} probed @param {boolean} isCut whether there is a section plane @returns {Row[]} */
+export function probeRows(probed, isCut) {
+    const { pixel, hit, cut_face: face, node, material } = { ...probed, ...probed?.hit };
+    const group = hit ? [hit.t, pixel.range, pixel.z].map(Number) : unknown(3);
+    /** @type {Row[]} */
+    const rows = [{ name: "pixel", text: pixel ? `(${pixel.row}, ${pixel.column})` : NONE }];
+    if (isCut) {
+        rows.push(
+            { name: "cut face", text: face ? named(face) : NONE },
+            ...numbers({ t: [face?.t ?? NaN], position: face?.position ?? unknown(3) }),
+            { name: "behind it", text: "" },
         );
     }
-    lines.push(
-        `t          ${hit.t}`,
-        `range, z   ${six(pixel.range)}, ${six(pixel.z)}`,
-        `object     ${hit.object} ${plain(hit.name || hit.shape)}`,
-        `primitive  ${hit.primitive}`,
-        `position   ${hit.position.join(", ")}`,
-        `normal     ${vector(hit.normal)}, ${hit.front ? "front" : "back"}`,
-    );
-    if (hit.node) lines.push(`node       ${hit.node.id} ${plain(hit.node.name)}`);
-    if (hit.material) lines.push(`material   ${plain(String(hit.material.name || hit.material.id))}`);
-    return lines.join("\n");
+    return [
+        ...rows,
+        { name: "object", text: hit ? named(hit) : pixel ? "none: the ray meets nothing" : NONE },
+        { name: "node", text: node ? `${plain(node.name)} (${node.id})` : NONE },
+        { name: "material", text: material ? plain(String(material.name || material.id)) : NONE },
+        { name: "primitive", text: hit ? `${hit.primitive}, its ${hit.front ? "front" : "back"}` : NONE },
+        ...["t", "range", "z"].map((name, k) => ({ name, numbers: [group[k]], group })),
+        ...numbers({ position: hit?.position ?? unknown(3), normal: hit?.normal ?? unknown(3) }),
+    ];
 }
 
-/** Distances along a path of hits, and of two the difference and the angle. @param {any[]} hits @returns {string} */
+/** @param {Record<string, number[]>} all @returns {Row[]} */
+const numbers = (all) => Object.entries(all).map(([name, numbers]) => ({ name, numbers }));
+
+/** Distances along a path of hits, and of two the difference and the angle. @param {any[]} hits @returns {Row[]} */
 export function measured(hits) {
     const steps = hits.slice(1).map((hit, k) => minus(hit.position, hits[k].position));
     const lengths = steps.map((step) => Math.hypot(...step));
-    if (steps.length === 0) return "";
+    if (steps.length === 0) return [];
     if (steps.length === 1) {
-        const [a, b] = hits;
-        return [
-            `distance   ${lengths[0]}`,
-            `difference ${vector(steps[0])}`,
-            `angle      ${six(degrees(a.normal, b.normal))} degrees between normals`,
-        ].join("\n");
+        const angle = degrees(hits[0].normal, hits[1].normal);
+        return numbers({ distance: lengths, difference: steps[0], "angle of normals, in degrees": [angle] });
     }
-    const lines = lengths.map((length, k) => `${k + 1} to ${k + 2}     ${length}`);
-    lines.push(`path       ${lengths.reduce((sum, length) => sum + length, 0)}`);
+    const path = lengths.reduce((sum, length) => sum + length, 0);
+    const group = [...lengths, path];
+    const rows = lengths.map((length, k) => /** @type {Row} */ ({ name: `${k + 1} to ${k + 2}`, numbers: [length], group }));
+    rows.push({ name: "path", numbers: [path], group });
     if (hits.length === 3) {
         const back = minus(hits[0].position, hits[1].position);
-        lines.push(`angle      ${six(degrees(back, steps[1]))} degrees at 2`);
+        rows.push(...numbers({ "angle at 2, in degrees": [degrees(back, steps[1])] }));
     }
-    return lines.join("\n");
+    return rows;
 }
 
 /** @param {number[]} a @param {number[]} b */

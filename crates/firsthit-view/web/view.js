@@ -135,7 +135,7 @@ export class View {
             const count = painted.about.samples;
             const more = request.samples === null ? "" : " so far";
             const samples = request.is_lit ? `, ${count} sample${count === 1 ? "" : "s"}${more}` : "";
-            say(`${columns} x ${rows}${samples}, ${(1000 * seconds).toFixed(0)} ms`, false);
+            say(`${rows} × ${columns} pixels${samples}, ${(1000 * seconds).toFixed(0)} ms`, false);
             return painted;
         } catch (error) {
             const isExpected = control.signal.aborted || (error instanceof EngineError && error.isSuperseded);

@@ -46,8 +46,9 @@ function question(info, [rows, columns]) {
     ask("frame", { camera, is_lit: true, samples: 2, light: "auto", ground: true });
     ask("frame", { camera: { ...camera, projection: "orthographic", height: 3 }, channel: "range" });
     for (let k = 0; k < 12; k++) {
-        ask("probe", { camera, pixel: [Math.floor((columns * (k % 4) + 1) / 4), Math.floor((rows * Math.floor(k / 4) + 1) / 3)] });
+        ask("probe", { camera, pixel: [Math.floor((rows * Math.floor(k / 4) + 1) / 3), Math.floor((columns * (k % 4) + 1) / 4)] });
     }
+    ask("section", { part: { cut: { normal: [1, 2, 3], offset: 0 } }, svg: true });
     ask("camera", { camera });
 }
 

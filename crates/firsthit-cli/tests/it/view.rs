@@ -198,21 +198,16 @@ fn a_pixel_says_what_probe_prints() {
     let page = Page::open(&lab, "square.ply --size 64x48");
     let camera = page.json("/info", &json!({}))["camera"].clone();
     let said = page.json("/camera", &json!({"camera": camera}));
-    let mut told = page.json("/probe", &json!({"camera": camera, "pixel": [30, 20]}));
+    let told = page.json("/probe", &json!({"camera": camera, "pixel": [20, 30]}));
     let arguments = format!(
         "probe square.ply --pixel 30,20 {}",
         said["command"].as_str().unwrap()
     );
     let printed: Value =
         serde_json::from_slice(&lab.ok(&format!("{arguments} --json")).stdout).unwrap();
-    let text = told["text"].take();
     for (name, value) in told.as_object().unwrap() {
-        if name != "text" && name != "candidates" {
-            assert_eq!(value, &printed[name], "{name}");
-        }
+        assert_eq!(value, &printed[name], "{name}");
     }
-    let lines = String::from_utf8(lab.ok(&arguments).stdout).unwrap();
-    assert!(lines.starts_with(text.as_str().unwrap()), "{lines}\n{text}");
 }
 
 #[test]

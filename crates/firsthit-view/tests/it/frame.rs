@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use firsthit::camera::StandardView;
 use firsthit::render::{Appearance, framing_camera};
-use firsthit::scene::{Environment, EnvironmentKind, EnvironmentMap};
+use firsthit::scene::{ColorBy, Coloring, Environment, EnvironmentKind, EnvironmentMap};
 use firsthit::{DMat3, DVec3, Mesh, Object, Positions, Scene, Sphere};
 use firsthit_view::{
     Answer, AnswerError, Cut, EnvironmentChoice, EnvironmentRequest, FrameRequest, Pixels, Probe,
-    Viewer, Visibility,
+    SectionRequest, Viewer, Visibility,
 };
 use serde_json::{Value, json};
 
@@ -164,7 +164,7 @@ fn questions_are_answered_by_their_names() {
         ask("frame", &json!({})),
         Err(AnswerError::Malformed(_))
     ));
-    let outside = ask("probe", &json!({"camera": camera, "pixel": [60, 0]}));
+    let outside = ask("probe", &json!({"camera": camera, "pixel": [0, 60]}));
     assert!(matches!(outside, Err(AnswerError::Failed(_))));
 }
 
@@ -191,7 +191,7 @@ fn a_first_frame_tells_how_many_samples_there_will_be() {
 }
 
 /// A tetrahedron of some of its sides, cut across, in red.
-fn cut_tetrahedron(sides: &[[u32; 3]]) -> Vec<[u8; 3]> {
+fn cut_tetrahedron(sides: &[[u32; 3]]) -> (Viewer, FrameRequest) {
     let tips = vec![
         [-1.0, -1.0, -1.0],
         [1.0, -1.0, -1.0],
@@ -214,13 +214,69 @@ fn cut_tetrahedron(sides: &[[u32; 3]]) -> Vec<[u8; 3]> {
         },
         ..request(&viewer)
     };
-    colors(&viewer, &request)
+    (viewer, request)
+}
+
+#[test]
+fn cut_faces_have_the_colour_that_is_asked_for_and_their_areas() {
+    let (viewer, mut request) = cut_tetrahedron(&[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+    request.cut_color = Some([0.0, 0.0, 1.0]);
+    let [rows, columns] = SHAPE;
+    let [red, _, blue] = colors(&viewer, &request)[rows / 2 * columns + columns / 2];
+    assert!(red == 0 && blue > 200);
+    request.cut_color = Some([0.0, 0.0, 2.0]);
+    let error = viewer.frame(&request, &()).unwrap_err();
+    assert!(error.to_string().contains("cut_color"), "{error}");
+    let asked = |part, svg| viewer.section(&SectionRequest { part, svg }, &());
+    // Half of each edge is cut off, and so three quarters of the area.
+    let told = asked(request.part, true).unwrap();
+    assert_eq!(told["area"], 0.5);
+    assert_eq!(told["faces"][0]["area"], 0.5);
+    assert!(told["svg"].as_str().unwrap().contains("<path"));
+    let error = asked(Visibility::default(), false).unwrap_err();
+    assert!(error.to_string().contains("cut must be a plane"), "{error}");
+}
+
+#[test]
+fn a_mesh_with_a_gap_on_the_plane_has_no_area() {
+    let (viewer, request) = cut_tetrahedron(&[[0, 2, 1], [0, 1, 3], [1, 2, 3]]);
+    let (part, svg) = (request.part, false);
+    let told = viewer.section(&SectionRequest { part, svg }, &()).unwrap();
+    assert_eq!(told["faces"][0]["area"], Value::Null);
+    assert_eq!(told["svg"], Value::Null);
+}
+
+#[test]
+fn colours_by_numbers_tell_their_range() {
+    let coloring = Coloring::new(ColorBy::Height);
+    let appearance = Appearance {
+        coloring: Some(coloring),
+        ..Appearance::default()
+    };
+    let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 2.0).unwrap())]).unwrap();
+    let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, SHAPE).unwrap();
+    let viewer = Viewer::new("ball", scene, appearance, &camera).unwrap();
+    let info = viewer.info();
+    assert_eq!(info["colors"]["by"], "height");
+    assert_eq!(info["colors"]["below"], Value::Null);
+    let painted = viewer.frame(&request(&viewer), &()).unwrap();
+    assert_eq!(painted.range, Some([-2.0, 2.0]));
+    let channel = "t".to_owned();
+    let distances = FrameRequest {
+        channel,
+        ..request(&viewer)
+    };
+    assert_eq!(viewer.frame(&distances, &()).unwrap().range, None);
 }
 
 #[test]
 fn a_plane_through_a_solid_shows_a_face_in_its_colour() {
     let sides = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    let cut = cut_tetrahedron(&sides);
+    let of_sides = |sides: &[[u32; 3]]| {
+        let (viewer, request) = cut_tetrahedron(sides);
+        colors(&viewer, &request)
+    };
+    let cut = of_sides(&sides);
     // Half of each edge is cut off: the face is a triangle in the middle.
     let [rows, columns] = SHAPE;
     let across = |colors: &[[u8; 3]]| colors[rows / 2 * columns..][columns / 2 - 4..][..8].to_vec();
@@ -235,9 +291,9 @@ fn a_plane_through_a_solid_shows_a_face_in_its_colour() {
     assert!(spread(&face) > 10, "it has stripes: {face:?}");
     // The direction in which triangles face does not matter.
     let turned = sides.map(|[a, b, c]| [a, c, b]);
-    assert_eq!(across(&cut_tetrahedron(&turned)), face);
+    assert_eq!(across(&of_sides(&turned)), face);
     // An open mesh has no inside. A side at which the rays do not look is missing.
-    let open = across(&cut_tetrahedron(&sides[..3]));
+    let open = across(&of_sides(&sides[..3]));
     assert!(spread(&open) < 10, "{open:?}");
 }
 
@@ -310,7 +366,7 @@ fn of_nested_solids_the_innermost_is_seen_and_told() {
         // It looks down at the middle.
         let probe = Probe {
             camera: request.camera,
-            pixel: [columns / 2, rows / 2],
+            pixel: [rows / 2, columns / 2],
             part: request.part.clone(),
         };
         let told = viewer.probe(&probe, &()).unwrap();

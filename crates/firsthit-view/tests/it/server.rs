@@ -575,7 +575,7 @@ fn questions_that_make_no_sense_are_answered_in_words() {
                 "{body}"
             );
         }
-        let outside = json!({"camera": camera, "pixel": [64, 0]});
+        let outside = json!({"camera": camera, "pixel": [0, 64]});
         assert_eq!(page.post("/probe", &outside).status, 400);
     });
 }
@@ -608,7 +608,7 @@ fn hidden_objects_and_cuts_are_looked_through() {
         let mut camera = page.camera();
         camera["position"] = json!([0.0, -9.0, 0.0]);
         let middle = |part: Value| {
-            let asked = json!({"camera": camera, "pixel": [32, 24], "part": part});
+            let asked = json!({"camera": camera, "pixel": [24, 32], "part": part});
             page.post("/probe", &asked).json()["hit"].clone()
         };
         let near = |found: &Value, expected: f64| {
