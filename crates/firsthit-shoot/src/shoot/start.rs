@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use super::filter::Place;
 use crate::accel::{EachCandidate, InstructionSet, Scratch};
+use crate::geometry::orientation::projection_axis;
 use crate::geometry::{DVec3, Ray, RayFilter, SurfaceId};
 use crate::scene::Scene;
 use crate::shape::triangle::{DeparturePoint, Fan, MeshFilter};
@@ -76,7 +77,8 @@ thread_local! {
     static SCRATCH: Cell<Option<Scratch>> = const { Cell::new(None) };
 }
 
-/// The triangles of an object's mesh that hold a point of one, of those in one place the lowest.
+/// The triangles of an object's mesh that hold a point of one: those with an area, and of those in one
+/// place the lowest.
 fn around(
     scene: &Scene,
     (index, mesh): (u32, &Mesh),
@@ -85,7 +87,7 @@ fn around(
     let mut around = Vec::with_capacity(8);
     let mut look_at = |triangle: u32| {
         let corners = mesh.corners(triangle as usize);
-        if point.is_held_by(&corners) {
+        if point.is_held_by(&corners) && projection_axis(&corners).is_some() {
             around.push((triangle, corners));
         }
     };
@@ -130,7 +132,8 @@ fn around(
     around
 }
 
-/// Keeps of triangles in one place the lowest: a face that a file has twice is one face, whatever the order of its corners.
+/// Keeps of triangles in one place the lowest: a face that a file has twice is one face, whatever the
+/// order of its corners. All have an area.
 fn keep_lowest(triangles: &mut Vec<(u32, [DVec3; 3])>) {
     if triangles.len() > FEW {
         // Equal corners come together, the lowest number first.

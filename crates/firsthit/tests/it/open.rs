@@ -120,6 +120,22 @@ fn a_face_that_a_mesh_has_twice_stops_rays_from_its_corners_once() {
     }
 }
 
+#[test]
+fn a_face_without_an_area_frees_no_rays_from_its_corners() {
+    let (points, triangles) = valley();
+    let ways = [[-0.9, 0.0, 0.3], [0.9, 0.4, 0.3], [0.9, 0.5, 0.91]].map(DVec3::from);
+    for flat in [[4, 4, 1], [1, 4, 1], [4, 4, 4], [3, 4, 5]] {
+        for all in [
+            [triangles.clone(), vec![flat]].concat(),
+            [vec![flat], triangles.clone()].concat(),
+        ] {
+            let scene = scene(vec![object(&points, all)]);
+            let found = stopped(&scene, DVec3::new(0.0, 0.0, 5.0), &ways);
+            assert_eq!(found, [true, true, false], "{flat:?}");
+        }
+    }
+}
+
 /// Heights without order on a grid, whose vertices have whole coordinates across.
 fn terrain(side: u32, numbers: &mut Numbers) -> Scene {
     let mut points = Vec::new();
