@@ -1,4 +1,4 @@
-//! What a file describes as plain data, scene files, built scenes, and the reader of any file.
+//! Plain data of what a file describes, scene files, built scenes, and the reader of any file.
 //!
 //! It may never know what is done with a scene: it traces no ray.
 //!

@@ -1,4 +1,4 @@
-//! Lanes, masks and instruction sets, for kernels that are written once, and memory that is mapped, shared or asked for before it is needed.
+//! Lanes, masks and instruction sets, for kernels that are written once, and memory: mapped, shared, or asked for before it is needed.
 //!
 //! All `unsafe` code of firsthit is here, and every other crate forbids it. It may never know what is traced: no shape, no tree.
 //!

@@ -19,7 +19,7 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// The warnings about the file: a line each, ready to print.
     pub warnings: Vec<String>,
-    /// The names of the variants of the materials that the file has, one of which [`LoadSettings::variant`](crate::io::LoadSettings::variant)
+    /// The names of the variants of materials that the file has, one of which [`LoadSettings::variant`](crate::io::LoadSettings::variant)
     /// may ask for.
     pub variants: Vec<String>,
     /// The number of vertices in a glTF file: a buffer counts once for each primitive or node that names it. For other

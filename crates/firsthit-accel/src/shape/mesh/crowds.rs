@@ -26,7 +26,7 @@ const MOST_PLANES: u32 = 16;
 /// The largest distance of a corner from the plane, as a share of the mesh's size: what float32
 /// tells apart, and some more.
 const NEAR: f64 = 1.0 / (1 << 11) as f64;
-/// Of smaller areas products would lose digits.
+/// The least area: products of smaller ones would lose digits.
 const LEAST: f64 = 1e-30;
 /// The number of no crowd.
 const NONE: u32 = u32::MAX;
