@@ -230,6 +230,14 @@ def test_what_is_no_built_scene_is_refused(tmp_path):
         many.save(path)
 
 
+def test_a_scene_is_not_saved_over_a_file_of_another_format(tmp_path):
+    path = tmp_path / "part.stl"
+    path.write_bytes(b"solid")
+    with pytest.raises(ValueError, match=r"path must end in \.fhs, got .*part\.stl"):
+        fh.Scene().save(path)
+    assert path.read_bytes() == b"solid"
+
+
 def test_damage_is_found_when_it_is_asked_for(tmp_path):
     path = tmp_path / "a.fhs"
     scene = fh.Scene()

@@ -261,14 +261,14 @@ class Scene(Traceable):
         Parameters
         ----------
         path : path-like
-            The file; its name should end with ``.fhs``.
+            The file; its name must end with ``.fhs``.
 
         Raises
         ------
         FileWriteError
             If the system refuses to write it; also an `OSError`.
         ValueError
-            For a `shading` with more than 65,536 samples.
+            For another name, and for a `shading` with more than 65,536 samples.
         MemoryError
             If memory is short.
 
@@ -276,6 +276,9 @@ class Scene(Traceable):
         --------
         See `open`.
         """
+        # Under another name it would be read as something else.
+        if Path(path).suffix.lower() != ".fhs":
+            raise ValueError(f"path must end in .fhs, got {path}")
         built, shading, background = self._ready(), self._shading, self._background
         with timed("wrote %s", path):
             _firsthit.save(
