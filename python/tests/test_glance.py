@@ -125,6 +125,10 @@ def test_a_channel_is_plotted_with_its_unit_and_without_misses(scene, camera):
     frame = fh.render(scene, camera, channels=("color", "object"), samples=1)
     assert frame.plot("object", ax=axes) is axes
     assert (axes.images[1].get_array().mask == (frame["object"] < 0)).all()
+    found = [label.get_text() for label in axes.images[1].colorbar.ax.get_yticklabels()]
+    assert found == [str(each) for each in np.unique(frame["object"]) if each >= 0]
+    far = fh.Frame((1, 3), {"t": np.array([[1.0, 2.0, 4800.0]])})
+    assert type(far.plot("t").images[0].norm).__name__ == "LogNorm"
     with pytest.raises(ValueError, match=r"color must have rows and columns of one number each"):
         frame.plot("color")
     with pytest.raises(ValueError, match=r"got the shape \(2,\)"):

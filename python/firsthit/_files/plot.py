@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 _UNITS = {**dict.fromkeys(get_args(DistanceName), "scene units"), "incidence": "radians"}
 
+#: The colours of `tab20`. With more identifiers they are used again, and there is no bar.
+_COLORS = 20
+
 
 class Plottable:
     """Channels in rows and columns that matplotlib draws."""
@@ -37,16 +40,19 @@ class Plottable:
         Returns
         -------
         matplotlib.axes.Axes
-            With columns to the right and rows downwards. Near is yellow, and a miss is black.
+            With columns to the right and rows downwards. Near is yellow, by powers of ten where
+            distances differ a hundredfold. Each identifier has a colour. What is no number, and no
+            identifier, is black.
 
         Raises
         ------
         ImportError
             Where matplotlib is missing.
         ValueError
-            For a channel of several numbers, and for hits without rows and columns.
+            For a channel of several numbers, for hits without rows and columns, and for a channel
+            that hits do not have.
         KeyError
-            For a channel that there is not.
+            For a channel that a frame does not have.
         """
         values: npt.NDArray[Any] = self[channel]
         if values.ndim != 2 or values.dtype.kind not in "biuf":
@@ -58,15 +64,28 @@ class Plottable:
             except ImportError:
                 raise ImportError("plot takes matplotlib: pip install matplotlib") from None
             ax = pyplot.figure().add_subplot()
-        is_identifier = channel in get_args(IdentifierName)
-        missing = values < 0 if is_identifier else ~np.isfinite(values)
         ax.set_facecolor("black")
-        image = ax.imshow(
-            np.ma.masked_array(values, missing),
-            cmap="tab20" if is_identifier else "viridis_r",
-            interpolation="nearest",
-        )
         unit = f" ({_UNITS[channel]})" if channel in _UNITS else ""
-        ax.figure.colorbar(image, ax=ax, label=channel + unit)
+        if channel in get_args(IdentifierName):
+            _draw_identifiers(ax, values, channel)
+        else:
+            shown = np.ma.masked_invalid(values)
+            is_wide = channel in get_args(DistanceName) and 0 < 100 * shown.min() < shown.max()
+            norm = "log" if is_wide else None
+            image = ax.imshow(shown, cmap="viridis_r", norm=norm, interpolation="nearest")
+            ax.figure.colorbar(image, ax=ax, label=channel + unit)
         ax.set(xlabel="column", ylabel="row")
         return ax
+
+
+def _draw_identifiers(ax: Any, values: npt.NDArray[Any], channel: str) -> None:
+    """Draw each identifier in a colour, by its place among those that are there."""
+    found = np.unique(values[values >= 0])
+    places = np.ma.masked_array(np.searchsorted(found, values), values < 0)
+    image = ax.imshow(
+        places % _COLORS, cmap="tab20", vmin=-0.5, vmax=_COLORS - 0.5, interpolation="nearest"
+    )
+    if 0 < len(found) <= _COLORS:
+        bounds = np.arange(len(found) + 1) - 0.5
+        bar = ax.figure.colorbar(image, ax=ax, label=channel, boundaries=bounds)
+        bar.set_ticks(np.arange(len(found)), labels=[str(each) for each in found])
