@@ -158,7 +158,10 @@ class Frame(Plottable):
         channels = {}
         for name, shape, values, in_file in arrays:
             if len(shape) < 2:
-                raise ValueError(f"{os.fspath(path)} must hold a picture, got the shape {shape}")
+                raise ValueError(
+                    f"{os.fspath(path)} must hold a picture, got the shape {shape}; numpy.load "
+                    "reads arrays, and read_metadata what is said of them"
+                )
             dtype = str(values.dtype) if values.dtype.kind == "f" else in_file
             if name in records:
                 # Any file can say anything, and NumPy would take names of huge types or of objects.
