@@ -14,7 +14,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ["crates/firsthit", "crates/firsthit-view", "crates/firsthit-cli", "python"]
+WORKSPACE = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]
+PACKAGES = [member for member in WORKSPACE["members"] if member != "crates/firsthit-wasm"]
 NOTE = "<!-- Made from README.md by packaging/pages.py: `make pages`. -->\n\n"
 INHERITED = "repository.workspace = true\n"
 

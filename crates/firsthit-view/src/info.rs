@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use crate::viewer::Viewer;
 
-/// What surfaces are coloured by, but for the range, which each frame tells.
+/// The legend of a colouring without its range, which each frame tells.
 fn legend(coloring: &Coloring) -> Value {
     let color = |color: Option<Color>| color.map(|color| color.to_array());
     json!({

@@ -17,7 +17,7 @@ use crate::viewer::Viewer;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SectionRequest {
-    /// What is seen of the scene; its cut is the plane.
+    /// The visible part of the scene; its cut is the plane.
     pub part: Visibility,
     /// Whether the drawing is wanted.
     #[serde(default)]

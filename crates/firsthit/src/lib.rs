@@ -78,12 +78,12 @@
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `io` | `fhs`, `gltf`, `obj`, `ply`, `stl` and `scene-file`, the formats that [`load()`] reads; each is a feature too |
+//! | `io` | `fhs`, `gltf`, `obj`, `off`, `ply`, `stl` and `scene-file`, the formats that [`load()`] reads; each is a feature too |
 //! | `image` | `exr`, `png`, `npy` (with NPZ) and `cloud` (PLY and PCD), the formats that [`image`] writes; each is a feature too |
 //! | `load` | [`mod@load`] and [`world`] without a format; each format that is read enables it |
 //! | `frame` | [`channel`], [`image`], [`render()`] and [`Render`] without a format; each of `image`'s formats enables it |
 //!
-//! `fhs` also writes, and enables `frame`. `scene-file` enables `image`, since scene files name their outputs.
+//! `fhs` also writes, and enables `frame`. `scene-file` enables `frame` too, since scene files name their outputs.
 //!
 //! With `default-features = false` the crate has cameras, shapes, scenes, trees, [`shoot()`] and shaders, and depends on little more
 //! than the vector maths and the threads.

@@ -1,1 +1,1 @@
-"""Frames, and which channels go into which file. It knows no rays."""
+"""Frames, and which channels go into which file. It makes no rays."""

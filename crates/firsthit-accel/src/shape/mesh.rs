@@ -20,8 +20,8 @@ mod tangents;
 mod weld;
 
 #[doc(hidden)]
-#[doc(hidden)]
 pub use crowds::Crowds;
+#[doc(hidden)]
 pub use disjoint_sets::DisjointSets;
 #[doc(hidden)]
 pub use facing::{Facing, edges, sorted};

@@ -98,7 +98,7 @@ impl PropertyValues {
 }
 
 impl Property {
-    /// One number for each of what has it, interpolated.
+    /// A property of one number for each vertex, corner or face, interpolated.
     pub fn new(name: impl Into<String>, of: PropertyOf, values: PropertyValues) -> Self {
         Self {
             name: name.into(),

@@ -1,4 +1,4 @@
-//! Rays, hits, boxes, transforms, colours and how they are shown. Imports nothing of this crate; glam is the vector maths.
+//! Rays, hits, boxes, transforms, colours and how they are shown. Imports `error` and `parallel` alone of this crate; glam is the vector maths.
 
 #![allow(
     clippy::inline_always,

@@ -1,4 +1,4 @@
-//! Values with names: what files, the command line, Python and metadata say of lights and shaders.
+//! Values with names: what files, the command line, Python and metadata say of lights, shaders, materials and lenses.
 
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, PI};

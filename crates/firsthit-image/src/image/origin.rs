@@ -54,7 +54,7 @@ pub struct ShadingRecord {
 /// How surfaces were coloured by numbers: the legend of such a picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ColorsRecord {
-    /// What gave the numbers: `attribute:NAME`, `values`, or another word of `--color-by`.
+    /// The source of the numbers: `attribute:NAME`, `values`, or another word of `--color-by`.
     pub by: String,
     /// The name of the colour map.
     pub map: String,

@@ -1,4 +1,4 @@
-//! What a file of a mesh or a model says.
+//! The content of a mesh or model file.
 
 use crate::camera::{Description, Opening, View};
 use crate::geometry::DVec3;

@@ -9,8 +9,7 @@ use super::section::Section;
 use super::settings;
 use super::table::{Form, Key, Pick, Record, Variant, keys, optional};
 use crate::io::fault::Checked;
-use crate::shade::LightRig;
-use crate::shade::Shader;
+use crate::shade::{LightRig, Shader};
 
 const COMMON: &[Key] = keys! {
     /// The colour of a pixel is the mean of this many points of it; 1 is its centre. Default: 16 where the shader draws numbers or there is a ground,

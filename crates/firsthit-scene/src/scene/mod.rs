@@ -47,7 +47,6 @@ pub use material::{
 pub use object::Object;
 pub use texture::{Filter, Sample, Texture, TextureMap, UvSet, Wrap};
 
-use build::object_trees;
 #[doc(hidden)]
 pub use duplicates::Duplicates;
 #[doc(hidden)]
@@ -68,9 +67,11 @@ pub use material::Lambertian;
 pub use stored::SceneParts;
 #[doc(hidden)]
 pub use terminator::terminator_factor;
-use top_tree::TopTree;
 #[doc(hidden)]
 pub use top_tree::{CandidateList, NearbyObjects, ObjectCandidates};
+
+use build::object_trees;
+use top_tree::TopTree;
 
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};

@@ -69,7 +69,7 @@ fn search(
     (is_met && ray.holds(crossing.t)).then_some(crossing)
 }
 
-/// So many triangles are compared each with each.
+/// The most triangles that are compared each with each.
 const FEW: usize = 16;
 
 thread_local! {

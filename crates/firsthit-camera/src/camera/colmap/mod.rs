@@ -84,9 +84,9 @@ models! {
 /// The model of a camera in a file.
 #[derive(Debug, Clone, Copy)]
 enum Model {
-    /// One that a projection of this library is.
+    /// A model that is a projection of this library.
     Known(&'static ColmapModel),
-    /// One that none is: a camera of it can be passed over, and not be used.
+    /// A model that is none: a camera of it can be passed over, and not be used.
     Other(&'static Unsupported),
 }
 

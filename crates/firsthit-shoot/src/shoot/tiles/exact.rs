@@ -10,7 +10,7 @@ use crate::shape::triangle::{EdgeRule, Shear, are_close};
 use crate::shoot::scaled_ray::ScaledRay;
 use crate::simd::{Kernel, Lanes};
 
-/// Of so many comparisons in a tile one counts for the mesh, which all threads share. Tiles of most pictures have fewer.
+/// One of this many comparisons in a tile is counted for the mesh, whose counter all threads share. Tiles of most pictures have fewer.
 const COMPARED: u32 = 4;
 
 /// The exact test of a ray and a triangle, as a function of its own: it is rarely called.

@@ -99,7 +99,7 @@ impl<N: Copy> Plane<N> {
 /// Where a ray comes to the points at a height above a plane, in units of its normal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sight {
-    /// At no height.
+    /// The `t` at height 0.
     t: Double<f64>,
     /// `t` is off by less than this.
     off: f64,
@@ -202,7 +202,7 @@ impl Start<f64> {
     }
 }
 
-/// What a dot product is off by at most, as a share of the product of the lengths; see the error bounds above.
+/// The error of a dot product at most, as a share of the product of the lengths; see the error bounds above.
 const OFF: f64 = power(-98);
 
 /// The square of what a dot product must be at least, as a share of the product of the lengths; see the error bounds
