@@ -190,7 +190,7 @@ pub(crate) fn sampling(py: Python<'_>, channels: Vec<String>) -> PyResult<Vec<&'
     Ok(kinds.iter().map(made_of).collect())
 }
 
-/// Those of some settings of a picture that do nothing for its channels, each with those that it needs, in words.
+/// Pairs each of some settings that do nothing for a picture's channels with the channels that it needs, in words.
 #[pyfunction]
 pub(crate) fn idle(
     py: Python<'_>,

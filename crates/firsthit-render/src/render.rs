@@ -156,7 +156,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render()`], and [`Error::Argument`] for a region that is no part of the picture.
+    /// The errors of [`render()`], and [`Error::Argument`] for a region that is no part of the picture.
     pub fn render(&self, watch: &dyn Watch) -> Result<Frame> {
         let mut origin = None;
         let mut whole: Vec<Channel> = Vec::new();
@@ -189,7 +189,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Picture::render`], and those of `sink`.
+    /// The errors of [`Picture::render`], and those of `sink`.
     pub fn render_to(
         &self,
         watch: &dyn Watch,
@@ -238,7 +238,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Picture::render`].
+    /// The errors of [`Picture::render`].
     pub fn start(&'a self) -> Result<Progressive<'a>> {
         self.start_watched(&())
     }
@@ -259,7 +259,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Picture::render`], and [`Error::Argument`] for the state of another picture, and for a channel
+    /// The errors of [`Picture::render`], and [`Error::Argument`] for the state of another picture, and for a channel
     /// that would be missing.
     pub fn resume(&'a self, state: &Frame) -> Result<Progressive<'a>> {
         self.resume_checked(&(), |_| Ok(Cow::Borrowed(state)))
@@ -385,7 +385,7 @@ impl Progressive<'_> {
     ///
     /// # Errors
     ///
-    /// Those of [`Picture::render`].
+    /// The errors of [`Picture::render`].
     pub fn add_sample(&mut self, watch: &dyn Watch) -> Result<bool> {
         self.slab.add_sample(watch)
     }

@@ -116,7 +116,7 @@ fn with_variant(loaded: Loaded, settings: &LoadSettings) -> Result<Loaded> {
 ///
 /// # Errors
 ///
-/// Those of [`load`], but for [`Error::Read`].
+/// The errors of [`load`], but for [`Error::Read`].
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Loaded> {
     let format = format_of(name, formats())?;
     check_scale(format, settings)?;

@@ -93,7 +93,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::new`].
+    /// The errors of [`Scene::new`].
     pub fn into_scene(self) -> Result<Scene> {
         self.into_scene_after(None)
     }

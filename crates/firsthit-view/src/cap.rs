@@ -54,7 +54,7 @@ impl<'a> CappedShade<'a> {
 
     /// # Errors
     ///
-    /// Those of [`innermost`], where cut faces are missing since it failed: a shader cannot say so by itself.
+    /// The errors of [`innermost`], where cut faces are missing since it failed: a shader cannot say so by itself.
     pub(crate) fn check(&self) -> Result<()> {
         lock(&self.failure).take().map_or(Ok(()), Err)
     }

@@ -16,7 +16,7 @@ impl Viewer {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::new`] and [`Description::camera`].
+    /// The errors of [`Scene::new`] and [`Description::camera`].
     pub fn of_file(title: impl Into<String>, loaded: Loaded) -> Result<Self> {
         let Loaded {
             world: mut model,

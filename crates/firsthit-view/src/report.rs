@@ -34,7 +34,7 @@ impl Viewer {
     ///
     /// # Errors
     ///
-    /// Those of [`fhs::encode`], and [`Error::Limit`] for more than a browser reads.
+    /// The errors of [`fhs::encode`], and [`Error::Limit`] for more than a browser reads.
     pub fn report(&self, watch: &dyn Watch) -> Result<Vec<u8>> {
         let scene = fhs::encode(self.scene(), &self.world()?, watch)?;
         let scene = packed(&scene)?;
@@ -63,7 +63,7 @@ impl Viewer {
     ///
     /// # Errors
     ///
-    /// Those of [`Viewer::still`].
+    /// The errors of [`Viewer::still`].
     pub fn embedded_page(&self, watch: &dyn Watch) -> Result<String> {
         let engine = json_block(&json!({"kind": "port"}));
         let head = data("report-engine", "application/json", &engine);
@@ -75,7 +75,7 @@ impl Viewer {
     ///
     /// # Errors
     ///
-    /// Those of [`Viewer::frame`].
+    /// The errors of [`Viewer::frame`].
     pub fn still(&self, watch: &dyn Watch) -> Result<Vec<u8>> {
         let mut camera = self.first_camera;
         let longest = camera.rows.max(camera.columns);

@@ -50,7 +50,7 @@ impl Viewer {
     ///
     /// # Errors
     ///
-    /// Those of [`framing_camera`].
+    /// The errors of [`framing_camera`].
     pub fn new(
         title: impl Into<String>,
         scene: Scene,

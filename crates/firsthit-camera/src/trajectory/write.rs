@@ -9,7 +9,7 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn write_tum(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "# timestamp tx ty tz qx qy qz qw")?;
         self.write_rows(' ', out)
@@ -33,7 +33,7 @@ impl Trajectory {
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "time,x,y,z,qx,qy,qz,qw")?;
         self.write_rows(',', out)

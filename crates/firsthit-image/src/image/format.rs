@@ -168,7 +168,7 @@ impl Holds {
 ///
 /// # Errors
 ///
-/// Those of [`format_of`] and [`Format::write`].
+/// The errors of [`format_of`] and [`Format::write`].
 pub fn write(frame: &Frame, path: &Path) -> Result<()> {
     format_of(path)?.write(frame, None, WriteSettings::default(), path, &())
 }
@@ -177,7 +177,7 @@ pub fn write(frame: &Frame, path: &Path) -> Result<()> {
 ///
 /// # Errors
 ///
-/// Those of [`format_of`] and [`Format::write`].
+/// The errors of [`format_of`] and [`Format::write`].
 pub fn write_channel(frame: &Frame, name: &str, path: &Path) -> Result<()> {
     format_of(path)?.write(frame, Some(name), WriteSettings::default(), path, &())
 }
@@ -197,7 +197,7 @@ impl Frame {
     ///
     /// # Errors
     ///
-    /// Those of [`write`](super::write()).
+    /// The errors of [`write`](super::write()).
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         write(self, path.as_ref())
     }
@@ -206,7 +206,7 @@ impl Frame {
     ///
     /// # Errors
     ///
-    /// Those of [`write_channel`](super::write_channel).
+    /// The errors of [`write_channel`](super::write_channel).
     pub fn save_channel(&self, name: &str, path: impl AsRef<Path>) -> Result<()> {
         write_channel(self, name, path.as_ref())
     }

@@ -58,7 +58,7 @@ pub fn read(path: &Path) -> Result<Output> {
 ///
 /// # Errors
 ///
-/// Those of [`read`], but for [`Error::Read`].
+/// The errors of [`read`], but for [`Error::Read`].
 pub fn read_bytes(name: &Path, bytes: &[u8], max_memory: u64) -> Result<Output> {
     let format = format_of(name)?;
     (format.decode)(bytes, max_memory).map_err(|what| wrong(name, what))

@@ -62,7 +62,7 @@ pub fn read_points(path: &Path) -> Result<Points> {
 ///
 /// # Errors
 ///
-/// Those of [`read_points`], but for [`Error::Read`](crate::error::Error::Read).
+/// The errors of [`read_points`], but for [`Error::Read`](crate::error::Error::Read).
 pub fn points_of(name: &Path, bytes: &[u8]) -> Result<Points> {
     decoded(bytes).map_err(|what| wrong(name, what))
 }

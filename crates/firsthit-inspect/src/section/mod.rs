@@ -216,7 +216,7 @@ pub fn section(scene: &Scene, plane: SectionPlane, watch: &dyn Watch) -> Result<
 ///
 /// # Errors
 ///
-/// Those of [`section`].
+/// The errors of [`section`].
 pub fn section_with(
     rule: FillRule,
     scene: &Scene,

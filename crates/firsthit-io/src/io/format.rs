@@ -70,7 +70,7 @@ impl ModelFormat {
     ///
     /// # Errors
     ///
-    /// Those of [`Format::read`], and [`Error::Argument`](crate::error::Error::Argument) for a scale that it cannot have.
+    /// The errors of [`Format::read`], and [`Error::Argument`](crate::error::Error::Argument) for a scale that it cannot have.
     pub fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
         let model = self.format.read(bytes, report, self.read)?;
         let scale = report.settings.scale;

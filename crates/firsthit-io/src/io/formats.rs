@@ -77,7 +77,7 @@ pub const FORMATS: &[ModelFormat] = &[
 ///
 /// # Errors
 ///
-/// Those of [`ModelFormat::load`], and where `path` cannot be read.
+/// The errors of [`ModelFormat::load`], and where `path` cannot be read.
 pub fn load_part(path: &Path, whole: &mut Report) -> Result<Model> {
     let format = format_of(path, FORMATS.iter())?;
     let bytes = read::regular_file(path, whole.budget.left())?;

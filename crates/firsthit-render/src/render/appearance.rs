@@ -66,7 +66,7 @@ impl Appearance {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::with_coloring`].
+    /// The errors of [`Scene::with_coloring`].
     pub fn resolve(&self, scene: &Scene, camera: Option<&Camera>) -> Result<Resolved> {
         let resolved = self.resolve_light(scene, camera);
         let Some(coloring) = self.coloring.clone() else {

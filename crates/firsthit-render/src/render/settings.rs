@@ -237,7 +237,7 @@ impl<'a> Render<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render()`](super::render()), [`framing_camera`] and [`Scene::with_coloring`], and [`Error::Argument`](crate::error::Error::Argument) for an unknown channel,
+    /// The errors of [`render()`](super::render()), [`framing_camera`] and [`Scene::with_coloring`], and [`Error::Argument`](crate::error::Error::Argument) for an unknown channel,
     /// and for `color_by`, `light`, `background` or `ground` with a shade of one's own, which makes its colours without them.
     pub fn frame(self) -> Result<Frame> {
         let asked = self.channels.iter().map(|name| channel::asked(name));

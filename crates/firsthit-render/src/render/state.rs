@@ -23,7 +23,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`render`](Self::render) and of [`resume_from`](Self::resume_from), [`Error::Argument`] for a picture without colours, for
+    /// The errors of [`render`](Self::render) and of [`resume_from`](Self::resume_from), [`Error::Argument`] for a picture without colours, for
     /// a file whose name does not end in `.npz`, and for a state that has more samples already, and [`Error::Write`] where the state
     /// cannot be saved, before anything is rendered.
     pub fn render_resumed(&self, path: &Path, watch: &dyn Watch) -> Result<Frame> {
@@ -80,7 +80,7 @@ impl<'a> Picture<'a> {
     ///
     /// # Errors
     ///
-    /// Those of [`Picture::resume`] and of [`image::read`], and [`Error::Argument`] for the state of another scene, camera or shading.
+    /// The errors of [`Picture::resume`] and of [`image::read`], and [`Error::Argument`] for the state of another scene, camera or shading.
     pub fn resume_from(&'a self, path: &Path) -> Result<Progressive<'a>> {
         self.resume_checked(&(), |own| read_state(path, own))
     }

@@ -107,7 +107,7 @@ fn read_mapped(block: Arc<Block>, report: &mut Report) -> Result<World> {
 ///
 /// # Errors
 ///
-/// Those of [`open`].
+/// The errors of [`open`].
 #[cfg(feature = "scene-file")]
 pub(crate) fn open_part(path: &Path, whole: &mut Report) -> Result<World> {
     let mut report = whole.part(path);

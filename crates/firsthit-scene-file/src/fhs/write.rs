@@ -50,7 +50,7 @@ pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Res
 ///
 /// # Errors
 ///
-/// Those of [`save`].
+/// The errors of [`save`].
 pub fn encode(scene: &Scene, world: &World, watch: &dyn Watch) -> Result<Vec<u8>> {
     let path = Path::new("memory");
     with_content(path, scene, world, watch, |content| {

@@ -73,7 +73,7 @@ impl Loaded {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::new`].
+    /// The errors of [`Scene::new`].
     pub fn into_scene(self) -> Result<Scene> {
         self.world.into_scene_after(self.scene.as_ref())
     }
@@ -90,7 +90,7 @@ impl WorldFormat {
     ///
     /// # Errors
     ///
-    /// Those of [`Format::read`].
+    /// The errors of [`Format::read`].
     pub(crate) fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<World> {
         self.format.read(bytes, report, self.read)
     }

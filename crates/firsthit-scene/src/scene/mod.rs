@@ -164,7 +164,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::new`].
+    /// The errors of [`Scene::new`].
     pub fn build(objects: Vec<Object>, settings: BuildSettings) -> Result<Self> {
         Self::assemble(objects, settings, None)
     }
@@ -200,7 +200,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`Scene::new`] and [`Scene::with_coloring`].
+    /// The errors of [`Scene::new`] and [`Scene::with_coloring`].
     pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
         let scene = Self::assemble(objects, self.build, Some(self))?;
         let has_own_lights = self.has_own_lights;

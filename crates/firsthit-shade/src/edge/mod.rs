@@ -99,7 +99,7 @@ impl Lines {
     ///
     /// # Errors
     ///
-    /// Those of [`Edges::check`], [`Error::Limit`] when there is not enough memory, and [`Error::Interrupted`] when `watch` stops it.
+    /// The errors of [`Edges::check`], [`Error::Limit`] when there is not enough memory, and [`Error::Interrupted`] when `watch` stops it.
     pub fn new(
         subject: &Subject<'_>,
         edges: &Edges,

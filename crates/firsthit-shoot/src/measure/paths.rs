@@ -51,7 +51,7 @@ pub fn path_lengths<R: Rays>(
 ///
 /// # Errors
 ///
-/// Those of [`path_lengths`].
+/// The errors of [`path_lengths`].
 pub fn path_lengths_with<R: Rays>(
     rule: FillRule,
     scene: &Scene,

@@ -39,7 +39,7 @@ const PIECE: usize = 1 << 14;
 ///
 /// # Errors
 ///
-/// Those of [`closest_points`] and of [`trace`].
+/// The errors of [`closest_points`] and of [`trace`].
 pub fn thickness(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Result<Vec<f64>> {
     thickness_with(FillRule::default(), scene, points, watch)
 }
@@ -48,7 +48,7 @@ pub fn thickness(scene: &Scene, points: &[[f64; 3]], watch: &dyn Watch) -> Resul
 ///
 /// # Errors
 ///
-/// Those of [`thickness`].
+/// The errors of [`thickness`].
 pub fn thickness_with(
     rule: FillRule,
     scene: &Scene,
@@ -90,7 +90,7 @@ pub enum Towards {
 ///
 /// # Errors
 ///
-/// Those of [`trace`] and of [`inside`](super::inside()).
+/// The errors of [`trace`] and of [`inside`](super::inside()).
 pub fn thickness_along<R: Rays + ?Sized>(
     rule: FillRule,
     scene: &Scene,

@@ -71,7 +71,7 @@ impl Default for Wanted {
 ///
 /// # Errors
 ///
-/// Those of [`closest_points`].
+/// The errors of [`closest_points`].
 #[doc(alias("nearest point", "distance query"))]
 pub fn closest_point(scene: &Scene, point: DVec3) -> Result<Option<ClosestPoint>> {
     let all = closest_points(scene, &[point.to_array()], Wanted::default(), &())?;
@@ -114,7 +114,7 @@ pub fn closest_points(
 ///
 /// # Errors
 ///
-/// Those of [`closest_points`].
+/// The errors of [`closest_points`].
 pub fn closest_points_with(
     method: Method,
     scene: &Scene,

@@ -54,7 +54,7 @@ const PIECE: usize = 1 << 14;
 ///
 /// # Errors
 ///
-/// Those of [`signed_distances`]; but with [`SignSettings::allow_open`] open objects are none.
+/// The errors of [`signed_distances`]; but with [`SignSettings::allow_open`] open objects are none.
 pub fn signed_distances_with(
     settings: SignSettings,
     scene: &Scene,
@@ -89,7 +89,7 @@ pub fn signed_distances_with(
 ///
 /// # Errors
 ///
-/// Those of [`signed_distances_with`], and [`Error::Argument`] for another number of distances than of points.
+/// The errors of [`signed_distances_with`], and [`Error::Argument`] for another number of distances than of points.
 pub fn signed_distances_from(
     settings: SignSettings,
     scene: &Scene,

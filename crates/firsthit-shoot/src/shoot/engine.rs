@@ -59,7 +59,7 @@ impl Cpu {
     ///
     /// # Errors
     ///
-    /// Those of [`InstructionSet::current`].
+    /// The errors of [`InstructionSet::current`].
     pub fn current() -> Result<Self> {
         InstructionSet::current().map(Self)
     }

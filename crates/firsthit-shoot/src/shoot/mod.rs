@@ -102,7 +102,7 @@ pub fn trace<Q: Query, R: Rays + ?Sized>(
 ///
 /// # Errors
 ///
-/// Those of [`trace`].
+/// The errors of [`trace`].
 pub fn trace_with<Q: Query, R: Rays + ?Sized>(
     engine: &dyn Engine,
     scene: &Scene,
@@ -120,7 +120,7 @@ pub fn trace_with<Q: Query, R: Rays + ?Sized>(
 ///
 /// # Errors
 ///
-/// Those of [`trace`].
+/// The errors of [`trace`].
 pub fn trace_into<Q: Query, R: Rays + ?Sized>(
     engine: &dyn Engine,
     scene: &Scene,

@@ -26,7 +26,7 @@ use crate::watch::Watch;
 ///
 /// # Errors
 ///
-/// Those of [`inside`](super::inside()).
+/// The errors of [`inside`](super::inside()).
 pub fn innermost<R: Rays>(
     scene: &Scene,
     rays: &R,

@@ -55,7 +55,7 @@ pub fn inside(scene: &Scene, points: &[DVec3], by: By, watch: &dyn Watch) -> Res
 ///
 /// # Errors
 ///
-/// Those of [`inside`].
+/// The errors of [`inside`].
 pub fn inside_with(
     rule: FillRule,
     scene: &Scene,

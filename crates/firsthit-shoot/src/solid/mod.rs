@@ -90,7 +90,7 @@ impl Rule {
     ///
     /// # Errors
     ///
-    /// Those of [`Mesh::is_closed`](crate::shape::Mesh::is_closed).
+    /// The errors of [`Mesh::is_closed`](crate::shape::Mesh::is_closed).
     pub fn of(object: &Object, fill: FillRule) -> Result<Self> {
         let closed = match fill {
             FillRule::Nonzero => Self::Nonzero,
@@ -135,7 +135,7 @@ impl Rule {
 ///
 /// # Errors
 ///
-/// Those of [`Rule::of`].
+/// The errors of [`Rule::of`].
 pub fn rules(scene: &Scene) -> Result<Vec<Rule>> {
     rules_with(FillRule::default(), scene)
 }
@@ -144,7 +144,7 @@ pub fn rules(scene: &Scene) -> Result<Vec<Rule>> {
 ///
 /// # Errors
 ///
-/// Those of [`Rule::of`].
+/// The errors of [`Rule::of`].
 pub fn rules_with(fill: FillRule, scene: &Scene) -> Result<Vec<Rule>> {
     let of = |object| Rule::of(object, fill);
     scene.objects().iter().map(of).collect()

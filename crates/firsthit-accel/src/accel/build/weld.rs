@@ -1,6 +1,6 @@
 //! Finds the vertices that the triangles of a leaf share.
 //!
-//! Those with the same index. Where a file has a vertex for each corner (as all STL files have) or for each side of a
+//! Vertices with one index are shared. Where a file has a vertex for each corner (as all STL files have) or for each side of a
 //! seam, also those in the same place of the tree: they are welded, without touching the mesh.
 //!
 //! 1. Estimate in how many places the vertices are: count the distinct ones among those whose hash is below a power of

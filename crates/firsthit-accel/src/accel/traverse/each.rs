@@ -27,7 +27,7 @@ pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
 /// A kernel that calls `visit` with each triangle that a ray, or one displaced from it by up to `off`, may meet at a parameter of at
 /// most `t_max`, in any order, and perhaps with others.
 ///
-/// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
+/// The lowest of triangles in one place is among them. The others are for sure only `with_copies`.
 ///
 /// `visit` is behind a pointer, so that the kernel is compiled once and not for each query: few rays need it.
 #[doc(hidden)]

@@ -7,7 +7,7 @@
 //!
 //! # Error bounds
 //!
-//! Those of `filter.rs`, with what `frustum.rs` says that a sheared coordinate is off. A triangle's extent across the
+//! The bounds of `filter.rs` hold, with what `frustum.rs` says that a sheared coordinate is off. A triangle's extent across the
 //! rays is measured with the smallest and the largest slope, and that is the extent along any slope between.
 
 use super::frustum::PacketFrustum;

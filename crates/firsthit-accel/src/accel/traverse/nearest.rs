@@ -109,7 +109,7 @@ fn largest_stretch(map: &DMat3) -> f64 {
 /// the point and the distances are. `visit` returns the limit to continue with, not larger than
 /// before.
 ///
-/// Of triangles in one place the lowest is among them. The others are too `with_copies`, and may be without.
+/// The lowest of triangles in one place is among them. The others are for sure only `with_copies`.
 #[inline(always)]
 #[doc(hidden)]
 pub fn each_near<L: Lanes>(

@@ -45,7 +45,7 @@ const POSE: [Names; 7] = [
 ///
 /// # Errors
 ///
-/// Those of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
+/// The errors of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
 pub fn read_csv(text: &[u8], path: &Path) -> Result<Trajectory> {
     read_table(text, path, |header| {
         let found = header.find(&TIMES.map(|(name, _)| name))?;

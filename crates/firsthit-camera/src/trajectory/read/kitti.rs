@@ -24,7 +24,7 @@ const RATE: f64 = 10.0;
 ///
 /// # Errors
 ///
-/// Those of [`TrajectoryFormat::read`](super::TrajectoryFormat::read), and [`Error::Argument`] for times that are not as many
+/// The errors of [`TrajectoryFormat::read`](super::TrajectoryFormat::read), and [`Error::Argument`] for times that are not as many
 /// as the poses, and for those that [`Trajectory::new`] refuses.
 pub fn read_kitti(text: &[u8], path: &Path, times: Option<&[f64]>) -> Result<Trajectory> {
     let mut rows = Rows::default();
@@ -58,7 +58,7 @@ pub fn read_kitti(text: &[u8], path: &Path, times: Option<&[f64]>) -> Result<Tra
 ///
 /// # Errors
 ///
-/// Those of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
+/// The errors of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
 pub fn read_kitti_times(text: &[u8], path: &Path) -> Result<Vec<f64>> {
     let mut times: Vec<f64> = Vec::new();
     for line in Lines::new(text, path)? {

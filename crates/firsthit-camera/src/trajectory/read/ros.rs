@@ -29,7 +29,7 @@ const MESSAGES: [[&str; 2]; 4] = [
 ///
 /// # Errors
 ///
-/// Those of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
+/// The errors of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
 pub fn read_ros(text: &[u8], path: &Path) -> Result<Trajectory> {
     read_table(text, path, |header| {
         let stamp = match header.find(&["field.header.stamp"])? {

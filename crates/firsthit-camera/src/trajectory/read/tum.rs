@@ -14,7 +14,7 @@ use crate::error::Result;
 ///
 /// # Errors
 ///
-/// Those of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
+/// The errors of [`TrajectoryFormat::read`](super::TrajectoryFormat::read).
 pub fn read_tum(text: &[u8], path: &Path) -> Result<Trajectory> {
     let mut rows = Rows::default();
     for line in Lines::new(text, path)? {

@@ -71,7 +71,7 @@ impl SectionFormat {
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn write(&self, section: &Section, out: &mut dyn Write) -> io::Result<()> {
         (self.write)(section, out)
     }

@@ -42,7 +42,7 @@ pub fn load_environment(report: &mut Report) -> Result<EnvironmentMap> {
 ///
 /// # Errors
 ///
-/// Those of [`load_environment`].
+/// The errors of [`load_environment`].
 pub fn load_environment_part(path: &Path, whole: &mut Report) -> Result<EnvironmentMap> {
     let mut report = whole.part(path);
     let map = load_environment(&mut report)?;

@@ -74,7 +74,7 @@ impl Lidar {
     ///
     /// # Errors
     ///
-    /// Those of [`Pose::new`].
+    /// The errors of [`Pose::new`].
     pub fn new(pattern: Pattern, pose: Pose) -> Result<Self> {
         let pose = Pose::new(pose.position, pose.rotation)?;
         Ok(Self {
