@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use firsthit::camera::{
-    ColmapImages, ColmapModel, Convention, Description, PixelMatrix, Projection,
+    ColmapImages, ColmapModel, Convention, Description, FovAxis, PixelMatrix, Projection,
 };
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
@@ -276,11 +276,13 @@ impl Camera {
     #[staticmethod]
     fn lens(
         py: Python<'_>,
-        vertical_fov_degrees: f64,
+        fov: f64,
+        fov_axis: &str,
         rows: usize,
         columns: usize,
     ) -> PyResult<(f64, f64, f64)> {
-        let viewplane = Viewplane::with_vertical_fov(vertical_fov_degrees, rows, columns);
+        let axis = fov_axis.parse::<FovAxis>();
+        let viewplane = axis.and_then(|axis| Viewplane::with_fov(fov, axis, rows, columns));
         let viewplane = viewplane.map_err(|error| raise(py, &error))?;
         Ok((viewplane.focal_length, viewplane.width, viewplane.height))
     }

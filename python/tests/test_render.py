@@ -86,7 +86,7 @@ def test_look_at_has_its_target_in_the_middle_and_says_what_it_is():
     assert eval(repr(camera), {"Camera": fh.Camera}) == camera
     with pytest.raises(ValueError, match="target must be another point"):
         fh.Camera.look_at((0, 0, 5), (0, 0, 5), (0, 1, 0), 90, 4, 8)
-    with pytest.raises(ValueError, match="vertical_fov_degrees must be between 0 and 180"):
+    with pytest.raises(ValueError, match="fov must be between 0 and 180"):
         fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 180, 4, 8)
 
 

@@ -67,6 +67,7 @@ def test_words_that_are_typed_are_those_that_there_are():
         (typing.ViewName, lambda word: fh.Camera.framing(ball(), 2, 2, view=word)),
         (typing.Projection, projected),
         (typing.RayStart, lambda word: small(ray_start=word)),
+        (typing.FovAxis, lambda word: aimed(fov_axis=word)),
     ]
     for kind, make in told:
         for word in get_args(kind):

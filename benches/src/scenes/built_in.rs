@@ -31,7 +31,7 @@ fn boulder() -> (Vec<Object>, Look) {
         target: DVec3::ZERO,
         up: DVec3::Z,
         light: DVec3::new(-3.0, -4.0, 5.0),
-        vertical_fov_degrees: 40.0,
+        fov: 40.0,
         height: 2.6,
         reach: 0.3,
     };
@@ -52,7 +52,7 @@ fn hills() -> (Vec<Object>, Look) {
         target: DVec3::new(50.0, 50.0, 0.0),
         up: DVec3::Z,
         light: DVec3::new(-30.0, 120.0, 60.0),
-        vertical_fov_degrees: 55.0,
+        fov: 55.0,
         height: 60.0,
         reach: 2.0,
     };
@@ -88,7 +88,7 @@ fn room() -> (Vec<Object>, Look) {
         target: DVec3::new(6.2, 6.0, 0.9),
         up: DVec3::Z,
         light: DVec3::new(6.0, 5.0, 3.7),
-        vertical_fov_degrees: 75.0,
+        fov: 75.0,
         height: 9.0,
         reach: 0.6,
     };

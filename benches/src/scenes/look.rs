@@ -3,7 +3,7 @@
 use std::str::SplitWhitespace;
 
 use firsthit::camera::distortion::OpenCv;
-use firsthit::camera::{Calibrated, View};
+use firsthit::camera::{Calibrated, FovAxis, View};
 use firsthit::{Camera, DVec3, Lens, Projection, RayStart, Viewplane};
 
 /// The places of the cameras and the light.
@@ -13,7 +13,7 @@ pub(crate) struct Look {
     pub(crate) target: DVec3,
     pub(crate) up: DVec3,
     pub(crate) light: DVec3,
-    pub(crate) vertical_fov_degrees: f64,
+    pub(crate) fov: f64,
     /// The height that the orthographic camera sees, in scene units.
     pub(crate) height: f64,
     /// The distance up to which ambient occlusion reaches, in scene units.
@@ -32,7 +32,7 @@ impl Look {
                 ..Viewplane::default()
             })
         } else {
-            Viewplane::with_vertical_fov(self.vertical_fov_degrees, side, side)
+            Viewplane::with_fov(self.fov, FovAxis::Vertical, side, side)
         };
         let lens = viewplane
             .map(Lens::Flat)
@@ -99,7 +99,7 @@ pub(super) fn parse(text: &str) -> Option<Look> {
         target: target?,
         up: up?,
         light: light?,
-        vertical_fov_degrees: rest.x,
+        fov: rest.x,
         height: rest.y,
         reach: rest.z,
     })
@@ -115,7 +115,7 @@ mod tests {
         let look = parse(text).unwrap();
         assert_eq!(look.light, DVec3::new(7.0, 8.0, 9.0));
         assert_eq!(
-            (look.vertical_fov_degrees, look.height, look.reach),
+            (look.fov, look.height, look.reach),
             (40.0, 2.5, 0.1)
         );
         assert_eq!(parse(text.trim_end_matches("0.1\n")), None);

@@ -146,6 +146,7 @@ fn overrides(args: &CameraArgs) -> bool {
         look_at,
         up,
         fov,
+        fov_axis,
         focal_length,
         viewplane,
         aperture,
@@ -164,6 +165,7 @@ fn overrides(args: &CameraArgs) -> bool {
         || look_at.is_some()
         || up.is_some()
         || fov.is_some()
+        || fov_axis.is_some()
         || focal_length.is_some()
         || viewplane.is_some()
         || aperture.is_some()
@@ -366,11 +368,15 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
     let projection = projection(args).or(base.projection);
     let has_viewplane = is_flat(projection.unwrap_or_default());
     let has_lens = projection.unwrap_or_default().has_thin_lens();
+    let opening = opening(args, base)?;
+    let is_perspective = projection.unwrap_or_default() == Projection::Perspective;
+    let has_fov = is_perspective && matches!(opening, None | Some(Opening::Fov(_)));
     let described = Description {
         position: args.position.or(base.position),
         aim,
         up: args.up.or(base.up),
-        opening: opening(args, base)?,
+        opening,
+        fov_axis: args.fov_axis.or(base.fov_axis.filter(|_| has_fov)),
         projection,
         ray_start: args
             .ray_start

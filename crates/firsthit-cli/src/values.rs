@@ -1,7 +1,7 @@
 //! Parsers for values on the command line.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use firsthit::camera::{Focus, PixelMatrix, StandardView};
+use firsthit::camera::{Focus, FovAxis, PixelMatrix, StandardView};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use firsthit::geometry::{COLOR_NAMES, ColorMap, Domain, Setting, Value, color_of};
 use firsthit::image::Far;
@@ -62,6 +62,11 @@ pub(crate) fn far() -> impl TypedValueParser<Value = Far> {
 /// A rule for what is inside.
 pub(crate) fn fill_rule() -> impl TypedValueParser<Value = FillRule> {
     PossibleValuesParser::new(FillRule::NAMES).try_map(|name| name.parse())
+}
+
+/// Parses the axis of a field of view.
+pub(crate) fn fov_axis() -> impl TypedValueParser<Value = FovAxis> {
+    PossibleValuesParser::new(FovAxis::NAMES).try_map(|name| name.parse())
 }
 
 /// Parses the trade-off for building trees.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::camera::{Camera, Lens, RayStart, View, Viewplane};
+use crate::camera::{Camera, FovAxis, Lens, RayStart, View, Viewplane};
 use crate::error::Result;
 use crate::geometry::{Color, DAffine3, DQuat, DVec3, Transform, single};
 use crate::scene::{Background, DirectionalLight, Object, Scene};
@@ -111,7 +111,7 @@ pub fn camera(rows: usize, columns: usize) -> Result<Camera> {
     let (position, target) = (DVec3::new(0.7, -6.4, 1.75), DVec3::new(0.05, 0.0, 1.0));
     let lens = Lens::Flat(Viewplane {
         ray_start: RayStart::Viewplane,
-        ..Viewplane::with_vertical_fov(32.0, rows, columns)?
+        ..Viewplane::with_fov(32.0, FovAxis::Vertical, rows, columns)?
     });
     let view = View {
         position,

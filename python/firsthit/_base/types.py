@@ -144,6 +144,8 @@ Convention = Literal[
     "opencv", "opengl", "colmap", "blender", "ros", "pytorch3d", "nerfstudio", "gltf"
 ]
 RayStart = Literal["viewplane", "eye"]
+#: How a perspective camera's field of view is measured, see `Camera.look_at`.
+FovAxis = Literal["vertical", "horizontal", "diagonal"]
 #: Which ways the axes of a body point, see `Trajectory`.
 BodyName = Literal["right-up-backwards", "right-down-forwards", "forwards-left-up"]
 #: What is between the poses of a `Trajectory`, and beyond them.

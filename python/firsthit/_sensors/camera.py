@@ -25,7 +25,15 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Convention, CubeLayout, FisheyeName, RayStart, Vector, ViewName
+    from firsthit._base.types import (
+        Convention,
+        CubeLayout,
+        FisheyeName,
+        FovAxis,
+        RayStart,
+        Vector,
+        ViewName,
+    )
     from firsthit._objects.traceable import Traceable
 
     from .colmap import ColmapCamera
@@ -240,11 +248,13 @@ class Camera(ReadCameras, Sensor):
         position: npt.ArrayLike,
         target: npt.ArrayLike,
         up: npt.ArrayLike,
-        vertical_fov_degrees: float,
+        fov: float,
         rows: int,
         columns: int,
         projection: Projection = "perspective",
         ray_start: RayStart = "eye",
+        *,
+        fov_axis: FovAxis = "vertical",
     ) -> Camera:
         """Make a camera with a target in the middle of the picture, and square pixels.
 
@@ -254,15 +264,17 @@ class Camera(ReadCameras, Sensor):
             The points, in world space, where the camera is and at which it looks.
         up : (3,) array_like
             Which way is up, of any length but zero; not parallel to the direction of the target.
-        vertical_fov_degrees : float
-            The vertical field of view: degrees between the picture's lower and upper edge, above 0
-            and below 180.
+        fov : float
+            The field of view: degrees along ``fov_axis``, above 0 and below 180.
         rows, columns : int
             Pixels down and across.
         projection : {"perspective", "orthographic"}
             As for `Camera`. An orthographic camera has the same viewplane.
         ray_start : {"eye", "viewplane"}
             As for `Camera`.
+        fov_axis : {"vertical", "horizontal", "diagonal"}
+            How ``fov`` is measured: from the picture's lower to its upper edge, from the left to
+            the right one, or from corner to corner.
 
         Returns
         -------
@@ -286,8 +298,8 @@ class Camera(ReadCameras, Sensor):
         if where == there:
             raise ValueError(f"target must be another point than position, got {there}")
         down, across = count("rows", rows), count("columns", columns)
-        degrees = number("vertical_fov_degrees", vertical_fov_degrees)
-        focal, width, height = _firsthit.Camera.lens(degrees, down, across)
+        degrees, axis = number("fov", fov), text("fov_axis", fov_axis)
+        focal, width, height = _firsthit.Camera.lens(degrees, axis, down, across)
         aim = np.subtract(there, where)
         return cls(where, aim, up, focal, width, height, down, across, projection, ray_start)
 
@@ -397,7 +409,7 @@ class Camera(ReadCameras, Sensor):
         position: npt.ArrayLike,
         aim: npt.ArrayLike,
         up: npt.ArrayLike,
-        fov_degrees: float,
+        fov: float,
         rows: int,
         columns: int,
         projection: FisheyeName = "equidistant",
@@ -410,7 +422,7 @@ class Camera(ReadCameras, Sensor):
             The point, in world space, where the camera is.
         aim, up : (3,) array_like
             The directions of the picture's middle and of up, of any length but zero; not parallel.
-        fov_degrees : float
+        fov : float
             The field of view: up to 360 degrees, below 360 of ``stereographic``, up to 180 of
             ``orthographic_fisheye``. What is beyond it is not seen.
         rows, columns : int
@@ -439,7 +451,7 @@ class Camera(ReadCameras, Sensor):
         array([2.25, 4.5 ])
         """
         pixels = count("rows", rows), count("columns", columns)
-        kind, degrees = text("projection", projection), number("fov_degrees", fov_degrees)
+        kind, degrees = text("projection", projection), number("fov", fov)
         given = dict(_firsthit.Camera.with_fov(kind, degrees, pixels))
         lengths = None, None, None
         return cls(position, aim, up, *lengths, *pixels, projection, "eye", given)

@@ -2,12 +2,24 @@
 
 use super::{Camera, Lens, RayStart, StandardView, View, Viewplane};
 use crate::error::{Error, Result};
-use crate::geometry::{DVec3, require, unit};
+use crate::geometry::{DVec3, named, require, unit};
+
+named! {
+    /// The way across the picture that a perspective camera's field of view is measured along.
+    pub enum FovAxis, "fov_axis":
+    /// From the lower to the upper edge.
+    #[default]
+    "vertical" => Vertical;
+    /// From the left to the right edge.
+    "horizontal" => Horizontal;
+    /// From corner to corner.
+    "diagonal" => Diagonal;
+}
 
 impl Camera {
     /// A perspective camera at `position` with `target` in the middle of the picture, with square
-    /// pixels and `vertical_fov_degrees` between the picture's lower and upper edge. The rays start at
-    /// the eye.
+    /// pixels and `fov` degrees between the picture's lower and upper edge. The rays start at
+    /// the eye. [`Viewplane::with_fov`] takes other fields of view.
     ///
     /// # Errors
     ///
@@ -17,13 +29,13 @@ impl Camera {
         position: DVec3,
         target: DVec3,
         up: DVec3,
-        vertical_fov_degrees: f64,
+        fov: f64,
         rows: usize,
         columns: usize,
     ) -> Result<Self> {
         let expected = "another point than position";
         require("target", expected, target != position, target)?;
-        let viewplane = Viewplane::with_vertical_fov(vertical_fov_degrees, rows, columns)?;
+        let viewplane = Viewplane::with_fov(fov, FovAxis::Vertical, rows, columns)?;
         Self::new(View {
             position,
             aim: target - position,
@@ -78,24 +90,34 @@ impl Camera {
 }
 
 impl Viewplane {
-    /// A perspective camera's viewplane of square pixels at distance one, so high that `vertical_fov_degrees` lie between its lower
-    /// and upper edge. Rays start at the eye.
+    /// A perspective camera's viewplane of square pixels at distance one, so large that `fov` degrees
+    /// lie between its edges or corners. Rays start at the eye.
+    ///
+    /// ```
+    /// use firsthit::Viewplane;
+    /// use firsthit::camera::FovAxis;
+    ///
+    /// let viewplane = Viewplane::with_fov(90.0, FovAxis::Horizontal, 480, 640)?;
+    /// assert!((viewplane.width - 2.0).abs() < 1e-15 && (viewplane.height - 1.5).abs() < 1e-15);
+    /// # Ok::<(), firsthit::Error>(())
+    /// ```
     ///
     /// # Errors
     ///
     /// [`Error::Argument`] for a field of view not between 0 and 180 degrees.
-    pub fn with_vertical_fov(
-        vertical_fov_degrees: f64,
-        rows: usize,
-        columns: usize,
-    ) -> Result<Self> {
-        let fine = vertical_fov_degrees > 0.0 && vertical_fov_degrees < 180.0;
-        let expected = "between 0 and 180 degrees";
-        require("vertical_fov_degrees", expected, fine, vertical_fov_degrees)?;
-        let height = 2.0 * libm::tan(vertical_fov_degrees.to_radians() / 2.0);
+    pub fn with_fov(fov: f64, axis: FovAxis, rows: usize, columns: usize) -> Result<Self> {
+        let fine = fov > 0.0 && fov < 180.0;
+        require("fov", "between 0 and 180 degrees", fine, fov)?;
+        // No rows or columns count as one here: that they are refused is not the viewplane's fault.
+        let [rows, columns] = [rows, columns].map(|count| count.max(1) as f64);
+        let extent = 2.0 * libm::tan(fov.to_radians() / 2.0);
+        let height = match axis {
+            FovAxis::Vertical => extent,
+            FovAxis::Horizontal => extent * rows / columns,
+            FovAxis::Diagonal => extent * rows / (rows * rows + columns * columns).sqrt(),
+        };
         Ok(Self {
-            // No rows or columns count as one here: that they are refused is not the viewplane's fault.
-            width: height * columns.max(1) as f64 / rows.max(1) as f64,
+            width: height * columns / rows,
             height,
             ray_start: RayStart::Eye,
             ..Self::default()

@@ -6,7 +6,7 @@
 )]
 
 use super::framing::{MARGIN, smallest};
-use super::{Camera, Lens, Projection, RayStart, StandardView, View, Viewplane};
+use super::{Camera, FovAxis, Lens, Projection, RayStart, StandardView, View, Viewplane};
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, DVec3, require, unit};
 
@@ -22,6 +22,8 @@ pub struct Description {
     pub up: Option<DVec3>,
     /// The field of view; else [`Description::FOV`], or of a fisheye 180 degrees.
     pub opening: Option<Opening>,
+    /// The axis of a perspective camera's field of view; else vertical.
+    pub fov_axis: Option<FovAxis>,
     /// The projection; else perspective. A panorama needs no opening, and stands in the middle of
     /// the scene.
     pub projection: Option<Projection>,
@@ -66,7 +68,7 @@ pub enum Focus {
 )]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Opening {
-    /// Degrees from the picture's lower to its upper edge, with square pixels: for perspective cameras. Of fisheyes those of a circle
+    /// Degrees along [`Description::fov_axis`], with square pixels: for perspective cameras. Of fisheyes those of a circle
     /// that touches the longer edges, of panoramas those from the left to the right edge.
     Fov(f64),
     /// A viewplane of a size.
@@ -88,7 +90,7 @@ pub enum Opening {
 }
 
 impl Description {
-    /// The vertical field of view where nothing is said, in degrees.
+    /// The field of view where nothing is said, in degrees.
     pub const FOV: f64 = 45.0;
 
     /// The camera for a scene with these `bounds` and this support function (see `Scene::support`), in
@@ -186,6 +188,7 @@ impl Description {
                     size: [view.rows, view.columns],
                 },
             }),
+            fov_axis: None,
             projection: Some(view.lens.projection()),
             ray_start: viewplane.map(|viewplane| viewplane.ray_start),
             aperture: Some(view.lens.aperture()).filter(|&aperture| aperture > 0.0),
@@ -237,6 +240,13 @@ impl Description {
     /// The lens: a viewplane by its own size or by an angle, or another one.
     fn lens(&self, [rows, columns]: [usize; 2]) -> Result<Lens> {
         let projection = self.projection.unwrap_or_default();
+        if let Some(axis) = self.fov_axis {
+            let has_fov = matches!(self.opening, None | Some(Opening::Fov(_)));
+            let expected =
+                "left out of a camera that is not perspective, with an angle for its field of view";
+            let is_fine = has_fov && projection == Projection::Perspective;
+            require("fov_axis", expected, is_fine, axis.name())?;
+        }
         if let Some(Opening::Lens { lens, size }) = self.opening {
             let factors = [
                 rows as f64 / size[0].max(1) as f64,
@@ -255,7 +265,8 @@ impl Description {
             return self.lens_without_viewplane(projection, [rows, columns]);
         }
         let parallel = projection == Projection::Orthographic;
-        let square = |degrees| Viewplane::with_vertical_fov(degrees, rows, columns);
+        let axis = self.fov_axis.unwrap_or_default();
+        let square = |degrees| Viewplane::with_fov(degrees, axis, rows, columns);
         let viewplane = match self.opening {
             None => square(Self::FOV)?,
             Some(Opening::Fov(degrees)) => {

@@ -1,5 +1,6 @@
 //! Lenses: the rays of a camera; a file per lens.
 
+use super::aim_at::FovAxis;
 use super::calibrated::{Calibrated, within};
 use super::central::Central;
 use super::cube_map::CubeMap;
@@ -254,7 +255,7 @@ impl Lens {
         let size = [rows, columns];
         Ok(match projection {
             Projection::Perspective => {
-                Self::Flat(Viewplane::with_vertical_fov(fov, rows, columns)?)
+                Self::Flat(Viewplane::with_fov(fov, FovAxis::Vertical, rows, columns)?)
             }
             Projection::Equidistant => Self::Equidistant(within(Equidistant { fov }, size)?),
             Projection::Equisolid => Self::Equisolid(within(Equisolid { fov }, size)?),

@@ -27,6 +27,7 @@ mod standard;
 mod thin_lens;
 mod viewplane;
 
+pub use aim_at::FovAxis;
 pub use calibrated::Calibrated;
 pub use colmap::{ColmapImages, ColmapModel};
 pub use convention::{Convention, orthonormalised, rotation, rounded_pose};

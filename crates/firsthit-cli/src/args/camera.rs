@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, ValueEnum};
-use firsthit::camera::{Focus, PixelMatrix, StandardView};
+use firsthit::camera::{Focus, FovAxis, PixelMatrix, StandardView};
 use firsthit::{DVec3, RayStart};
 
 use crate::values::{self, Parameters, Target};
@@ -46,10 +46,14 @@ pub(crate) struct CameraArgs {
     /// that axis: 0,0,-1 for glTF and OBJ, 0,1,0 for PLY and STL]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     pub(crate) up: Option<DVec3>,
-    /// The vertical field of view: degrees from the picture's lower to its upper edge; of a fisheye those of the circle that
+    /// The field of view: degrees from the picture's lower to its upper edge, or along --fov-axis; of a fisheye those of the circle that
     /// touches the longer edges, of a panorama those across [default: 45; 180 of a fisheye, 360 of a panorama]
     #[arg(long, value_name = "DEGREES", value_parser = values::fov, conflicts_with_all = ["viewplane", "focal_length", "orthographic", "parameters"], allow_hyphen_values = true)]
     pub(crate) fov: Option<f64>,
+    /// How --fov is measured: from the lower to the upper edge, from the left to the right one, or from corner to corner
+    /// [default: vertical, or the file's]
+    #[arg(long, value_name = "AXIS", value_parser = values::fov_axis(), conflicts_with_all = ["viewplane", "focal_length", "orthographic", "intrinsics", "parameters"])]
+    pub(crate) fov_axis: Option<FovAxis>,
     /// The distance from the camera to the viewplane, in scene units
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, requires = "viewplane", allow_hyphen_values = true)]
     pub(crate) focal_length: Option<f64>,

@@ -297,7 +297,7 @@ pub(crate) struct ProbeArgs {
     pub(crate) pixel: Option<(usize, usize)>,
     /// The ray itself: its origin and its direction, of any length
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", value_parser = values::ray, allow_hyphen_values = true,
-        conflicts_with_all = ["camera", "colmap", "image", "view", "position", "aim", "look_at", "up", "fov", "focal_length",
+        conflicts_with_all = ["camera", "colmap", "image", "view", "position", "aim", "look_at", "up", "fov", "fov_axis", "focal_length",
         "viewplane", "aperture", "focus", "intrinsics", "pose", "convention", "projection", "parameters", "orthographic",
         "ray_start", "size"])]
     pub(crate) ray: Option<(DVec3, DVec3)>,

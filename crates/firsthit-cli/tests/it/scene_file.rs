@@ -88,6 +88,11 @@ fn a_scene_file_says_what_the_command_line_says() {
 const REPLACEMENTS: &[(&str, &str, &str)] = &[
     ("--fov 50", "fov = 30", "fov = 50"),
     (
+        "--fov-axis diagonal",
+        "fov = 30",
+        "fov = 30\nfov_axis = 'diagonal'",
+    ),
+    (
         "--position 1,-5,2",
         "position = [0, -6, 3]",
         "position = [1, -5, 2]",

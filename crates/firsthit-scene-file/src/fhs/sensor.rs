@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::number::{Number, Triple};
 use crate::camera::{
-    Aim, Description, Focus, Lens, Opening, Projection, RayStart, StandardView, View,
+    Aim, Description, Focus, FovAxis, Lens, Opening, Projection, RayStart, StandardView, View,
 };
 use crate::error::{Result, escape_controls};
 use crate::world::NamedCamera;
@@ -68,6 +68,8 @@ struct DescriptionRecord {
     aim: Option<AimRecord>,
     up: Option<Triple>,
     opening: Option<OpeningRecord>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    fov_axis: Option<String>,
     projection: Option<String>,
     ray_start: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -158,6 +160,7 @@ impl DescriptionRecord {
             aim,
             up,
             opening,
+            fov_axis,
             projection,
             ray_start,
             aperture,
@@ -186,6 +189,7 @@ impl DescriptionRecord {
                 }
                 Opening::Lens { lens, size } => OpeningRecord::Lens(LensRecord::new(&lens), size),
             }),
+            fov_axis: fov_axis.map(|axis| axis.name().to_owned()),
             projection: projection.map(|projection| projection.name().to_owned()),
             ray_start: ray_start.map(|start| start.name().to_owned()),
             aperture: aperture.map(Number),
@@ -227,6 +231,7 @@ impl DescriptionRecord {
             FocusRecord::Distance(Number(distance)) => Focus::Distance(*distance),
             FocusRecord::At(point) => Focus::At((*point).into()),
         });
+        let fov_axis = self.fov_axis.as_deref().map(str::parse::<FovAxis>);
         let projection = self.projection.as_deref().map(str::parse::<Projection>);
         let ray_start = self.ray_start.as_deref().map(str::parse::<RayStart>);
         Ok(Description {
@@ -234,6 +239,7 @@ impl DescriptionRecord {
             aim: aim.transpose()?,
             up: self.up.map(Into::into),
             opening: opening.transpose()?,
+            fov_axis: fov_axis.transpose()?,
             projection: projection.transpose()?,
             ray_start: ray_start.transpose()?,
             aperture: self.aperture.as_ref().map(|Number(aperture)| *aperture),

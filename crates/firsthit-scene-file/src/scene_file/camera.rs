@@ -9,9 +9,9 @@ use crate::camera::distortion::{
     OrthographicFisheye, RadTanThinPrismFisheye, Stereographic, ThinPrismFisheye, Ucm,
 };
 use crate::camera::{
-    Aim, Convention, CubeMap, Cylindrical, Description, Equirectangular, Focus, Lens, Octahedral,
-    Opening, PixelMatrix, Projection, RayStart, THIN_LENS, VIEWPLANE, Viewplane, orthonormalised,
-    rounded_pose,
+    Aim, Convention, CubeMap, Cylindrical, Description, Equirectangular, Focus, FovAxis, Lens,
+    Octahedral, Opening, PixelMatrix, Projection, RayStart, THIN_LENS, VIEWPLANE, Viewplane,
+    orthonormalised, rounded_pose,
 };
 use crate::geometry::{Bounds, DVec3, Settings};
 use crate::io::Report;
@@ -150,9 +150,10 @@ macro_rules! uncalibrated {
 }
 
 const FOV: &[Key] = keys! {
-    /// Degrees from the picture's lower to its upper edge, with square pixels; instead of focal_length, width and height.
-    /// Default: 45.
+    /// Degrees along fov_axis, with square pixels; instead of focal_length, width and height. Default: 45.
     fov: optional(Form::Between(0.0, 180.0)),
+    /// From the picture's lower to its upper edge, from the left to the right one, or from corner to corner. Default: "vertical".
+    fov_axis: optional(Form::OneOf(|| FovAxis::NAMES.to_vec())),
 };
 
 const LENGTHS: &[Key] = optional_keys!(VIEWPLANE.split_at(3).0);
@@ -180,6 +181,7 @@ pub(super) static CAMERA: Record = Record {
                 Rule::NotBoth("fov", "width"),
                 Rule::NotBoth("fov", "height"),
                 Rule::NotBoth("fov", "fx"),
+                Rule::Needs("fov_axis", "fov"),
                 Rule::NotBoth("focal_length", "fx"),
                 Rule::Needs("focal_length", "width"),
                 Rule::Needs("width", "height"),
@@ -284,6 +286,7 @@ fn description(section: &Section<'_, '_>, report: &mut Report) -> Checked<Descri
         aim: along.or(at),
         up: section.vector("up"),
         opening: opening(section, projection, convention)?,
+        fov_axis: section.checked(section.text("fov_axis").map(str::parse).transpose())?,
         projection: Some(projection),
         ray_start,
         aperture: section.number("aperture"),

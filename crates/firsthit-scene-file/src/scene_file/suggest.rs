@@ -44,7 +44,6 @@ const OTHER_WORDS: &[(&str, &str)] = &[
     ("location", "position"),
     ("direction", "aim"),
     ("forward", "aim"),
-    ("vertical_fov_degrees", "fov"),
     ("field_of_view", "fov"),
     ("size", "columns"),
     ("resolution", "columns"),

@@ -1,6 +1,7 @@
 //! Cameras against the formulas of the specification, in closed form.
 
 use firsthit::camera::Equirectangular;
+use firsthit::camera::FovAxis;
 use firsthit::{Camera, DVec2, DVec3, Lens, RayStart, View, Viewplane};
 
 fn close(a: DVec3, b: DVec3) -> bool {
@@ -312,6 +313,28 @@ fn an_up_that_is_almost_the_aim_will_do() {
 }
 
 #[test]
+fn a_field_of_view_is_the_angle_between_edges_or_corners() {
+    let (rows, columns) = (30, 40);
+    // The middles of opposite edges, and opposite corners, in columns and rows from the upper left.
+    for (axis, [from, to]) in [
+        (FovAxis::Vertical, [(20.0, 0.0), (20.0, 30.0)]),
+        (FovAxis::Horizontal, [(0.0, 15.0), (40.0, 15.0)]),
+        (FovAxis::Diagonal, [(0.0, 0.0), (40.0, 30.0)]),
+    ] {
+        for fov in [1.0, 45.0, 90.0, 170.0] {
+            let viewplane = Viewplane::with_fov(fov, axis, rows, columns).unwrap();
+            let [width, height] = [viewplane.width, viewplane.height];
+            assert!((width / height - 4.0 / 3.0).abs() < 1e-15);
+            let direction = |(x, y): (f64, f64)| {
+                DVec3::new(width * (x / 40.0 - 0.5), height * (0.5 - y / 30.0), 1.0)
+            };
+            let angle = direction(from).angle_between(direction(to)).to_degrees();
+            assert!((angle - fov).abs() < 1e-9, "{axis:?} {fov}: {angle}");
+        }
+    }
+}
+
+#[test]
 fn look_at_refuses_angles_and_targets_that_show_nothing() {
     for fov in [0.0, 180.0, -10.0, f64::NAN] {
         assert!(Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, fov, 4, 4).is_err());
@@ -356,7 +379,7 @@ fn no_columns_are_refused_by_their_own_name() {
         Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Z, 40.0, 5, 0),
         Camera::new(View {
             columns: 0,
-            lens: Lens::Flat(Viewplane::with_vertical_fov(40.0, 480, 0).unwrap()),
+            lens: Lens::Flat(Viewplane::with_fov(40.0, FovAxis::Vertical, 480, 0).unwrap()),
             ..View::default()
         }),
     ] {

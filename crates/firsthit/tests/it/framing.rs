@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use firsthit::camera::{Aim, Description, StandardView};
+use firsthit::camera::{Aim, Description, FovAxis, StandardView};
 use firsthit::{
     Bounds, Camera, Cone, Cuboid, Cylinder, DAffine3, DQuat, DVec2, DVec3, Disc, Lens, Mesh,
     Object, Plane, Positions, Projection, Scene, Shape, Sphere, Transform, View, Viewplane,
@@ -212,7 +212,7 @@ fn framing_touches_the_margin_on_opposite_sides_and_centres_the_rest() {
                     columns,
                     lens: Lens::Flat(Viewplane {
                         parallel,
-                        ..Viewplane::with_vertical_fov(45.0, rows, columns).unwrap()
+                        ..Viewplane::with_fov(45.0, FovAxis::Vertical, rows, columns).unwrap()
                     }),
                     ..View::default()
                 };

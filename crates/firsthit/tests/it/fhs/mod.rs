@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use firsthit::camera::{Aim, Description, Equirectangular, Focus, Opening, StandardView};
+use firsthit::camera::{Aim, Description, Equirectangular, Focus, FovAxis, Opening, StandardView};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use firsthit::load::{LoadSettings, load, load_bytes};
 use firsthit::scene::{Build, BuildSettings, DirectionalLight, PointLight, SpotLight};
@@ -229,6 +229,11 @@ fn world() -> World {
         focus: Some(Focus::At(DVec3::new(1.0, 2.0, -3.0))),
         ..Description::default()
     };
+    let across = Description {
+        opening: Some(Opening::Fov(60.0)),
+        fov_axis: Some(FovAxis::Horizontal),
+        ..Description::default()
+    };
     let panorama = View {
         lens: Lens::Equirectangular(Equirectangular::default()),
         ..view
@@ -237,6 +242,7 @@ fn world() -> World {
         cameras: vec![
             camera("first", view, None),
             camera("second", panorama, Some(described)),
+            camera("third", view, Some(across)),
         ],
         lights: lights().to_vec(),
         has_view: true,

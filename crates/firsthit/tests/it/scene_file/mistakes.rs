@@ -15,7 +15,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[camera]\n  taregt = [0, 0, 1]\n",
-        "2:3: unknown key `taregt`; projection = \"perspective\" takes position, aim, look_at, up, pose, convention, ray_start, columns, rows, fov, focal_length, width, height, fx, fy, cx, cy, skew, shift_x, shift_y, tilt_x, tilt_y, aperture, focus, projection",
+        "2:3: unknown key `taregt`; projection = \"perspective\" takes position, aim, look_at, up, pose, convention, ray_start, columns, rows, fov, fov_axis, focal_length, width, height, fx, fy, cx, cy, skew, shift_x, shift_y, tilt_x, tilt_y, aperture, focus, projection",
     ),
     (
         "[camera]\ntarget = [0, 0, 1]\n",
