@@ -243,7 +243,7 @@ class Camera:
         projection: str,
         ray_start: str,
         parameters: Sequence[tuple[str, float]],
-        again: bool,
+        is_exact: bool,
     ) -> Camera: ...
     @staticmethod
     def from_intrinsics(

@@ -35,7 +35,7 @@ type CameraFrame = ([f64; 3], [f64; 3], [f64; 3], [f64; 3]);
 
 #[pymethods]
 impl Camera {
-    /// The camera of a view; `again` where that was taken from a camera, and is to stay as it is to the last bit.
+    /// The camera of a view; `is_exact` where that was taken from a camera, and is to stay as it is to the last bit.
     #[new]
     #[expect(
         clippy::too_many_arguments,
@@ -50,10 +50,10 @@ impl Camera {
         projection: &str,
         ray_start: &str,
         parameters: Vec<(String, f64)>,
-        again: bool,
+        is_exact: bool,
     ) -> PyResult<Self> {
-        let make = if again {
-            firsthit::Camera::again
+        let make = if is_exact {
+            firsthit::Camera::from_view_exact
         } else {
             firsthit::Camera::new
         };

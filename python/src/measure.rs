@@ -1,7 +1,7 @@
 //! Measures the inside of objects.
 
 use firsthit::measure::{
-    By, FillRule, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
+    FillRule, Grouping, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
 };
 use firsthit::watch::Watch;
 use firsthit::{DVec3, Result};
@@ -23,8 +23,12 @@ pub(crate) fn fill(py: Python<'_>, rule: &str) -> PyResult<FillRule> {
     rule.parse().map_err(|error| raise(py, &error))
 }
 
-fn by(is_by_object: bool) -> By {
-    if is_by_object { By::Object } else { By::Union }
+fn by(is_by_object: bool) -> Grouping {
+    if is_by_object {
+        Grouping::Object
+    } else {
+        Grouping::Union
+    }
 }
 
 /// Does what takes little in the calling thread alone.

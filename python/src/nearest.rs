@@ -1,7 +1,7 @@
 //! The nearest points of a scene.
 
 use firsthit::nearest::{
-    ClosestPoints, SignSettings, Wanted, closest_points as find, signed_distances_with,
+    ClosestPoints, NearestSettings, SignSettings, closest_points as find, signed_distances_with,
 };
 use firsthit::watch::Watch;
 use numpy::{PyArray1, PyReadonlyArray2};
@@ -35,7 +35,7 @@ pub(crate) fn closest_points<'py>(
 ) -> PyResult<Found<'py>> {
     let points = points.as_slice().map_err(not_contiguous)?.as_chunks().0;
     let (count, radius) = wanted;
-    let wanted = Wanted { count, radius };
+    let wanted = NearestSettings { count, radius };
     let work = |watch: &dyn Watch| find(&scene.0, points, wanted, watch);
     let report = report.as_ref();
     let found: ClosestPoints = if points.len().saturating_mul(count) < FEW {

@@ -192,7 +192,7 @@ class Camera(ReadCameras, Sensor):
             text("projection", projection),
             text("ray_start", ray_start),
             list(given.items()),
-            again=False,
+            is_exact=False,
         )
         self._take(native, vector("aim", aim))
 
@@ -225,7 +225,7 @@ class Camera(ReadCameras, Sensor):
         return camera
 
     @classmethod
-    def _again(cls, view: _firsthit._View) -> Camera:
+    def _from_view(cls, view: _firsthit._View) -> Camera:
         """Return the camera from which the view was taken."""
         vectors_, pixels, words, parameters = view
         position, aim, up = (vector("view", each) for each in vectors_)
@@ -238,7 +238,7 @@ class Camera(ReadCameras, Sensor):
         aimed = vector("view", aim)
         camera = cls.__new__(cls)
         where, upwards = vector("view", position), vector("view", up)
-        native = _firsthit.Camera(where, aimed, upwards, pixels, *words, parameters, again=False)
+        native = _firsthit.Camera(where, aimed, upwards, pixels, *words, parameters, is_exact=False)
         camera._take(native, aimed)
         return camera
 
@@ -810,7 +810,7 @@ class Camera(ReadCameras, Sensor):
         down = None if rows is None else count("rows", rows)
         across = None if columns is None else count("columns", columns)
         native = _firsthit.Camera.framing(scene._native(), above, text("view", view), down, across)
-        return cls._again(native.view())
+        return cls._from_view(native.view())
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
@@ -1274,7 +1274,7 @@ def _taken(
     parameters: tuple[tuple[str, float], ...],
 ) -> Camera:
     """Return the camera from which the arguments were taken."""
-    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, again=True)
+    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, is_exact=True)
     return kind._of(native)
 
 
@@ -1289,6 +1289,6 @@ def _given(
 ) -> Camera:
     """Return the camera that was made from the arguments."""
     camera = kind.__new__(kind)
-    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, again=False)
+    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, is_exact=False)
     camera._take(native, aim)
     return camera

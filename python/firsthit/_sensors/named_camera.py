@@ -103,5 +103,5 @@ def from_native(
     settled: bool,
 ) -> NamedCamera:
     """Return the camera that the native half read; it is as it is where it is ``settled``."""
-    camera = Camera._again(view) if settled else Camera._given(view)
+    camera = Camera._from_view(view) if settled else Camera._given(view)
     return NamedCamera(name, camera, has_size)

@@ -19,9 +19,9 @@ pub(super) trait Conforming: Sized {
 const TOLERANCE: f64 = 1e-12;
 
 /// Reproducible numbers between -1 and 1 (a linear congruential generator of Knuth's).
-struct Numbers(u64);
+struct RandomNumbers(u64);
 
-impl Numbers {
+impl RandomNumbers {
     fn next(&mut self) -> f64 {
         self.0 = self
             .0
@@ -42,7 +42,7 @@ fn rays(shape: &Shape) -> Vec<Ray> {
     } else {
         Bounds::of([-DVec3::ONE, DVec3::ONE])
     };
-    let mut numbers = Numbers(1);
+    let mut numbers = RandomNumbers(1);
     let mut rays = Vec::new();
     for k in 0..4000 {
         let target = bounds.centre() + 0.55 * bounds.size() * numbers.point(1.0);
@@ -141,7 +141,7 @@ fn hits_lie_on_the_surface_and_in_the_bounds() {
 fn the_distance_from_far_away_is_that_to_the_supporting_plane() {
     const AWAY: f64 = 1e7;
     for shape in Shape::examples() {
-        let mut numbers = Numbers(2);
+        let mut numbers = RandomNumbers(2);
         let axes = [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
         let any = std::iter::repeat_with(|| numbers.point(1.0)).take(200);
         for direction in axes.into_iter().chain(any) {
@@ -376,7 +376,7 @@ fn the_nearest_point_is_at_the_distance() {
     );
     let turned = Transform::new(turned).unwrap();
     for shape in Shape::examples() {
-        let mut numbers = Numbers(7);
+        let mut numbers = RandomNumbers(7);
         for k in 0..2000 {
             let from = numbers.point([1.0, 4.0, 40.0][k % 3]);
             let scale = 1.0 + from.length();
@@ -423,7 +423,7 @@ fn stretched_shapes_are_measured_in_the_world() {
             shape.nearest(DVec3::ONE, &place, &mut |_| panic!("{shape:?}"));
             continue;
         }
-        let mut numbers = Numbers(3);
+        let mut numbers = RandomNumbers(3);
         let surface: Vec<DVec3> = rays(&shape)
             .iter()
             .filter_map(|ray| Some(place.point_in_world(ray.at(shape.intersect(ray)?.t))))

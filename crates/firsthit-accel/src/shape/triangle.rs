@@ -143,11 +143,11 @@ impl Shear {
 
     /// The sides of a triangle.
     #[inline(always)]
-    fn seen(&self, corners: [DVec3; 3]) -> Seen {
+    fn seen(&self, corners: [DVec3; 3]) -> RoundedSides {
         let (a, a_largest) = self.sheared(corners[0]);
         let (b, b_largest) = self.sheared(corners[1]);
         let (c, c_largest) = self.sheared(corners[2]);
-        Seen {
+        RoundedSides {
             sides: [area(c, b), area(a, c), area(b, a)],
             largest: a_largest.max(b_largest).max(c_largest),
             across: a.abs().max(b.abs()).max(c.abs()).max_element(),
@@ -197,7 +197,7 @@ impl Shear {
 }
 
 /// A triangle as a ray sees it.
-struct Seen {
+struct RoundedSides {
     /// The sides of its edges, rounded.
     sides: [f64; 3],
     /// The largest coordinate before the shear, and across the ray.
@@ -205,7 +205,7 @@ struct Seen {
     across: f64,
 }
 
-impl Seen {
+impl RoundedSides {
     /// An upper bound on the error of the sides: see the error bounds above; and more where
     /// products are subnormal.
     #[inline(always)]

@@ -141,7 +141,7 @@ impl Camera {
     /// # Errors
     ///
     /// [`Error::Argument`] for an `aim` that is not of length one, and all that [`Camera::new`] refuses.
-    pub fn again(view: View) -> Result<Self> {
+    pub fn from_view_exact(view: View) -> Result<Self> {
         let is_unit = (view.aim.length() - 1.0).abs() < 1e-12;
         require("aim", "of length one", is_unit, view.aim)?;
         Self::aimed(view, |aim| aim)
@@ -265,7 +265,7 @@ impl Camera {
             let name = self.view.lens.projection().name();
             return Err(Error::argument("projection", expected, name));
         };
-        Self::again(View {
+        Self::from_view_exact(View {
             rows: size[0],
             columns: size[1],
             lens,
@@ -283,7 +283,7 @@ impl Camera {
             rows as f64 / self.rows() as f64,
             columns as f64 / self.columns() as f64,
         ];
-        Self::again(View {
+        Self::from_view_exact(View {
             rows,
             columns,
             lens: self.view.lens.scaled(factors),
@@ -320,7 +320,7 @@ impl Camera {
             ..self.view
         };
         if (aim.length() - 1.0).abs() < 1e-12 {
-            Self::again(view)
+            Self::from_view_exact(view)
         } else {
             Self::new(view)
         }

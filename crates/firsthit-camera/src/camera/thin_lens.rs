@@ -49,7 +49,7 @@ impl Camera {
         };
         let [own_aperture, own_focus] = numbers;
         (*own_aperture, *own_focus) = (aperture, focus);
-        Self::again(View { lens, ..self.view })
+        Self::from_view_exact(View { lens, ..self.view })
     }
 
     /// The depth of a point ahead of the camera: the component along the aim of (point -

@@ -2,7 +2,7 @@ use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::INSIDE;
 use firsthit::image::Data;
-use firsthit::measure::{By, Rule, inside_with};
+use firsthit::measure::{Grouping, Rule, inside_with};
 use firsthit::{DVec3, Scene};
 use serde_json::json;
 
@@ -17,7 +17,7 @@ pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Fail
     let rule = args.fill.rule.unwrap_or_default();
     let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
         let points: Vec<_> = points.iter().copied().map(DVec3::from).collect();
-        let found = inside_with(rule, scene, &points, By::Union, progress)?;
+        let found = inside_with(rule, scene, &points, Grouping::Union, progress)?;
         let held = found.is_inside.iter().filter(|&&is_inside| is_inside);
         let count = held.count();
         let rules: Vec<_> = found.rules.iter().map(|rule| rule.name()).collect();

@@ -5,7 +5,7 @@ use firsthit::Scene;
 use firsthit::channel::{DISTANCE, Kind, POINT, SIGNED_DISTANCE, kind};
 use firsthit::image::{Data, Frame};
 use firsthit::nearest::{
-    ClosestPoints, SignSettings, Wanted, closest_points, signed_distances_from,
+    ClosestPoints, NearestSettings, SignSettings, closest_points, signed_distances_from,
 };
 use firsthit::render::origin;
 use serde_json::json;
@@ -110,7 +110,7 @@ fn search(
     points: &[[f64; 3]],
     progress: &Progress<'_>,
 ) -> Result<ClosestPoints, Failure> {
-    let wanted = Wanted {
+    let wanted = NearestSettings {
         count: args.count.map_or(1, |count| count as usize),
         radius: args.radius.unwrap_or(f64::INFINITY),
     };

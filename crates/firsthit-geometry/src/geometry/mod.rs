@@ -64,7 +64,7 @@ pub use require::{require, require_direction, require_finite, require_positive};
 pub use rotation::rotation;
 #[doc(hidden)]
 pub use rotation::upright;
-pub use settings::{Domain, Field, Kind, Setting, Settings, Value};
+pub use settings::{Domain, Field, Setting, Settings, SettingsSchema, Value};
 #[doc(hidden)]
 pub use settings::{kinds, setting_list, settings};
 pub use tone_map::ToneMap;

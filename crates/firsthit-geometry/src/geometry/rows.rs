@@ -9,9 +9,9 @@ pub const ROW: usize = 64;
 
 /// A float64 for each of up to [`ROW`] points.
 #[doc(hidden)]
-pub struct Numbers([f64; ROW]);
+pub struct Scalars([f64; ROW]);
 
-impl Numbers {
+impl Scalars {
     /// The row with one number for all points.
     pub const fn all(x: f64) -> Self {
         Self([x; ROW])
@@ -31,14 +31,14 @@ impl Numbers {
 /// A [`DVec2`] for each of up to [`ROW`] points.
 #[doc(hidden)]
 pub struct Points2 {
-    x: Numbers,
-    y: Numbers,
+    x: Scalars,
+    y: Scalars,
 }
 
 impl Points2 {
     pub const ZERO: Self = Self {
-        x: Numbers::all(0.0),
-        y: Numbers::all(0.0),
+        x: Scalars::all(0.0),
+        y: Scalars::all(0.0),
     };
 
     #[inline(always)]
@@ -56,16 +56,16 @@ impl Points2 {
 /// A [`DVec3`] for each of up to [`ROW`] points.
 #[doc(hidden)]
 pub struct Vectors {
-    x: Numbers,
-    y: Numbers,
-    z: Numbers,
+    x: Scalars,
+    y: Scalars,
+    z: Scalars,
 }
 
 impl Vectors {
     pub const ZERO: Self = Self {
-        x: Numbers::all(0.0),
-        y: Numbers::all(0.0),
-        z: Numbers::all(0.0),
+        x: Scalars::all(0.0),
+        y: Scalars::all(0.0),
+        z: Scalars::all(0.0),
     };
 
     #[inline(always)]

@@ -65,7 +65,7 @@ pub struct Setting {
 
 /// A kind of light, shader or material.
 #[derive(Debug, Clone, Copy)]
-pub struct Kind {
+pub struct SettingsSchema {
     /// The name in Python, in files and in metadata.
     pub name: &'static str,
     /// The meaning, in a sentence or two.
@@ -376,7 +376,7 @@ macro_rules! kinds {
     ($what:literal, $enum:ident { $($(#[doc = $about:literal])* $name:literal => $kind:ident($settings:ty);)* }) => {
         impl $enum {
             /// Every kind, with its settings.
-            pub const KINDS: &[$crate::geometry::Kind] = &[$($crate::geometry::Kind {
+            pub const KINDS: &[$crate::geometry::SettingsSchema] = &[$($crate::geometry::SettingsSchema {
                 name: $name,
                 about: concat!($($about),*).trim_ascii(),
                 settings: <$settings as $crate::geometry::Settings>::LIST,

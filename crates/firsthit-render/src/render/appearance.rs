@@ -217,7 +217,7 @@ fn of_rig(rig: LightRig) -> &'static str {
 }
 
 fn borrowing(scene: &Scene, lights: Vec<Light>, environment: Option<Arc<Environment>>) -> Scene {
-    let lit = scene.clone().with_borrowed_lights(lights);
+    let lit = scene.clone().with_automatic_lights(lights);
     lit.with_borrowed_environment(environment)
 }
 

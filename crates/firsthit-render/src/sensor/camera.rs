@@ -35,7 +35,7 @@ pub fn camera_of(record: &CameraRecord) -> Result<Camera> {
         viewplane.ray_start = record.ray_start.parse()?;
     }
     let count = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
-    Camera::again(View {
+    Camera::from_view_exact(View {
         position: record.position.into(),
         aim: record.aim.into(),
         up: record.up.into(),

@@ -7,7 +7,7 @@
 
 use super::section::Section;
 use super::table::{Form, Key, Pick, Variant, optional};
-use crate::geometry::{Domain, Kind, Setting, Value};
+use crate::geometry::{Domain, Setting, SettingsSchema, Value};
 
 /// Makes `VARIANTS`: a table's variants, one for each of these kinds, with its settings and the keys that all of them have. What
 /// picks a variant is made of the kind's name.
@@ -111,7 +111,7 @@ const fn form(domain: Domain) -> Form {
 /// The settings that a table gives, of those that the kind of this name has.
 pub(super) fn given(
     section: &Section<'_, '_>,
-    kinds: &'static [Kind],
+    kinds: &'static [SettingsSchema],
     name: &str,
 ) -> Vec<(&'static str, Value)> {
     let kind = kinds.iter().find(|kind| kind.name == name);

@@ -108,8 +108,8 @@ impl Catalog {
 
     fn of(objects: &[Object]) -> Self {
         let mut catalog = Self::default();
-        let (mut nodes, mut meshes) = (Numbers::default(), Numbers::default());
-        let (mut materials, mut lists) = (Numbers::default(), HashMap::new());
+        let (mut nodes, mut meshes) = (Numbering::default(), Numbering::default());
+        let (mut materials, mut lists) = (Numbering::default(), HashMap::new());
         for object in objects {
             let node = object.node();
             let node = node.map_or(-1, |node| nodes.number(node.clone(), || node.name.clone()));
@@ -146,12 +146,12 @@ impl Catalog {
 }
 
 /// Numbers for things, in the order in which they come, and their names.
-struct Numbers<K> {
+struct Numbering<K> {
     known: HashMap<K, i32>,
     names: Vec<Arc<str>>,
 }
 
-impl<K> Default for Numbers<K> {
+impl<K> Default for Numbering<K> {
     fn default() -> Self {
         Self {
             known: HashMap::new(),
@@ -160,7 +160,7 @@ impl<K> Default for Numbers<K> {
     }
 }
 
-impl<K: Hash + Eq> Numbers<K> {
+impl<K: Hash + Eq> Numbering<K> {
     fn number(&mut self, key: K, name: impl FnOnce() -> Arc<str>) -> i32 {
         *self.known.entry(key).or_insert_with(|| {
             self.names.push(name());

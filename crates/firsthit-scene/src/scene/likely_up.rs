@@ -18,13 +18,13 @@ const CLEARLY: f64 = 10.0;
 
 /// Areas projected along y and along z: of all triangles, of the level ones in the base, and of those in the lid.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Seen {
+pub(super) struct LevelAreas {
     all: DVec2,
     bottom: DVec2,
     top: DVec2,
 }
 
-impl Seen {
+impl LevelAreas {
     fn and(self, other: Self) -> Self {
         Self {
             all: self.all + other.all,
@@ -61,16 +61,16 @@ impl Scene {
         }
     }
 
-    fn all_seen(&self) -> Seen {
+    fn all_seen(&self) -> LevelAreas {
         let bounds = self.bounds();
         let seen = self.objects().iter().map(|object| seen(object, bounds));
-        seen.fold(Seen::default(), Seen::and)
+        seen.fold(LevelAreas::default(), LevelAreas::and)
     }
 }
 
-fn seen(object: &Object, bounds: Bounds) -> Seen {
+fn seen(object: &Object, bounds: Bounds) -> LevelAreas {
     let Some(mesh) = object.mesh() else {
-        return Seen::default();
+        return LevelAreas::default();
     };
     let place = object.transform();
     let world_from_object = place.world_from_object();
@@ -88,19 +88,21 @@ fn seen(object: &Object, bounds: Bounds) -> Seen {
             };
             seen_of(corners, bounds)
         });
-        seen.fold(Seen::default(), Seen::and)
+        seen.fold(LevelAreas::default(), LevelAreas::and)
     });
-    parts.into_iter().fold(Seen::default(), Seen::and)
+    parts
+        .into_iter()
+        .fold(LevelAreas::default(), LevelAreas::and)
 }
 
 /// The evidence of one triangle.
 #[inline]
-fn seen_of([a, b, c]: [DVec3; 3], bounds: Bounds) -> Seen {
+fn seen_of([a, b, c]: [DVec3; 3], bounds: Bounds) -> LevelAreas {
     let area = (b - a).cross(c - a);
     let level = LEVEL * 0.5 * area.length();
     let layer = LAYER * bounds.size();
     let (lowest, highest) = (a.min(b).min(c), a.max(b).max(c));
-    let mut seen = Seen::default();
+    let mut seen = LevelAreas::default();
     for (k, axis) in [1, 2].into_iter().enumerate() {
         let along = 0.5 * area[axis].abs();
         seen.all[k] = along;

@@ -135,7 +135,7 @@ struct Places {
     /// See [`Scene::bounds`].
     bounds: OnceLock<Bounds>,
     /// See [`Scene::likely_up`].
-    seen: OnceLock<likely_up::Seen>,
+    seen: OnceLock<likely_up::LevelAreas>,
     /// Whether something visible has no end.
     endless: OnceLock<bool>,
     /// See [`Scene::emitters`].
@@ -337,7 +337,7 @@ impl Scene {
 
     /// The scene with lights that were chosen automatically, such as one that goes with the camera:
     /// they are not part of its [fingerprint](Self::fingerprint).
-    pub fn with_borrowed_lights(mut self, lights: Vec<Light>) -> Self {
+    pub fn with_automatic_lights(mut self, lights: Vec<Light>) -> Self {
         // With none of its own, the fingerprint is still true.
         if !self.lights.is_empty() && self.has_own_lights {
             self.derived.fingerprint = OnceLock::new();

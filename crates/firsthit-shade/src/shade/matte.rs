@@ -7,7 +7,7 @@ use super::rows::{Arriving, DrawnLight, LightSamples, ShadingPoints, Sky};
 use super::shadow::ShadowRays;
 use super::vertex::{Vertex, power_heuristic};
 use super::{Shading, stream};
-use crate::geometry::rows::{Numbers, ROW, Vectors};
+use crate::geometry::rows::{ROW, Scalars, Vectors};
 use crate::geometry::{Color, DVec3, Ray, RayFilter, unit};
 use crate::sampling::Draws;
 use crate::scene::{BsdfSample, Environment, Lambertian, PreparedLight, SurfaceInteraction};
@@ -20,7 +20,7 @@ pub(super) struct MatteRow {
     geometric: Vectors,
     albedo: Vectors,
     throughput: Vectors,
-    occlusion: Numbers,
+    occlusion: Scalars,
     finds_lights: [bool; ROW],
     filters: Vec<RayFilter>,
     sums: Vec<usize>,
@@ -109,7 +109,7 @@ impl MatteRow {
         geometric: Vectors::ZERO,
         albedo: Vectors::ZERO,
         throughput: Vectors::ZERO,
-        occlusion: Numbers::all(0.0),
+        occlusion: Scalars::all(0.0),
         finds_lights: [false; ROW],
         filters: Vec::new(),
         sums: Vec::new(),
@@ -291,10 +291,10 @@ impl<S: Sky> Kernel for Scatter<'_, S> {
     fn run<L: Lanes>(self, _: L) -> Arriving {
         let Self(row, sky, reach) = self;
         let mut arriving = Arriving {
-            end: Numbers::all(reach),
+            end: Scalars::all(reach),
             ..Arriving::NONE
         };
-        let mut pdf = Numbers::all(1.0);
+        let mut pdf = Scalars::all(1.0);
         let u = row.points.draw(None);
         for k in 0..row.points.len() {
             let drawn = row.surface(k).sample(u.get(k));

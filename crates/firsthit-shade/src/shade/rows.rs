@@ -1,6 +1,6 @@
 //! Light for many points side by side; see [`geometry::rows`](crate::geometry::rows).
 
-use crate::geometry::rows::{Numbers, Points2, ROW, Vectors};
+use crate::geometry::rows::{Points2, ROW, Scalars, Vectors};
 use crate::geometry::{Color, DVec2, DVec3, Ray};
 use crate::sampling::Draws;
 use crate::scene::{Environment, Hemispheres, Light, LightSample, Sun};
@@ -77,19 +77,19 @@ impl ShadingPoints {
 pub(super) struct LightSamples {
     pub(super) towards: Vectors,
     /// The `t_max` of a ray to the light.
-    pub(super) end: Numbers,
+    pub(super) end: Scalars,
     /// Black for no sample.
     pub(super) light: Vectors,
     /// Infinity for a light without a size.
-    pub(super) pdf: Numbers,
+    pub(super) pdf: Scalars,
 }
 
 impl LightSamples {
     pub(super) const NONE: Self = Self {
         towards: Vectors::ZERO,
-        end: Numbers::all(0.0),
+        end: Scalars::all(0.0),
         light: Vectors::ZERO,
-        pdf: Numbers::all(f64::INFINITY),
+        pdf: Scalars::all(f64::INFINITY),
     };
 
     /// Sets the sample that was drawn for a point.
@@ -106,14 +106,14 @@ impl LightSamples {
 /// it brings if nothing blocks it; black for no ray.
 pub(super) struct Arriving {
     pub(super) towards: Vectors,
-    pub(super) end: Numbers,
+    pub(super) end: Scalars,
     pub(super) light: Vectors,
 }
 
 impl Arriving {
     pub(super) const NONE: Self = Self {
         towards: Vectors::ZERO,
-        end: Numbers::all(f64::INFINITY),
+        end: Scalars::all(f64::INFINITY),
         light: Vectors::ZERO,
     };
 

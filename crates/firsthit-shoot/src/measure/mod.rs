@@ -9,5 +9,6 @@ pub use paths::{path_lengths, path_lengths_with};
 pub use thickness::{Towards, thickness, thickness_along, thickness_with};
 
 pub use crate::solid::{
-    By, FillRule, Insides, Rule, innermost, inside, inside_with, rules, rules_with, winding_number,
+    Containment, FillRule, Grouping, Rule, innermost, inside, inside_with, rules, rules_with,
+    winding_number,
 };

@@ -5,11 +5,11 @@ use crate::geometry::{Ray, Rays, moderation};
 use crate::memory;
 use crate::scene::Scene;
 use crate::shoot::Cpu;
-use crate::solid::{By, FillRule, Met, Rule, Solids};
+use crate::solid::{FillRule, Grouping, Met, Rule, Solids};
 use crate::watch::Watch;
 
 /// The length of each ray inside the scene's objects, between its `t_min` and its `t_max`, in scene units; by all threads of the current
-/// rayon pool. With [`By::Object`] each ray has one length for each object, with [`By::Union`] a stretch in several objects counts once.
+/// rayon pool. With [`Grouping::Object`] each ray has one length for each object, with [`Grouping::Union`] a stretch in several objects counts once.
 ///
 /// 1. Find all crossings beyond `t_min`, also those beyond `t_max`.
 /// 2. How often a closed object goes around the start follows from them, and whether the ray starts inside an open mesh from its
@@ -21,16 +21,16 @@ use crate::watch::Watch;
 /// in it; so has every ray in a plane or a disc, and in everything one that is not [valid](Ray::is_valid).
 ///
 /// ```
-/// use firsthit::measure::{By, path_lengths};
+/// use firsthit::measure::{Grouping, path_lengths};
 /// use firsthit::{DVec3, Object, Ray, Scene, Sphere};
 ///
 /// let ball = |radius| Sphere::new(DVec3::ZERO, radius).map(Object::new);
 /// let scene = Scene::new(vec![ball(1.0)?, ball(2.0)?])?;
 /// // Of any length: t is half the way.
 /// let ray = Ray::new(DVec3::new(0.0, 0.0, 9.0), DVec3::new(0.0, 0.0, -2.0));
-/// assert_eq!(path_lengths(&scene, &[ray], By::Object, &())?, [2.0, 4.0]);
-/// assert_eq!(path_lengths(&scene, &[ray], By::Union, &())?, [4.0]);
-/// assert_eq!(path_lengths(&scene, &[ray.up_to(4.5)], By::Union, &())?, [2.0]);
+/// assert_eq!(path_lengths(&scene, &[ray], Grouping::Object, &())?, [2.0, 4.0]);
+/// assert_eq!(path_lengths(&scene, &[ray], Grouping::Union, &())?, [4.0]);
+/// assert_eq!(path_lengths(&scene, &[ray.up_to(4.5)], Grouping::Union, &())?, [2.0]);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
 ///
@@ -41,7 +41,7 @@ use crate::watch::Watch;
 pub fn path_lengths<R: Rays>(
     scene: &Scene,
     rays: &R,
-    by: By,
+    by: Grouping,
     watch: &dyn Watch,
 ) -> Result<Vec<f64>> {
     path_lengths_with(FillRule::default(), scene, rays, by, watch)
@@ -56,7 +56,7 @@ pub fn path_lengths_with<R: Rays>(
     rule: FillRule,
     scene: &Scene,
     rays: &R,
-    by: By,
+    by: Grouping,
     watch: &dyn Watch,
 ) -> Result<Vec<f64>> {
     let solids = Solids::new(scene, rule)?;
@@ -74,8 +74,8 @@ pub fn path_lengths_with<R: Rays>(
             }
             let depth = walk.start(&solids, ray, met, watch)?;
             match by {
-                By::Object => walk.add_each(&solids, (ray, &RayLength::new(ray)), met, row),
-                By::Union => {
+                Grouping::Object => walk.add_each(&solids, (ray, &RayLength::new(ray)), met, row),
+                Grouping::Union => {
                     walk.add_union(
                         &solids,
                         (ray, &RayLength::new(ray)),

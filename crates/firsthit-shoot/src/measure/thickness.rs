@@ -9,10 +9,10 @@
 use crate::error::Result;
 use crate::geometry::{DVec2, DVec3, Departure, Filtered, Hit, Ray, RayFilter, Rays, SurfaceId};
 use crate::memory;
-use crate::nearest::{ClosestPoints, Wanted, closest_points};
+use crate::nearest::{ClosestPoints, NearestSettings, closest_points};
 use crate::scene::Scene;
 use crate::shoot::{Cpu, First, trace};
-use crate::solid::{By, FillRule, Solids};
+use crate::solid::{FillRule, Grouping, Solids};
 use crate::watch::{OnlyStops, Watch};
 
 /// The number of points that are done at a time.
@@ -57,7 +57,7 @@ pub fn thickness_with(
 ) -> Result<Vec<f64>> {
     let mut all = memory::filled(points.len(), f64::NAN)?;
     for (points, lengths) in points.chunks(PIECE).zip(all.chunks_mut(PIECE)) {
-        let nearest = closest_points(scene, points, Wanted::default(), &OnlyStops(watch))?;
+        let nearest = closest_points(scene, points, NearestSettings::default(), &OnlyStops(watch))?;
         let inwards = (0..points.len()).map(|k| inwards(scene, &nearest, k));
         let (rays, filters): (Vec<Ray>, Vec<RayFilter>) = inwards.unzip();
         let rays_filtered = Filtered::each(&*rays, &filters);
@@ -222,7 +222,7 @@ fn ends(solids: &Solids<'_>, rays: &dyn Rays, watch: &dyn Watch) -> Result<Vec<(
     let turns = || memory::filled(solids.rules.len(), 0_i32);
     solids.sweep(
         (&Cpu::default(), rays),
-        (By::Union, &mut ends),
+        (Grouping::Union, &mut ends),
         watch,
         turns,
         |turns, ray, met, end| {

@@ -1,6 +1,6 @@
 //! The nearest points of many points.
 
-use super::best::Found;
+use super::best::Candidate;
 use crate::error::Result;
 use crate::geometry::summary::summary;
 use crate::geometry::{DVec2, DVec3};
@@ -85,7 +85,7 @@ impl ClosestPoints {
 }
 
 /// The destination of the answers of some points.
-pub(super) struct Part<'a> {
+pub(super) struct AnswerSlices<'a> {
     pub(super) point: &'a mut [[f64; 3]],
     pub(super) distance: &'a mut [f64],
     pub(super) object: &'a mut [i32],
@@ -93,8 +93,8 @@ pub(super) struct Part<'a> {
     pub(super) barycentric: &'a mut [DVec2],
 }
 
-impl Part<'_> {
-    pub(super) fn put(&mut self, k: usize, found: &Found) {
+impl AnswerSlices<'_> {
+    pub(super) fn put(&mut self, k: usize, found: &Candidate) {
         self.point[k] = found.nearest.point.to_array();
         self.distance[k] = found.nearest.squared.sqrt();
         self.object[k] = found.object.cast_signed();

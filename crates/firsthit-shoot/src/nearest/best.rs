@@ -3,17 +3,17 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::Wanted;
+use super::NearestSettings;
 use crate::shape::Nearest;
 
 /// A point of an object.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
+pub(super) struct Candidate {
     pub(super) object: u32,
     pub(super) nearest: Nearest,
 }
 
-impl Ord for Found {
+impl Ord for Candidate {
     /// Compares the squares of the distances, which are not NaN, and then identifiers.
     fn cmp(&self, other: &Self) -> Ordering {
         let key = |found: &Self| (found.object, found.nearest.primitive);
@@ -22,26 +22,26 @@ impl Ord for Found {
     }
 }
 
-impl PartialOrd for Found {
+impl PartialOrd for Candidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Found {
+impl PartialEq for Candidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Found {}
+impl Eq for Candidate {}
 
 /// See [the module](self).
 #[derive(Debug)]
 pub(super) struct Best {
-    wanted: Wanted,
+    wanted: NearestSettings,
     /// The farthest on top.
-    heap: BinaryHeap<Found>,
+    heap: BinaryHeap<Candidate>,
     /// The largest square of a distance that is wanted.
     most: f64,
     /// Whether memory was short.
@@ -49,7 +49,7 @@ pub(super) struct Best {
 }
 
 impl Best {
-    pub(super) fn new(wanted: Wanted) -> Self {
+    pub(super) fn new(wanted: NearestSettings) -> Self {
         Self {
             wanted,
             heap: BinaryHeap::new(),
@@ -62,7 +62,7 @@ impl Best {
     pub(super) fn start(&mut self, hint: f64) {
         self.heap.clear();
         // A little more than the square: the root decides.
-        let Wanted { radius, .. } = self.wanted;
+        let NearestSettings { radius, .. } = self.wanted;
         let most = radius * radius * (1.0 + 8.0 * f64::EPSILON) + f64::MIN_POSITIVE;
         self.most = most.min(hint);
     }
@@ -91,7 +91,7 @@ impl Best {
         if !is_near {
             return;
         }
-        let found = Found { object, nearest };
+        let found = Candidate { object, nearest };
         if self.heap.len() < self.wanted.count {
             if self.heap.try_reserve(1).is_err() {
                 self.is_short = true;
@@ -112,13 +112,13 @@ impl Best {
     }
 
     /// Takes all that was found, the nearest first.
-    pub(super) fn in_order(&mut self) -> Vec<Found> {
+    pub(super) fn in_order(&mut self) -> Vec<Candidate> {
         let heap = std::mem::take(&mut self.heap);
         heap.into_sorted_vec()
     }
 
     /// The nearest alone.
-    pub(super) fn one(&self) -> Option<Found> {
+    pub(super) fn one(&self) -> Option<Candidate> {
         self.heap.peek().copied()
     }
 }

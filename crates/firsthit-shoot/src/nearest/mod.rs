@@ -32,14 +32,14 @@ use crate::watch::Watch;
 /// The number of nearest points that are wanted, and their largest distance.
 ///
 /// ```
-/// use firsthit::nearest::Wanted;
+/// use firsthit::nearest::NearestSettings;
 ///
-/// let two_within_a_metre = Wanted { count: 2, radius: 1.0 };
-/// assert_eq!(Wanted::default(), Wanted { count: 1, radius: f64::INFINITY });
+/// let two_within_a_metre = NearestSettings { count: 2, radius: 1.0 };
+/// assert_eq!(NearestSettings::default(), NearestSettings { count: 1, radius: f64::INFINITY });
 /// # let _ = two_within_a_metre;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted {
+pub struct NearestSettings {
     /// The number of points for each point, each of another (object, primitive): at least 1.
     pub count: usize,
     /// The largest distance that counts, itself included.
@@ -47,7 +47,7 @@ pub struct Wanted {
 }
 
 /// The nearest, wherever it is.
-impl Default for Wanted {
+impl Default for NearestSettings {
     fn default() -> Self {
         Self {
             count: 1,
@@ -74,7 +74,7 @@ impl Default for Wanted {
 /// The errors of [`closest_points`].
 #[doc(alias("nearest point", "distance query"))]
 pub fn closest_point(scene: &Scene, point: DVec3) -> Result<Option<ClosestPoint>> {
-    let all = closest_points(scene, &[point.to_array()], Wanted::default(), &())?;
+    let all = closest_points(scene, &[point.to_array()], NearestSettings::default(), &())?;
     Ok(all.get(0, 0))
 }
 
@@ -82,14 +82,14 @@ pub fn closest_point(scene: &Scene, point: DVec3) -> Result<Option<ClosestPoint>
 /// for each, in the order of the squares of their distances, of equal ones in that of (object, primitive).
 ///
 /// ```
-/// use firsthit::nearest::{Wanted, closest_points};
+/// use firsthit::nearest::{NearestSettings, closest_points};
 /// use firsthit::{DVec3, Object, Plane, Scene, Sphere};
 ///
 /// let scene = Scene::new(vec![
 ///     Object::new(Plane::new(DVec3::ZERO, DVec3::Z)?),
 ///     Object::new(Sphere::new(DVec3::new(0.0, 0.0, 5.0), 1.0)?),
 /// ])?;
-/// let wanted = Wanted { count: 2, radius: 3.0 };
+/// let wanted = NearestSettings { count: 2, radius: 3.0 };
 /// let nearest = closest_points(&scene, &[[0.0, 0.0, 3.0], [0.0, 0.0, -1.0]], wanted, &())?;
 /// assert_eq!(nearest.object, [1, 0, 0, -1]);
 /// assert_eq!(nearest.distance, [1.0, 3.0, 1.0, f64::INFINITY]);
@@ -104,7 +104,7 @@ pub fn closest_point(scene: &Scene, point: DVec3) -> Result<Option<ClosestPoint>
 pub fn closest_points(
     scene: &Scene,
     points: &[[f64; 3]],
-    wanted: Wanted,
+    wanted: NearestSettings,
     watch: &dyn Watch,
 ) -> Result<ClosestPoints> {
     closest_points_with(Method::default(), scene, points, wanted, watch)
@@ -119,10 +119,10 @@ pub fn closest_points_with(
     method: Method,
     scene: &Scene,
     points: &[[f64; 3]],
-    wanted: Wanted,
+    wanted: NearestSettings,
     watch: &dyn Watch,
 ) -> Result<ClosestPoints> {
-    let Wanted { count, radius } = wanted;
+    let NearestSettings { count, radius } = wanted;
     require("count", "at least 1", count > 0, count)?;
     require("radius", "zero or positive", radius >= 0.0, radius)?;
     require_measurable(scene)?;

@@ -4,8 +4,8 @@
 //! bounds the search from its start. The bound is rounded, so where nothing is found within it, the search begins anew
 //! without one.
 
-use super::Wanted;
-use super::answers::{ClosestPoints, Part};
+use super::NearestSettings;
+use super::answers::{AnswerSlices, ClosestPoints};
 use super::best::Best;
 use crate::accel::{InstructionSet, Scratch, WalkStack, each_near};
 use crate::error::{Error, Result};
@@ -42,13 +42,13 @@ pub(super) fn fill(
     method: Method,
     scene: &Scene,
     points: &[[f64; 3]],
-    wanted: Wanted,
+    wanted: NearestSettings,
     answers: &mut ClosestPoints,
     watch: &dyn Watch,
 ) -> Result<()> {
     // Many for each point take long: fewer points, so that a stop is soon noticed.
     let size = (BATCH / wanted.count.min(BATCH)).max(16);
-    let search = |(points, part): (&[[f64; 3]], Part<'_>)| {
+    let search = |(points, part): (&[[f64; 3]], AnswerSlices<'_>)| {
         if watch.is_stopped() {
             return Err(Error::Interrupted);
         }
@@ -76,7 +76,11 @@ pub(super) fn fill(
 }
 
 /// The answers of `size` points at a time.
-fn parts(answers: &mut ClosestPoints, size: usize, count: usize) -> impl Iterator<Item = Part<'_>> {
+fn parts(
+    answers: &mut ClosestPoints,
+    size: usize,
+    count: usize,
+) -> impl Iterator<Item = AnswerSlices<'_>> {
     let length = size.saturating_mul(count);
     let point = answers.point.chunks_mut(length);
     let distance = answers.distance.chunks_mut(length);
@@ -89,7 +93,7 @@ fn parts(answers: &mut ClosestPoints, size: usize, count: usize) -> impl Iterato
         .zip(primitive)
         .zip(barycentric);
     all.map(
-        |((((point, distance), object), primitive), barycentric)| Part {
+        |((((point, distance), object), primitive), barycentric)| AnswerSlices {
             point,
             distance,
             object,
@@ -103,7 +107,7 @@ fn parts(answers: &mut ClosestPoints, size: usize, count: usize) -> impl Iterato
 struct Batch<'a> {
     scene: &'a Scene,
     points: &'a [[f64; 3]],
-    part: Part<'a>,
+    part: AnswerSlices<'a>,
     best: Best,
     watch: &'a dyn Watch,
 }

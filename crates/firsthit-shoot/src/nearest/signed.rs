@@ -3,13 +3,13 @@
 //! What is inside is as for `measure::inside`, which decides it exactly for closed meshes as they are in
 //! their own space. A transform rounds the point and the ray; shapes that are no mesh are decided in float64.
 
-use super::{Method, Wanted, closest_points_with};
+use super::{Method, NearestSettings, closest_points_with};
 use crate::error::{Error, Result, escape_controls};
 use crate::geometry::{DVec3, require};
 use crate::memory;
 use crate::scene::Scene;
 use crate::shoot::{BruteForce, Cpu, Engine};
-use crate::solid::{By, FillRule, inside_by};
+use crate::solid::{FillRule, Grouping, inside_by};
 use crate::watch::{OnlyStops, Watch};
 
 /// The distance of each of `points` from the nearest surface: negative for a point inside any
@@ -65,7 +65,8 @@ pub fn signed_distances_with(
     let mut signed = memory::filled(points.len(), f64::INFINITY)?;
     for (points, signed) in points.chunks(PIECE).zip(signed.chunks_mut(PIECE)) {
         let method = settings.method;
-        let nearest = closest_points_with(method, scene, points, Wanted::default(), watch)?;
+        let nearest =
+            closest_points_with(method, scene, points, NearestSettings::default(), watch)?;
         sign(settings, (scene, points), &nearest.distance, signed, watch)?;
     }
     Ok(signed)
@@ -75,12 +76,12 @@ pub fn signed_distances_with(
 /// surfaces, one for each point, as [`closest_points`](super::closest_points) finds them.
 ///
 /// ```
-/// use firsthit::nearest::{SignSettings, Wanted, closest_points, signed_distances_from};
+/// use firsthit::nearest::{SignSettings, NearestSettings, closest_points, signed_distances_from};
 /// use firsthit::{DVec3, Object, Scene, Sphere};
 ///
 /// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
 /// let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
-/// let nearest = closest_points(&scene, &points, Wanted::default(), &())?;
+/// let nearest = closest_points(&scene, &points, NearestSettings::default(), &())?;
 /// let settings = SignSettings::default();
 /// let signed = signed_distances_from(settings, &scene, &points, &nearest.distance, &())?;
 /// assert_eq!(signed, [-0.75, 2.0]);
@@ -149,7 +150,7 @@ fn sign(
         Method::Trees(set) => &Cpu::with(set),
     };
     let points: Vec<DVec3> = points.iter().copied().map(DVec3::from).collect();
-    let asked = (&*points, By::Union);
+    let asked = (&*points, Grouping::Union);
     let insides = inside_by(engine, settings.rule, scene, asked, &OnlyStops(watch))?;
     let all = signed.iter_mut().zip(distances).zip(insides.is_inside);
     for ((signed, &distance), is_inside) in all {

@@ -374,7 +374,7 @@ pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
     l: L,
     dispatcher: &mut Dispatcher,
     packets: &mut [MeshPacket<'_>],
-    mut sink: impl accel::Sink<Found<Q>>,
+    mut sink: impl accel::Sink<MeshAnswer<Q>>,
 ) {
     if Q::ALL || Q::IS_FILTERED {
         let sink: &mut dyn accel::Sink<_> = &mut sink;
@@ -415,9 +415,9 @@ impl<Q: MeshQuery, S: accel::Sink<Q::Found> + ?Sized> Kernel for Dispatch<'_, '_
 /// Takes the answers in a scene of one mesh, that of an object or of a group which it leads: they are final.
 struct OfMesh<'a, S>(u32, Option<&'a Group>, S);
 
-impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<'_, S> {
+impl<S: Sink> accel::Sink<MeshAnswer<S::Query>> for OfMesh<'_, S> {
     #[inline(always)]
-    fn put(&mut self, packet: usize, lane: usize, found: Found<S::Query>) {
+    fn put(&mut self, packet: usize, lane: usize, found: MeshAnswer<S::Query>) {
         let Self(object, group, sink) = self;
         let (object, group) = (*object, *group);
         let surface = |primitive| match group {
@@ -432,7 +432,7 @@ impl<S: Sink> accel::Sink<Found<S::Query>> for OfMesh<'_, S> {
 }
 
 /// The answer of a mesh.
-pub(super) type Found<Q> = <<Q as RayQuery>::InMesh as MeshQuery>::Found;
+pub(super) type MeshAnswer<Q> = <<Q as RayQuery>::InMesh as MeshQuery>::Found;
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@
 //! 2. Make all packets ready, and traverse them.
 //! 3. Hand the answers to the rays' walks, which continue with the next objects.
 
-use super::batch::{Found, Memory, dispatch};
+use super::batch::{Memory, MeshAnswer, dispatch};
 use super::ray_query::RayQuery;
 use super::scene_walk::{Instance, SceneWalk};
 use crate::accel::{self, FEWEST, MeshPacket, Packet, RAYS, TreePerRay, Trees};
@@ -83,9 +83,9 @@ struct OfInstances<'r, 'a, Q> {
     walks: &'r mut [SceneWalk<'a, Q>],
 }
 
-impl<Q: RayQuery> accel::Sink<Found<Q>> for OfInstances<'_, '_, Q> {
+impl<Q: RayQuery> accel::Sink<MeshAnswer<Q>> for OfInstances<'_, '_, Q> {
     #[inline(always)]
-    fn put(&mut self, packet: usize, lane: usize, found: Found<Q>) {
+    fn put(&mut self, packet: usize, lane: usize, found: MeshAnswer<Q>) {
         let place = self.packing.packets[packet].0 + lane;
         let (index, _) = self.instances[self.packing.order[place]];
         self.walks[index].take(self.scene, found);

@@ -1,7 +1,7 @@
 //! Finds the solids in which rays start.
 
 use super::sweep::Solids;
-use super::{By, FillRule};
+use super::{FillRule, Grouping};
 use crate::error::Result;
 use crate::geometry::Rays;
 use crate::memory;
@@ -37,7 +37,7 @@ pub fn innermost<R: Rays>(
     let turns = || memory::filled(scene.objects().len(), 0_i32);
     solids.sweep(
         (&Cpu::default(), rays),
-        (By::Union, &mut innermost),
+        (Grouping::Union, &mut innermost),
         watch,
         turns,
         |turns, ray, met, left| {

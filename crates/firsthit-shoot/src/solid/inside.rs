@@ -1,7 +1,7 @@
 //! Finds the points that are inside.
 
 use super::sweep::Solids;
-use super::{By, FillRule, Rule};
+use super::{FillRule, Grouping, Rule};
 use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::memory;
@@ -11,8 +11,8 @@ use crate::watch::Watch;
 
 /// The answers for points, and the rules behind them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Insides {
-    /// The answers, one for each point, or with [`By::Object`] one for each object, point by point.
+pub struct Containment {
+    /// The answers, one for each point, or with [`Grouping::Object`] one for each object, point by point.
     pub is_inside: Vec<bool>,
     /// The rule of each object.
     pub rules: Vec<Rule>,
@@ -30,14 +30,14 @@ pub struct Insides {
 /// A point that is not finite, or beyond 10^150, is outside.
 ///
 /// ```
-/// use firsthit::measure::{By, inside};
+/// use firsthit::measure::{Grouping, inside};
 /// use firsthit::{DVec3, Object, Scene, Sphere};
 ///
 /// let ball = |radius| Sphere::new(DVec3::ZERO, radius).map(Object::new);
 /// let scene = Scene::new(vec![ball(1.0)?, ball(2.0)?])?;
 /// let points = [DVec3::ZERO, DVec3::new(1.5, 0.0, 0.0), DVec3::new(9.0, 0.0, 0.0)];
-/// assert_eq!(inside(&scene, &points, By::Union, &())?.is_inside, [true, true, false]);
-/// let by_object = inside(&scene, &points, By::Object, &())?;
+/// assert_eq!(inside(&scene, &points, Grouping::Union, &())?.is_inside, [true, true, false]);
+/// let by_object = inside(&scene, &points, Grouping::Object, &())?;
 /// assert_eq!(by_object.is_inside, [true, true, false, true, false, false]);
 /// # Ok::<(), firsthit::Error>(())
 /// ```
@@ -47,7 +47,12 @@ pub struct Insides {
 /// [`Error::Limit`](crate::error::Error::Limit) when the answers do not fit into memory,
 /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it.
 #[doc(alias("point in mesh", "contains"))]
-pub fn inside(scene: &Scene, points: &[DVec3], by: By, watch: &dyn Watch) -> Result<Insides> {
+pub fn inside(
+    scene: &Scene,
+    points: &[DVec3],
+    by: Grouping,
+    watch: &dyn Watch,
+) -> Result<Containment> {
     inside_with(FillRule::default(), scene, points, by, watch)
 }
 
@@ -60,9 +65,9 @@ pub fn inside_with(
     rule: FillRule,
     scene: &Scene,
     points: &[DVec3],
-    by: By,
+    by: Grouping,
     watch: &dyn Watch,
-) -> Result<Insides> {
+) -> Result<Containment> {
     inside_by(&Cpu::default(), rule, scene, (points, by), watch)
 }
 
@@ -71,9 +76,9 @@ pub(crate) fn inside_by(
     engine: &dyn Engine,
     rule: FillRule,
     scene: &Scene,
-    (points, by): (&[DVec3], By),
+    (points, by): (&[DVec3], Grouping),
     watch: &dyn Watch,
-) -> Result<Insides> {
+) -> Result<Containment> {
     let solids = Solids::new(scene, rule)?;
     let count = points.len().saturating_mul(by.width(scene));
     let mut is_inside = memory::filled(count, false)?;
@@ -89,7 +94,7 @@ pub(crate) fn inside_by(
             let point = ray.origin;
             solids.wind(ray, met, turns);
             match by {
-                By::Object => {
+                Grouping::Object => {
                     for object in met.objects() {
                         row[object] |= std::mem::take(&mut turns[object]) != 0;
                     }
@@ -97,7 +102,7 @@ pub(crate) fn inside_by(
                         row[object] = solids.is_in_open(object, point, watch)?;
                     }
                 }
-                By::Union => {
+                Grouping::Union => {
                     let mut is_inside = false;
                     for object in met.objects() {
                         is_inside |= std::mem::take(&mut turns[object]) != 0;
@@ -112,5 +117,5 @@ pub(crate) fn inside_by(
         },
     )?;
     let rules = solids.rules;
-    Ok(Insides { is_inside, rules })
+    Ok(Containment { is_inside, rules })
 }

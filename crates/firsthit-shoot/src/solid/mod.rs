@@ -17,7 +17,7 @@ mod sweep;
 mod winding;
 
 pub use innermost::innermost;
-pub use inside::{Insides, inside, inside_with};
+pub use inside::{Containment, inside, inside_with};
 pub use winding::winding_number;
 
 pub(crate) use inside::inside_by;
@@ -30,14 +30,14 @@ use crate::shape::{Facing, Shape};
 
 /// Whether an answer is for each object or for all together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum By {
+pub enum Grouping {
     /// An answer for each object: a row of as many answers as there are objects.
     Object,
     /// An answer for all objects together.
     Union,
 }
 
-impl By {
+impl Grouping {
     /// The number of answers for each point or ray.
     pub fn width(self, scene: &Scene) -> usize {
         match self {

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 use super::winding::winding_number;
-use super::{By, FillRule, Rule, rules_with};
+use super::{FillRule, Grouping, Rule, rules_with};
 use crate::error::{Error, Result};
 use crate::geometry::orientation::along_normal;
 use crate::geometry::{DVec3, Ray, RayFilter, Rays};
@@ -176,7 +176,7 @@ impl<'a> Solids<'a> {
     pub(crate) fn sweep<T: Send, S: Send>(
         &self,
         (engine, rays): (&dyn Engine, &dyn Rays),
-        (by, answers): (By, &mut [T]),
+        (by, answers): (Grouping, &mut [T]),
         watch: &dyn Watch,
         state: impl Fn() -> Result<S> + Sync,
         answer: impl Fn(&mut S, &Ray, &Met<'_>, &mut [T]) -> Result<()> + Sync,
@@ -194,7 +194,7 @@ impl<'a> Solids<'a> {
         };
         for (number, answers) in answers.chunks_mut(BLOCK * width).enumerate() {
             let (first, count) = (number * BLOCK, answers.len() / width);
-            let part = Part { rays, first, count };
+            let part = RayRange { rays, first, count };
             trace_into(
                 engine,
                 self.scene,
@@ -223,13 +223,13 @@ impl<'a> Solids<'a> {
 }
 
 /// A range of many rays, without their ends.
-struct Part<'a> {
+struct RayRange<'a> {
     rays: &'a dyn Rays,
     first: usize,
     count: usize,
 }
 
-impl Rays for Part<'_> {
+impl Rays for RayRange<'_> {
     fn len(&self) -> usize {
         self.count
     }

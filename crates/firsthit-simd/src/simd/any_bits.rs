@@ -106,9 +106,9 @@ impl Results<'_> {
 }
 
 /// Marsaglia's xorshift, "Xorshift RNGs", Journal of Statistical Software 8(14), 2003.
-struct Numbers(u64);
+struct Xorshift(u64);
 
-impl Numbers {
+impl Xorshift {
     fn next(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -153,7 +153,7 @@ impl Numbers {
 
 #[test]
 fn any_bits_give_the_same_on_all_instruction_sets() {
-    let mut numbers = Numbers(1);
+    let mut numbers = Xorshift(1);
     for round in 0..2000 {
         let singles = [(); 2].map(|()| std::array::from_fn(|_| numbers.single()));
         let doubles = [(); 2].map(|()| std::array::from_fn(|_| numbers.double()));

@@ -400,7 +400,7 @@ fn a_camera_that_was_taken_apart_is_the_same_to_the_last_bit() {
             ..View::default()
         })
         .unwrap();
-        assert_eq!(Camera::again(*camera.view()).unwrap(), camera);
+        assert_eq!(Camera::from_view_exact(*camera.view()).unwrap(), camera);
         changed_by_new += usize::from(Camera::new(*camera.view()).unwrap() != camera);
     }
     assert!(changed_by_new > 0, "there is no need for it");
@@ -408,7 +408,7 @@ fn a_camera_that_was_taken_apart_is_the_same_to_the_last_bit() {
         aim: DVec3::new(0.0, 0.0, -2.0),
         ..View::default()
     };
-    let message = Camera::again(view).unwrap_err().to_string();
+    let message = Camera::from_view_exact(view).unwrap_err().to_string();
     assert!(
         message.starts_with("aim must be of length one"),
         "{message}"

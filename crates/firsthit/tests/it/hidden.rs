@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use firsthit::measure::{By, Rule, inside, path_lengths, rules};
-use firsthit::nearest::{Method, Wanted, closest_points, closest_points_with, signed_distances};
+use firsthit::measure::{Grouping, Rule, inside, path_lengths, rules};
+use firsthit::nearest::{
+    Method, NearestSettings, closest_points, closest_points_with, signed_distances,
+};
 use firsthit::section::{SectionPlane, section};
 use firsthit::shoot::{All, Count, First, trace};
 use firsthit::{Cone, Cuboid, DAffine3, DVec3, Disc, Object, Plane, Ray, Scene, Sphere, Transform};
@@ -74,9 +76,9 @@ impl Judge {
     }
 
     fn distances(&self, scene: &Scene) {
-        let wanted = Wanted {
+        let wanted = NearestSettings {
             count: 3,
-            ..Wanted::default()
+            ..NearestSettings::default()
         };
         let nearest = |scene| closest_points(scene, &self.points, wanted, &()).unwrap();
         let judged = closest_points_with(Method::BruteForce, scene, &self.points, wanted, &());
@@ -91,10 +93,14 @@ impl Judge {
 
     fn insides(&self, scene: &Scene) {
         let points: Vec<DVec3> = self.points.iter().copied().map(DVec3::from).collect();
-        let held = |scene| inside(scene, &points, By::Union, &()).unwrap().is_inside;
+        let held = |scene| {
+            inside(scene, &points, Grouping::Union, &())
+                .unwrap()
+                .is_inside
+        };
         assert_eq!(held(scene), held(&self.fewer));
         let lengths = |scene| {
-            let lengths = path_lengths(scene, &self.rays, By::Union, &()).unwrap();
+            let lengths = path_lengths(scene, &self.rays, Grouping::Union, &()).unwrap();
             lengths.into_iter().map(f64::to_bits).collect::<Vec<_>>()
         };
         assert_eq!(lengths(scene), lengths(&self.fewer));

@@ -3,8 +3,8 @@
 use std::array::from_fn;
 
 use firsthit::measure::{
-    By, FillRule, Rule, inside, inside_with, path_lengths, path_lengths_with, rules, thickness,
-    winding_number,
+    FillRule, Grouping, Rule, inside, inside_with, path_lengths, path_lengths_with, rules,
+    thickness, winding_number,
 };
 use firsthit::shoot::{Count, trace};
 use firsthit::watch::Watch;
@@ -134,7 +134,7 @@ fn points_are_inside_as_exact_arithmetic_has_it() {
         asked.truncate(cases(asked.len()).max(15));
         let scene = scene(vec![Object::new(mesh(&points, triangles))]);
         let mesh = scene.objects()[0].mesh().unwrap();
-        let answers = inside(&scene, &asked, By::Union, &()).unwrap();
+        let answers = inside(&scene, &asked, Grouping::Union, &()).unwrap();
         assert_eq!(answers.rules, [Rule::Nonzero]);
         for (&point, &answer) in asked.iter().zip(&answers.is_inside) {
             let expected = is_inside_exactly(mesh, &exact(point), &mut numbers);
@@ -173,8 +173,12 @@ fn of_cells_without_a_gap_exactly_one_holds_each_point() {
     let points: Vec<_> = (0..13 * 13 * 13)
         .map(|k| DVec3::new(quarters(k % 13), quarters(k / 13 % 13), quarters(k / 169)))
         .collect();
-    let answers = inside(&scene, &points, By::Object, &()).unwrap().is_inside;
-    let union = inside(&scene, &points, By::Union, &()).unwrap().is_inside;
+    let answers = inside(&scene, &points, Grouping::Object, &())
+        .unwrap()
+        .is_inside;
+    let union = inside(&scene, &points, Grouping::Union, &())
+        .unwrap()
+        .is_inside;
     for ((point, of_cells), is_inside) in points.iter().zip(answers.chunks(27)).zip(union) {
         // Looking ahead, all faces behind a point are its own.
         let expected = point.max_element() < 3.0;
@@ -204,8 +208,8 @@ fn a_ray_through_cells_without_a_gap_is_inside_all_along() {
             rays.push(Ray::new(through - 8.0 * way, way));
         }
     }
-    let each = path_lengths(&scene, &rays, By::Object, &()).unwrap();
-    let union = path_lengths(&scene, &rays, By::Union, &()).unwrap();
+    let each = path_lengths(&scene, &rays, Grouping::Object, &()).unwrap();
+    let union = path_lengths(&scene, &rays, Grouping::Union, &()).unwrap();
     let mut inner = 0;
     for ((ray, lengths), union) in rays.iter().zip(each.chunks(27)).zip(union) {
         let ends = [0, 1, 2].map(|k| {
@@ -278,7 +282,7 @@ fn solids_hold_what_their_formulas_say() {
     let scene = scene(objects);
     let mut numbers = Numbers::new(9);
     let points: Vec<_> = (0..40_000).map(|_| 1.5 * numbers.point()).collect();
-    let answers = inside(&scene, &points, By::Object, &()).unwrap();
+    let answers = inside(&scene, &points, Grouping::Object, &()).unwrap();
     let names: Vec<_> = answers.rules.iter().map(|rule| rule.name()).collect();
     assert_eq!(
         names.join(" "),
@@ -300,7 +304,7 @@ fn solids_hold_what_their_formulas_say() {
         DVec3::splat(1e200),
         DVec3::new(0.1, 0.1, f64::NAN),
     ];
-    let answers = inside(&scene, &nowhere, By::Object, &()).unwrap();
+    let answers = inside(&scene, &nowhere, Grouping::Object, &()).unwrap();
     assert!(!answers.is_inside.contains(&true));
 }
 
@@ -330,7 +334,9 @@ fn a_torus_and_its_chords_are_as_their_formulas() {
     let scene = scene(vec![Object::new(mesh(&points, triangles))]);
     let mut numbers = Numbers::new(2);
     let asked: Vec<_> = (0..20_000).map(|_| 3.2 * numbers.point()).collect();
-    let answers = inside(&scene, &asked, By::Union, &()).unwrap().is_inside;
+    let answers = inside(&scene, &asked, Grouping::Union, &())
+        .unwrap()
+        .is_inside;
     let off = |p: DVec3| {
         let ring = p.truncate().length() - 2.0;
         (ring * ring + p.z * p.z).sqrt() - 1.0
@@ -351,7 +357,7 @@ fn a_torus_and_its_chords_are_as_their_formulas() {
         along.beyond(14.0),
         along.beyond(f64::NEG_INFINITY),
     ];
-    let lengths = path_lengths(&scene, &rays, By::Union, &()).unwrap();
+    let lengths = path_lengths(&scene, &rays, Grouping::Union, &()).unwrap();
     for (length, expected) in lengths.iter().zip([4.0, 1.0, 3.0, 4.0]) {
         assert!((length - expected).abs() < 1e-12, "{lengths:?}");
     }
@@ -381,12 +387,12 @@ fn a_shell_within_a_shell_is_a_hollow() {
             DVec3::new(2.0, 2.0, 3.5),
             DVec3::NEG_ONE,
         ];
-        let answers = inside_with(rule, &scene, &asked, By::Union, &())
+        let answers = inside_with(rule, &scene, &asked, Grouping::Union, &())
             .unwrap()
             .is_inside;
         assert_eq!(answers, [false, true, true, false]);
         let ray = Ray::new(DVec3::new(-1.0, 2.0, 2.0), DVec3::X);
-        let lengths = path_lengths_with(rule, &scene, &[ray], By::Union, &());
+        let lengths = path_lengths_with(rule, &scene, &[ray], Grouping::Union, &());
         assert_eq!(lengths.unwrap(), [2.0]);
     }
 }
@@ -407,9 +413,13 @@ fn an_open_mesh_goes_by_its_winding_number_and_says_so() {
         assert_eq!(rules(&scene).unwrap(), [Rule::WindingNumber, Rule::Nonzero]);
         let at = |z| DVec3::new(0.1, 0.2, z);
         let asked = [at(5.0), at(4.1), at(6.5), at(3.5), at(0.0)];
-        let union = inside(&scene, &asked, By::Union, &()).unwrap().is_inside;
+        let union = inside(&scene, &asked, Grouping::Union, &())
+            .unwrap()
+            .is_inside;
         assert_eq!(union, [true, true, false, false, true]);
-        let each = inside(&scene, &asked, By::Object, &()).unwrap().is_inside;
+        let each = inside(&scene, &asked, Grouping::Object, &())
+            .unwrap()
+            .is_inside;
         assert_eq!(each[..4], [true, false, true, false]);
         assert_eq!(each[8..], [false, true]);
         let rays = [
@@ -420,12 +430,12 @@ fn an_open_mesh_goes_by_its_winding_number_and_says_so() {
             Ray::new(at(5.0), DVec3::Z),
             Ray::new(at(7.0), DVec3::Z),
         ];
-        let lengths = path_lengths(&scene, &rays, By::Object, &()).unwrap();
+        let lengths = path_lengths(&scene, &rays, Grouping::Object, &()).unwrap();
         let of_open: Vec<_> = lengths.chunks(2).map(|row| row[0]).collect();
         assert_eq!(of_open[..2], [2.0, 1.0]);
         assert!(of_open[2].is_nan() && of_open[3].is_nan());
         assert_eq!((of_open[4], lengths[1]), (0.0, 0.0));
-        let union = path_lengths(&scene, &rays, By::Union, &()).unwrap();
+        let union = path_lengths(&scene, &rays, Grouping::Union, &()).unwrap();
         assert!(union[2].is_nan() && union[0] == 2.0);
     }
 }
@@ -438,7 +448,9 @@ fn the_winding_number_of_a_closed_mesh_is_whole() {
     let scene = scene(vec![Object::new(closed.clone())]);
     let mut numbers = Numbers::new(6);
     let asked: Vec<_> = (0..2000).map(|_| 1.4 * numbers.point()).collect();
-    let answers = inside(&scene, &asked, By::Union, &()).unwrap().is_inside;
+    let answers = inside(&scene, &asked, Grouping::Union, &())
+        .unwrap()
+        .is_inside;
     for (&point, &answer) in asked.iter().zip(&answers) {
         let number = winding_number(&closed, point, &()).unwrap();
         assert!(
@@ -472,7 +484,7 @@ fn parts_of_a_ray_add_up_to_it() {
         before.push(ray.up_to(t));
         after.push(ray.beyond(t));
     }
-    for by in [By::Object, By::Union] {
+    for by in [Grouping::Object, Grouping::Union] {
         let [whole, before, after] =
             [&whole, &before, &after].map(|rays| path_lengths(&scene, rays, by, &()).unwrap());
         let mut longest: f64 = 0.0;
@@ -483,8 +495,8 @@ fn parts_of_a_ray_add_up_to_it() {
         assert!(longest > 1.0);
     }
     // By object, at least as much as by union, and the ball's as the formula has it.
-    let each = path_lengths(&scene, &whole, By::Object, &()).unwrap();
-    let union = path_lengths(&scene, &whole, By::Union, &()).unwrap();
+    let each = path_lengths(&scene, &whole, Grouping::Object, &()).unwrap();
+    let union = path_lengths(&scene, &whole, Grouping::Union, &()).unwrap();
     for ((ray, row), union) in whole.iter().zip(each.chunks(2)).zip(union) {
         assert!(row[0].max(row[1]) <= union + 1e-12 && union <= row[0] + row[1] + 1e-12);
         let unit = ray.direction.normalize();
@@ -518,16 +530,18 @@ fn the_answers_are_the_same_with_any_number_of_threads() {
             .build()
             .unwrap();
         pool.install(|| {
-            let lengths = path_lengths(&scene, &rays, By::Object, &()).unwrap();
+            let lengths = path_lengths(&scene, &rays, Grouping::Object, &()).unwrap();
             let bits: Vec<_> = lengths.iter().map(|length| length.to_bits()).collect();
-            (inside(&scene, &asked, By::Object, &()).unwrap(), bits)
+            (inside(&scene, &asked, Grouping::Object, &()).unwrap(), bits)
         })
     };
     let (one, three) = (answers(1), answers(3));
     assert_eq!(one, three);
     // Few at a time, by one thread alone.
     for (number, few) in asked.chunks(100).enumerate().step_by(20) {
-        let few = inside(&scene, few, By::Object, &()).unwrap().is_inside;
+        let few = inside(&scene, few, Grouping::Object, &())
+            .unwrap()
+            .is_inside;
         assert_eq!(few, one.0.is_inside[200 * number..][..200]);
     }
 }
@@ -544,10 +558,10 @@ impl Watch for Stopped {
 fn both_can_be_stopped_and_need_no_objects() {
     let full = scene(cells());
     let (points, rays) = ([DVec3::ZERO; 3], [Ray::new(DVec3::ZERO, DVec3::X); 3]);
-    let stopped = inside(&full, &points, By::Object, &Stopped).unwrap_err();
+    let stopped = inside(&full, &points, Grouping::Object, &Stopped).unwrap_err();
     assert!(matches!(stopped, Error::Interrupted));
     assert!(matches!(
-        path_lengths(&full, &rays, By::Union, &Stopped),
+        path_lengths(&full, &rays, Grouping::Union, &Stopped),
         Err(Error::Interrupted)
     ));
     let (points_, triangles) = bumpy_sphere(3, 1);
@@ -557,18 +571,20 @@ fn both_can_be_stopped_and_need_no_objects() {
         Err(Error::Interrupted)
     ));
     let empty = scene(Vec::new());
-    let of_nothing = inside(&empty, &points, By::Object, &()).unwrap();
+    let of_nothing = inside(&empty, &points, Grouping::Object, &()).unwrap();
     assert!(of_nothing.is_inside.is_empty());
     assert_eq!(
-        inside(&empty, &points, By::Union, &()).unwrap().is_inside,
+        inside(&empty, &points, Grouping::Union, &())
+            .unwrap()
+            .is_inside,
         [false; 3]
     );
     assert_eq!(
-        path_lengths(&empty, &rays, By::Union, &()).unwrap(),
+        path_lengths(&empty, &rays, Grouping::Union, &()).unwrap(),
         [0.0; 3]
     );
     let none: [Ray; 0] = [];
-    let lengths = path_lengths(&full, &none, By::Object, &()).unwrap();
+    let lengths = path_lengths(&full, &none, Grouping::Object, &()).unwrap();
     assert!(lengths.is_empty());
 }
 

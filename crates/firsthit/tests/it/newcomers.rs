@@ -184,7 +184,7 @@ fn a_picture_of_which_nothing_is_said_is_the_full_form_with_the_defaults() {
         lights,
         environment,
     } = LightRig::Auto.lighting(&camera, DVec3::Z);
-    let lit = scene.clone().with_borrowed_lights(lights);
+    let lit = scene.clone().with_automatic_lights(lights);
     let lit = lit.with_borrowed_environment(environment);
     let shade = Shading {
         upwards: camera.upwards(),

@@ -467,8 +467,8 @@ fn the_fingerprint_sees_what_a_picture_would() {
                 .colored(Object::NEUTRAL),
         ]),
         scene(vec![Object::new(Arc::new(shuffled))]),
-        one().with_borrowed_lights(vec![light]),
-        one().with_lights(vec![light]).with_borrowed_lights(vec![]),
+        one().with_automatic_lights(vec![light]),
+        one().with_lights(vec![light]).with_automatic_lights(vec![]),
     ];
     for scene in &same {
         assert_eq!(scene.fingerprint(), different[0].fingerprint());

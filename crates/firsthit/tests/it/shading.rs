@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use firsthit::channel::kind;
-use firsthit::geometry::{Kind, Value};
+use firsthit::geometry::{SettingsSchema, Value};
 use firsthit::image::Frame;
 use firsthit::render::{Picture, Region};
 use firsthit::scene::{DirectionalLight, PointLight};
@@ -148,7 +148,7 @@ fn depth_cueing_is_linear_between_two_distances_for_every_shader_that_has_it() {
     let scene = ball(sun(DVec3::Z));
     let goal = Color::new(0.25, 0.5, 1.0);
     let mut count = 0;
-    for &Kind {
+    for &SettingsSchema {
         name,
         settings: list,
         ..

@@ -2,7 +2,7 @@
 //! a point is how many of them hold it, those that face inwards less those that face outwards.
 
 use firsthit::measure::{
-    By, FillRule, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
+    FillRule, Grouping, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
     thickness_with,
 };
 use firsthit::nearest::{SignSettings, closest_point, signed_distances, signed_distances_with};
@@ -292,7 +292,7 @@ fn all_measures_have_the_same_inside_by_either_rule() {
                 let name = format!("{} {variant} {}", solid.name, rule.name());
                 let expected: Vec<bool> =
                     points.iter().map(|&p| solid.is_inside(rule, p)).collect();
-                let found = inside_with(rule, scene, &in_world, By::Union, &()).unwrap();
+                let found = inside_with(rule, scene, &in_world, Grouping::Union, &()).unwrap();
                 assert_eq!(found.is_inside, expected, "{name}");
                 let arrays: Vec<_> = in_world.iter().map(DVec3::to_array).collect();
                 let settings = SignSettings {
@@ -342,7 +342,7 @@ fn judge_lengths(solid: &Solid, placed: &Placed, rule: FillRule, points: &[DVec3
         let expected: f64 = stretches.iter().map(|[a, b]| b.max(0.0) - a.max(0.0)).sum();
         let [start, along] = [place.transform_point3(origin), place.transform_vector3(way)];
         let ray = [Ray::new(start, along)];
-        for by in [By::Union, By::Object] {
+        for by in [Grouping::Union, Grouping::Object] {
             let length = path_lengths_with(rule, scene, &ray, by, &()).unwrap()[0];
             assert!(
                 near(length, scale * expected),
@@ -433,7 +433,7 @@ fn a_box_that_is_there_twice_holds_its_middle_and_has_its_own_size() {
     let ray = [Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z)];
     let rule = FillRule::default();
     assert_eq!(
-        path_lengths_with(rule, &scene, &ray, By::Union, &()).unwrap(),
+        path_lengths_with(rule, &scene, &ray, Grouping::Union, &()).unwrap(),
         [1.0]
     );
     assert_eq!(
@@ -536,12 +536,12 @@ fn a_surface_with_one_side_goes_by_parity() {
     let overlap = DVec3::new(0.5, 0.1, 0.2);
     let plane = SectionPlane::new(overlap, DVec3::Z).unwrap();
     for rule in RULES {
-        let found = inside_with(rule, &scene, &[overlap], By::Union, &()).unwrap();
+        let found = inside_with(rule, &scene, &[overlap], Grouping::Union, &()).unwrap();
         assert_eq!(found.is_inside, [false]);
         let cut = section_with(rule, &scene, plane, &()).unwrap();
         assert!(length_in(&cut, overlap - DVec3::X * 9.0, DVec3::X) < 4.0);
         let ray = Ray::new(overlap - DVec3::X * 9.0, DVec3::X);
-        let length = path_lengths_with(rule, &scene, &[ray], By::Union, &()).unwrap()[0];
+        let length = path_lengths_with(rule, &scene, &[ray], Grouping::Union, &()).unwrap()[0];
         assert!(
             near(length, length_in(&cut, ray.origin, ray.direction)),
             "{length}"

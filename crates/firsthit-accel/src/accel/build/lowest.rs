@@ -17,7 +17,7 @@ use crate::memory;
 
 /// A leaf as a node knows it, and its place on the curve.
 #[derive(Clone, Copy)]
-pub(super) struct Seen {
+pub(super) struct LeafOnCurve {
     pub(super) bounds: Box32,
     /// The size of the cube between it and the leaf before: the number of bits of [`gap`](super::morton::Curve::gap).
     pub(super) gap: u32,
@@ -33,8 +33,8 @@ pub(super) fn cut(run: usize, gap: impl Fn(usize) -> u32) -> usize {
 
 /// The nodes over leaves, the root first, children after their parents. The index of a leaf is that in `leaves`. Those above
 /// the half surface `large` are large.
-pub(super) fn nodes(leaves: &[Seen], large: f64) -> Vec<Node> {
-    let is_large = |leaf: &Seen| leaf.bounds.half_area() > large;
+pub(super) fn nodes(leaves: &[LeafOnCurve], large: f64) -> Vec<Node> {
+    let is_large = |leaf: &LeafOnCurve| leaf.bounds.half_area() > large;
     let mut groups = Vec::new();
     let mut at = 0;
     while at < leaves.len() {

@@ -13,7 +13,7 @@
 use super::binary::{self, Primitives};
 use super::binned_sah::{Box32, Item};
 use super::fill::Filling;
-use super::lowest::{Seen, cut, index, nodes};
+use super::lowest::{LeafOnCurve, cut, index, nodes};
 use super::mesh::{Parts, Triangles};
 use super::morton::Curve;
 use super::weld::Sharing;
@@ -45,7 +45,7 @@ pub(super) fn quick(triangles: &Triangles<'_>) -> Parts {
         let end = start + order.len();
         let parts = order.chunks_mut(PART).enumerate();
         let parts = parallel::map(parts, |(k, order)| {
-            let mut part = Part::new(&curve, sharing, start + k * PART, order);
+            let mut part = CurveRange::new(&curve, sharing, start + k * PART, order);
             part.fill(triangles);
             (part.leaves, part.seen)
         });
@@ -105,17 +105,17 @@ fn make_room(leaves: &mut Vec<Meshlet>, more: usize, times: f64) {
 }
 
 /// A part of the triangles along the curve, of which leaves are made.
-struct Part<'a> {
+struct CurveRange<'a> {
     curve: &'a Curve,
     sharing: &'a Sharing<'a>,
     /// The place of the first triangle on the curve.
     start: usize,
     order: &'a mut [u32],
     leaves: Vec<Meshlet>,
-    seen: Vec<Seen>,
+    seen: Vec<LeafOnCurve>,
 }
 
-impl<'a> Part<'a> {
+impl<'a> CurveRange<'a> {
     fn new(curve: &'a Curve, sharing: &'a Sharing<'a>, start: usize, order: &'a mut [u32]) -> Self {
         for (place, &key) in order.iter_mut().zip(&curve.keys()[start..]) {
             *place = curve.triangle(key);
@@ -198,7 +198,7 @@ impl<'a> Part<'a> {
 
     fn push(&mut self, leaf: Meshlet, gap: u32) {
         let bounds = leaf.bounds();
-        self.seen.push(Seen { bounds, gap });
+        self.seen.push(LeafOnCurve { bounds, gap });
         self.leaves.push(leaf);
     }
 }

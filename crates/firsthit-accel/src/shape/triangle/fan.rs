@@ -90,7 +90,7 @@ impl DeparturePoint {
             return None;
         }
         let [from, to] = &own[0].ends;
-        let way = Way {
+        let way = ShortestArc {
             direction: &d,
             ends: [from, to],
             upwards: &plain(outwards * around_one(from).cross(around_one(to))),
@@ -208,14 +208,14 @@ impl Arc {
 }
 
 /// The shortest way from a direction to a point of an arc that is next to its beginning.
-struct Way<'a> {
+struct ShortestArc<'a> {
     direction: &'a DoubleVector<f64>,
     ends: [&'a DoubleVector<f64>; 2],
     /// The direction of the perturbation of `direction`.
     upwards: &'a DoubleVector<f64>,
 }
 
-impl Way<'_> {
+impl ShortestArc<'_> {
     fn crosses(&self, arc: &Arc) -> bool {
         let [from, to] = &arc.ends;
         let p = self.side(from);

@@ -48,7 +48,7 @@ pub(super) fn shader(
 }
 
 fn without_ambient(shader: &Shader) -> Failure {
-    let has_it = |kind: &&firsthit::geometry::Kind| {
+    let has_it = |kind: &&firsthit::geometry::SettingsSchema| {
         let mut names = kind.settings.iter().map(|setting| setting.name);
         names.any(|name| name == AMBIENT)
     };

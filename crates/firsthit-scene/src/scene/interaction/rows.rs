@@ -1,7 +1,7 @@
 //! Many surfaces at a time.
 
 use super::{Geometry, SurfaceInteraction};
-use crate::geometry::rows::{Numbers, ROW, Vectors};
+use crate::geometry::rows::{ROW, Scalars, Vectors};
 use crate::geometry::{DVec2, DVec3, Ray, Transform};
 use crate::scene::Object;
 use crate::shape::mesh::{normal_of, point_of};
@@ -131,7 +131,7 @@ struct ShapeHits {
     count: usize,
     origin: Vectors,
     direction: Vectors,
-    t: Numbers,
+    t: Scalars,
     primitive: [i32; ROW],
 }
 
@@ -140,7 +140,7 @@ impl ShapeHits {
         count: 0,
         origin: Vectors::ZERO,
         direction: Vectors::ZERO,
-        t: Numbers::all(0.0),
+        t: Scalars::all(0.0),
         primitive: [0; ROW],
     };
 

@@ -33,7 +33,7 @@ use crate::scene::{Material, SurfaceInteraction};
 #[derive(Debug, Clone)]
 pub struct Bsdf {
     frame: Frame,
-    kind: Kind,
+    kind: BsdfKind,
     /// The absorption coefficient inside of a clear solid, per scene unit; and whether the surface is seen from outside.
     inside: Option<Color>,
     is_front: bool,
@@ -41,7 +41,7 @@ pub struct Bsdf {
 }
 
 #[derive(Debug, Clone)]
-enum Kind {
+enum BsdfKind {
     /// Lambert's, of this albedo.
     Matte(Color),
     /// The layered model, boxed because it is large and most surfaces are matte.
@@ -126,7 +126,7 @@ impl SurfaceInteraction<'_> {
 }
 
 impl Bsdf {
-    fn new(frame: Frame, kind: Kind) -> Self {
+    fn new(frame: Frame, kind: BsdfKind) -> Self {
         Self {
             frame,
             kind,
@@ -148,13 +148,13 @@ impl Bsdf {
 
     /// A matte BSDF in a frame.
     pub(super) fn even(frame: Frame, color: Color) -> Self {
-        Self::new(frame, Kind::Matte(color))
+        Self::new(frame, BsdfKind::Matte(color))
     }
 
     /// A layered BSDF in a frame.
     pub(super) fn layered(frame: Frame, is_front: bool, layers: &Layers) -> Self {
         let frame = frame.bent();
-        let kind = Kind::Layered(Box::new(Layered::new(&frame, layers, is_front)));
+        let kind = BsdfKind::Layered(Box::new(Layered::new(&frame, layers, is_front)));
         Self {
             inside: layers.absorption.filter(|_| layers.transmission > 0.0),
             ..Self::new(frame, kind)
@@ -171,26 +171,26 @@ impl Bsdf {
     /// Mirror reflection is not in it: see [`branches`](Self::branches).
     pub fn value(&self, towards: DVec3) -> Color {
         match &self.kind {
-            Kind::Matte(color) => Lambertian::new(&self.frame, *color).value(towards),
-            Kind::Layered(layered) => PI * layered.value(&self.frame, towards),
+            BsdfKind::Matte(color) => Lambertian::new(&self.frame, *color).value(towards),
+            BsdfKind::Layered(layered) => PI * layered.value(&self.frame, towards),
         }
     }
 
     /// The probability density with which [`sample`](Self::sample) draws a direction, per steradian. Single directions have none.
     pub fn pdf(&self, towards: DVec3) -> f64 {
         match &self.kind {
-            Kind::Matte(color) => Lambertian::new(&self.frame, *color).pdf(towards),
-            Kind::Layered(layered) => layered.pdf(&self.frame, towards),
+            BsdfKind::Matte(color) => Lambertian::new(&self.frame, *color).pdf(towards),
+            BsdfKind::Layered(layered) => layered.pdf(&self.frame, towards),
         }
     }
 
     /// A direction that light may come from, for three numbers from 0 to 1. `None` where none is scattered.
     pub fn sample(&self, u: [f64; 3]) -> Option<BsdfSample> {
         match &self.kind {
-            Kind::Matte(color) => {
+            BsdfKind::Matte(color) => {
                 Lambertian::new(&self.frame, *color).sample(DVec2::new(u[0], u[1]))
             }
-            Kind::Layered(layered) => layered.sample(&self.frame, u),
+            BsdfKind::Layered(layered) => layered.sample(&self.frame, u),
         }
     }
 
@@ -198,23 +198,23 @@ impl Bsdf {
     /// exact weight of its radiance. They and [`value`](Self::value) are all that the surface scatters.
     pub fn branches(&self) -> impl Iterator<Item = BsdfSample> {
         let branches = match &self.kind {
-            Kind::Matte(_) => [None; 3],
-            Kind::Layered(layered) => layered.branches(&self.frame),
+            BsdfKind::Matte(_) => [None; 3],
+            BsdfKind::Layered(layered) => layered.branches(&self.frame),
         };
         branches.into_iter().flatten()
     }
 
     /// Whether light is scattered evenly in all directions.
     pub fn is_diffuse(&self) -> bool {
-        matches!(self.kind, Kind::Matte(_))
+        matches!(self.kind, BsdfKind::Matte(_))
     }
 
     /// The scattering by itself where it is that of a matte surface.
     #[doc(hidden)]
     pub fn lambertian(&self) -> Option<Lambertian> {
         match self.kind {
-            Kind::Matte(color) => Some(Lambertian::new(&self.frame, color)),
-            Kind::Layered(_) => None,
+            BsdfKind::Matte(color) => Some(Lambertian::new(&self.frame, color)),
+            BsdfKind::Layered(_) => None,
         }
     }
 
@@ -235,7 +235,7 @@ impl Bsdf {
     /// thin walls. Refraction divides radiance by its square.
     pub fn eta(&self, towards: DVec3) -> f64 {
         match &self.kind {
-            Kind::Layered(layered) if towards.dot(self.frame.geometric) < 0.0 => {
+            BsdfKind::Layered(layered) if towards.dot(self.frame.geometric) < 0.0 => {
                 layered.ior.unwrap_or(1.0)
             }
             _ => 1.0,

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::plan::{Plan, Source, TALL};
+use super::plan::{GridSource, Plan, TALL};
 use super::square::Square;
 use super::tile::TileTask;
 use super::tile_rays::SquareRays;
@@ -47,18 +47,18 @@ impl Kernel for Band<'_> {
         let mut near = Vec::new();
         for left in (0..across).step_by(TALL) {
             plan.list_near(first, left, &mut near);
-            let is_loaded = plan.source != Source::Grid;
+            let is_loaded = plan.source != GridSource::Grid;
             if is_loaded {
                 let rays = rays.get_or_insert_default();
                 let corner = [first * TILE, left * TILE];
                 let rows = plan.tiles_down * TILE;
-                if plan.source == Source::Curved {
+                if plan.source == GridSource::Curved {
                     rays.load_directions(plan.rays, &plan.grid, corner, rows);
                 } else {
                     rays.load(plan.rays, &plan.grid, corner, rows);
                 }
             }
-            if let Some(rays) = rays.as_ref().filter(|_| plan.source == Source::Curved)
+            if let Some(rays) = rays.as_ref().filter(|_| plan.source == GridSource::Curved)
                 && near.len() > FEW
             {
                 plan.list_in_cone(rays.cone(plan.tiles_down), &mut near);

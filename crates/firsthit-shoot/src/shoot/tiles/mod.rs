@@ -19,7 +19,7 @@ use crate::scene::Scene;
 use crate::simd;
 use crate::watch::Watch;
 use band::Band;
-use plan::{Plan, Source};
+use plan::{GridSource, Plan};
 
 /// The first hits of rays: by tiles where they are those of a grid of pixels, or near one.
 pub(super) fn trace_hits(
@@ -38,11 +38,11 @@ pub(super) fn trace_hits(
         .picture()
         .filter(|&[rows, columns]| own.is_none() && rows.checked_mul(columns) == Some(rays.len()));
     let (first, grid, source) = match (own, picture) {
-        (Some(grid), _) => (0, Some(grid), Source::Grid),
-        (None, Some(size)) => (0, fit::around(rays, size), Source::Curved),
+        (Some(grid), _) => (0, Some(grid), GridSource::Grid),
+        (None, Some(size)) => (0, fit::around(rays, size), GridSource::Curved),
         (None, None) => match fit::grid(rays) {
-            Some((first, grid)) => (first, Some(grid), Source::Fitted),
-            None => (0, None, Source::Fitted),
+            Some((first, grid)) => (first, Some(grid), GridSource::Fitted),
+            None => (0, None, GridSource::Fitted),
         },
     };
     let pixels = Later { rays, first };

@@ -26,7 +26,7 @@ pub(super) struct Plan<'a> {
     pub(super) scene: &'a Scene,
     pub(super) rays: &'a dyn Rays,
     pub(super) grid: PixelGrid,
-    pub(super) source: Source,
+    pub(super) source: GridSource,
     /// The meshes that tiles can do, the nearest first.
     pub(super) meshes: Vec<Placed>,
     /// Whether an object is in there.
@@ -54,7 +54,7 @@ pub(super) const MOST_SHAPES: usize = 64;
 
 /// The source of a tile's grid of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(super) enum GridSource {
     /// The rays are those of one grid.
     Grid,
     /// The rays are an array's, and near one grid.
@@ -103,9 +103,9 @@ impl<'a> Plan<'a> {
         scene: &'a Scene,
         rays: &'a dyn Rays,
         grid: PixelGrid,
-        source: Source,
+        source: GridSource,
     ) -> Option<Self> {
-        let has_directions = source == Source::Grid && grid.parallel.is_none();
+        let has_directions = source == GridSource::Grid && grid.parallel.is_none();
         if !is_unscaled(&grid) || (has_directions && !has_digits(&grid)) {
             return None;
         }
@@ -114,8 +114,8 @@ impl<'a> Plan<'a> {
         let (mut others, mut are_shapes) = (0, true);
         for (index, object) in (0..).zip(scene.objects()) {
             let place = |bounds: Bounds| match source {
-                Source::Curved => Some(around(&grid, (index, object), bounds)),
-                Source::Grid | Source::Fitted => placed(&grid, (index, object), bounds),
+                GridSource::Curved => Some(around(&grid, (index, object), bounds)),
+                GridSource::Grid | GridSource::Fitted => placed(&grid, (index, object), bounds),
             };
             let follows = scene.leader_of(index) != index;
             if follows || scene.duplicates().contains(index) || object.is_hidden() {
@@ -137,7 +137,7 @@ impl<'a> Plan<'a> {
             _ => Rest::Any,
         };
         // Curved rays know their tiles only later.
-        if source != Source::Curved && costs_more(scene, &grid, &meshes) {
+        if source != GridSource::Curved && costs_more(scene, &grid, &meshes) {
             return None;
         }
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));

@@ -6,7 +6,7 @@
 //!    single rays; so does everything where float32 cannot do the tile.
 
 use super::pixels::Pixels;
-use super::plan::{MOST_SHAPES, Placed, Plan, Rest, Source, camera_of_tile};
+use super::plan::{GridSource, MOST_SHAPES, Placed, Plan, Rest, camera_of_tile};
 use super::square::Square;
 use super::tile_rays::TileRays;
 use crate::accel::{Displacements, TILE, TileFrustum, TileScratch, VisibilityBuffer, fill_buffer};
@@ -59,7 +59,7 @@ impl<'a> TileTask<'a> {
         let rows = (grid.rows - first_row).min(TILE);
         let columns = (grid.columns - first_column).min(TILE);
         let own = match &rays {
-            Some(rays) if plan.source == Source::Curved => {
+            Some(rays) if plan.source == GridSource::Curved => {
                 Some(rays.grid(grid.position, [rows, columns]))
             }
             _ => None,
@@ -159,7 +159,7 @@ impl<'a> TileTask<'a> {
             return false;
         };
         let plan = self.plan;
-        let displacements = (plan.source == Source::Curved).then_some(displacements);
+        let displacements = (plan.source == GridSource::Curved).then_some(displacements);
         let rest = displacements.map_or(off, |_| Displacements::REST);
         let [row, column] = self.tile;
         for &index in near {

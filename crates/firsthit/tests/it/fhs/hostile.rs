@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use firsthit::load::{LoadSettings, load, load_bytes};
-use firsthit::measure::{By, inside, thickness};
-use firsthit::nearest::{Wanted, closest_points, signed_distances};
+use firsthit::measure::{Grouping, inside, thickness};
+use firsthit::nearest::{NearestSettings, closest_points, signed_distances};
 use firsthit::shape::Attribute;
 use firsthit::shoot::{All, Count, Cpu, First, trace_with};
 use firsthit::{
@@ -82,9 +82,9 @@ fn ask_everything(scene: &Scene) {
         trace_with(&engine, scene, &filtered, All::default(), &()).unwrap();
     }
     let _ = std::hint::black_box((
-        closest_points(scene, &points, Wanted::default(), &()),
+        closest_points(scene, &points, NearestSettings::default(), &()),
         signed_distances(scene, &points, &()),
-        inside(scene, &vectors, By::Object, &()),
+        inside(scene, &vectors, Grouping::Object, &()),
         thickness(scene, &points, &()),
         scene.section(DVec3::ZERO, DVec3::Z),
         scene.lint(),

@@ -1,6 +1,6 @@
 //! Distances to triangles against rational arithmetic.
 
-use firsthit::nearest::{Method, Wanted, closest_points_with};
+use firsthit::nearest::{Method, NearestSettings, closest_points_with};
 use firsthit::{DVec3, Object};
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
@@ -88,7 +88,7 @@ fn distances_are_off_by_a_few_units_in_the_last_place() {
         let of_one = scene(vec![Object::new(mesh(&corners, vec![[0, 1, 2]]))]);
         let found = [Method::BruteForce, Method::default()].map(|method| {
             let points = [from.to_array()];
-            closest_points_with(method, &of_one, &points, Wanted::default(), &()).unwrap()
+            closest_points_with(method, &of_one, &points, NearestSettings::default(), &()).unwrap()
         });
         assert_eq!(found[0].distance, found[1].distance);
         let found = found[0].get(0, 0).unwrap();
@@ -157,7 +157,7 @@ fn the_nearest_triangle_is_the_nearest() {
         for _ in 0..4 {
             let from = numbers.point() * [1.0, 3.0][round % 2];
             let points = [from.to_array()];
-            let wanted = Wanted::default();
+            let wanted = NearestSettings::default();
             let found = closest_points_with(Method::default(), &soup, &points, wanted, &());
             let found = found.unwrap().get(0, 0).unwrap();
             let squared = |triangle: usize| {

@@ -6,7 +6,9 @@ mod signed;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use firsthit::nearest::{ClosestPoints, Method, Wanted, closest_points, closest_points_with};
+use firsthit::nearest::{
+    ClosestPoints, Method, NearestSettings, closest_points, closest_points_with,
+};
 use firsthit::watch::Watch;
 use firsthit::{
     Cone, Cuboid, Cylinder, DAffine3, DMat3, DQuat, DVec3, Disc, Error, InstructionSet, Mesh,
@@ -51,20 +53,20 @@ pub(crate) fn checked(scene: &Scene, points: &[[f64; 3]]) -> ClosestPoints {
         }
         judged
     };
-    let nearest = judge(Wanted::default());
+    let nearest = judge(NearestSettings::default());
     let mut distances = nearest.distance.clone();
     distances.sort_by(f64::total_cmp);
     let radius = distances.get(points.len() / 3).copied().unwrap_or(1.0);
     if radius < f64::INFINITY {
-        judge(Wanted { count: 1, radius });
-        judge(Wanted {
+        judge(NearestSettings { count: 1, radius });
+        judge(NearestSettings {
             count: 4,
             radius: 2.0 * radius,
         });
     }
-    let several = judge(Wanted {
+    let several = judge(NearestSettings {
         count: 7,
-        ..Wanted::default()
+        ..NearestSettings::default()
     });
     for (k, object) in several.object.iter().enumerate().step_by(7) {
         assert_eq!(*object, nearest.object[k / 7]);
@@ -240,9 +242,9 @@ fn of_equally_near_ones_the_lower_is_first() {
     triangles.push([6, 7, 8]);
     let one = mesh(&points, triangles);
     let both = scene(vec![Object::new(Arc::clone(&one)), Object::new(one)]);
-    let wanted = Wanted {
+    let wanted = NearestSettings {
         count: 104,
-        ..Wanted::default()
+        ..NearestSettings::default()
     };
     for method in [Method::default(), Method::BruteForce] {
         let found = closest_points_with(method, &both, &[[0.0, 0.0, 0.0]], wanted, &()).unwrap();
@@ -262,7 +264,7 @@ fn of_equally_near_ones_the_lower_is_first() {
 #[test]
 fn a_point_has_no_more_than_there_are() {
     let ball = || Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
-    let wanted = Wanted {
+    let wanted = NearestSettings {
         count: 3,
         radius: 2.0,
     };
@@ -295,11 +297,11 @@ fn what_makes_no_sense_is_refused() {
         let failed = closest_points(scene, &[[0.0; 3]], wanted, &());
         failed.unwrap_err().to_string()
     };
-    let default = Wanted::default();
+    let default = NearestSettings::default();
     assert_eq!(
         fails(
             &ball,
-            Wanted {
+            NearestSettings {
                 count: 0,
                 ..default
             }
@@ -308,11 +310,14 @@ fn what_makes_no_sense_is_refused() {
     );
     for radius in [-1.0, f64::NAN] {
         let expected = format!("radius must be zero or positive, got {radius}");
-        assert_eq!(fails(&ball, Wanted { radius, ..default }), expected);
+        assert_eq!(
+            fails(&ball, NearestSettings { radius, ..default }),
+            expected
+        );
     }
     let huge = fails(
         &ball,
-        Wanted {
+        NearestSettings {
             count: usize::MAX,
             ..default
         },
@@ -345,12 +350,12 @@ fn the_number_of_threads_does_not_matter_and_a_watch_ends_it() {
     let points: Vec<[f64; 3]> = (0..5000).map(|_| numbers.point().to_array()).collect();
     let by = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        let found = || closest_points(&ball, &points, Wanted::default(), &()).unwrap();
+        let found = || closest_points(&ball, &points, NearestSettings::default(), &()).unwrap();
         bits(&pool.build().unwrap().install(found))
     };
     assert_eq!(by(1), by(3));
     let stopped = Stopped(AtomicBool::new(false));
-    let failed = closest_points(&ball, &points, Wanted::default(), &stopped);
+    let failed = closest_points(&ball, &points, NearestSettings::default(), &stopped);
     assert!(matches!(failed.unwrap_err(), Error::Interrupted));
 }
 

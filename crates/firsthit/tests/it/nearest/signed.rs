@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use firsthit::measure::{By, FillRule, Rule, inside};
-use firsthit::nearest::{Method, SignSettings, Wanted, closest_point, closest_points};
+use firsthit::measure::{FillRule, Grouping, Rule, inside};
+use firsthit::nearest::{Method, NearestSettings, SignSettings, closest_point, closest_points};
 use firsthit::nearest::{signed_distances, signed_distances_from, signed_distances_with};
 use firsthit::{
     AlphaMode, Color, Cuboid, Cylinder, DQuat, DVec3, Disc, Object, Plane, Sphere, Transform,
@@ -165,7 +165,7 @@ fn an_empty_mesh_has_no_inside_and_is_not_open() {
         signed_distances(&nothing, &points, &()).unwrap(),
         [f64::INFINITY; 2]
     );
-    let is_inside = inside(&nothing, &[DVec3::ZERO], By::Union, &()).unwrap();
+    let is_inside = inside(&nothing, &[DVec3::ZERO], Grouping::Union, &()).unwrap();
     assert_eq!(is_inside.is_inside, [false]);
 }
 
@@ -175,7 +175,7 @@ fn signs_of_known_distances_are_those_of_a_search() {
     let ball = scene(vec![Object::new(mesh(&points, triangles))]);
     let mut numbers = Numbers::new(11);
     let asked: Vec<_> = (0..600).map(|_| numbers.point().to_array()).collect();
-    let nearest = closest_points(&ball, &asked, Wanted::default(), &()).unwrap();
+    let nearest = closest_points(&ball, &asked, NearestSettings::default(), &()).unwrap();
     let signed = signed_distances_from(
         SignSettings::default(),
         &ball,
