@@ -77,7 +77,7 @@ def test_a_report_s_picture_and_hits_are_the_program_s(report: Page, tmp_path: P
     assert np.array_equal(pixels(report), rendered)
     rows, columns = shape(report)
     told = hover(report, rows // 2, columns // 2)
-    probe = ["probe", "cube.obj", *asked, "--pixel", f"{columns // 2},{rows // 2}", "--json"]
+    probe = ["probe", "cube.obj", *asked, "--pixel", f"{rows // 2},{columns // 2}", "--json"]
     said = subprocess.run([PROGRAM, *probe], cwd=tmp_path, check=True, capture_output=True)
     hit = json.loads(said.stdout)["hit"]
     assert float(line(told, "t")) == hit["t"]

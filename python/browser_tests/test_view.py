@@ -159,7 +159,7 @@ def test_a_pixel_says_what_probe_says(page: Page, viewer: Viewer) -> None:
     for row, column in [(rows // 2, columns // 2), (rows // 2 + 31, columns // 2 - 40), (1, 1)]:
         told = hover(page, row, column)
         said = program(
-            viewer, "probe", "cube.obj", *camera(page), "--pixel", f"{column},{row}", "--json"
+            viewer, "probe", "cube.obj", *camera(page), "--pixel", f"{row},{column}", "--json"
         )
         expected = json.loads(said)
         assert line(told, "pixel") == f"({row}, {column})"
@@ -623,7 +623,7 @@ def test_the_chapter_follows_a_ray(page: Page, viewer: Viewer) -> None:
     # The same camera by the program: rays start on the viewplane.
     options = camera(page)
     assert options[options.index("--focal-length") + 1] == "2"
-    told = json.loads(program(viewer, "probe", "cube.obj", *options, "--pixel", "2,1", "--json"))
+    told = json.loads(program(viewer, "probe", "cube.obj", *options, "--pixel", "1,2", "--json"))
     assert told["hit"]["t"] == 2.0
     page["chapter-orthographic"].click()
     page.settle()

@@ -72,13 +72,13 @@ def test_a_pixel_is_that_of_a_camera():
     hits = scene.shoot(camera)
     for row in range(5):
         for column in range(7):
-            story = scene.explain(camera, pixel=(column, row))
+            story = scene.explain(camera, pixel=(row, column))
             found = -1 if story.hit is None else story.hit["object"]
             assert found == hits.object[row, column]
             if found >= 0:
                 assert story.hit["t"] == hits.t[row, column]
                 assert story.to_dict()["pixel"]["z"] == hits.z[row, column]
-    limited = scene.explain(camera, pixel=(3, 2), t_max=1.0, cull="front")
+    limited = scene.explain(camera, pixel=(2, 3), t_max=1.0, cull="front")
     assert limited.hit is None
     assert limited.to_dict()["ray"]["cull"] == "front"
 
@@ -129,8 +129,8 @@ def test_what_makes_no_sense_is_refused():
     scene.add(fh.Sphere((0, 0, 0), 1))
     camera = fh.Camera.look_at((0, -9, 3), (0, 0, 0), (0, 0, 1), 40, 5, 7)
     up = (0, 0, 1)
-    with pytest.raises(ValueError, match="7 x 5, from 0,0 to 6,4"):
-        scene.explain(camera, pixel=(7, 0))
+    with pytest.raises(ValueError, match="5 rows and 7 columns, from 0,0 to 4,6"):
+        scene.explain(camera, pixel=(0, 7))
     with pytest.raises(ValueError, match="one of the picture"):
         scene.explain(camera, pixel=(-1, 0))
     with pytest.raises(ValueError, match="pixel must be given"):

@@ -23,7 +23,7 @@ Examples:
   firsthit diff all.npz again.exr       whether two outputs are the same
   firsthit section part.stl --normal 0,0,1 -o cut.svg
   firsthit lint part.stl                whether it has holes, flipped faces, ...
-  firsthit probe part.stl --pixel 640,360
+  firsthit probe part.stl --pixel 360,640
   firsthit scan city.glb --lidar VLP-16 a lidar's point cloud
   firsthit dataset plan.toml -o out/    all frames and annotations of a plan
   firsthit parts out/                   which frames are there, which missing
@@ -158,10 +158,10 @@ meshes. A plane and a disc hold nothing."
 
 pub(crate) const PROBE_EXAMPLES: &str = "\
 Examples:
-  firsthit probe part.stl --pixel 512,384
-  firsthit probe part.stl --pixel 512,384 --view front --size 1024x768
+  firsthit probe part.stl --pixel 384,512
+  firsthit probe part.stl --pixel 384,512 --view front --size 1024x768
   firsthit probe part.stl --ray 0,0,10,0,0,-1 --all
-  firsthit probe scene.toml --pixel 20,30 --hide glass --json
+  firsthit probe scene.toml --pixel 30,20 --hide glass --json
 
 Each object has one reason why it is or is not the hit. Its box is the one around it along the axes of the world. A t has all its \
 digits, places as many as tell them to a millionth of the scene's size, other numbers six; --json has all digits. Exit code 0 also if the ray meets nothing.";

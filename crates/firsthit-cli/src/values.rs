@@ -163,13 +163,13 @@ pub(crate) fn ray(text: &str) -> Result<(DVec3, DVec3), String> {
     Ok((DVec3::new(a, b, c), DVec3::new(x, y, z)))
 }
 
-/// A pixel: its column and its row.
-pub(crate) fn pixel(text: &str) -> Result<(usize, usize), String> {
+/// A pixel: its row and its column.
+pub(crate) fn pixel(text: &str) -> Result<[usize; 2], String> {
     let parse = |part: &str| part.trim().parse::<usize>().ok();
     let both = text
         .split_once(',')
-        .and_then(|(column, row)| Some((parse(column)?, parse(row)?)));
-    both.ok_or_else(|| "expected a column and a row, whole numbers from 0, such as 640,360".into())
+        .and_then(|(row, column)| Some([parse(row)?, parse(column)?]));
+    both.ok_or_else(|| "expected a row and a column, whole numbers from 0, such as 360,640".into())
 }
 
 /// Linear numbers, or sRGB in the ways of CSS.
@@ -292,7 +292,7 @@ pub(crate) fn light(text: &str) -> Result<LightArg, String> {
     Ok(LightArg::Light(light))
 }
 
-/// `WxH`: columns and rows.
+/// `COLUMNSxROWS`.
 pub(crate) fn pixels(text: &str) -> Result<(usize, usize), String> {
     let parse = |part: &str| part.trim().parse::<usize>().ok().filter(|&n| n >= 1);
     let both = text
@@ -301,7 +301,7 @@ pub(crate) fn pixels(text: &str) -> Result<(usize, usize), String> {
     both.ok_or_else(|| "expected columns and rows, at least 1 of each, such as 720x480".into())
 }
 
-/// `WxH` in scene units.
+/// `WIDTHxHEIGHT` in scene units.
 pub(crate) fn lengths(text: &str) -> Result<(f64, f64), String> {
     let form = "a width and a height, both positive, such as 36x24";
     let [width, height] = numbers::<2>(text, 'x', form)?;

@@ -58,7 +58,7 @@ impl Viewer {
                 });
             }
         }
-        let explained = explain_pixel(&scene, &camera, [column, row], &settings, watch)?;
+        let explained = explain_pixel(&scene, &camera, asked.pixel, &settings, watch)?;
         let mut told = explanation::json(&explained);
         if let Some(fields) = told.as_object_mut() {
             fields.remove("candidates");

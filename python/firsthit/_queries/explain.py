@@ -185,12 +185,12 @@ def _one_filter(filters: Filters | None) -> _firsthit._Filters | None:
 
 
 def _pixel(pixel: tuple[int, int] | None) -> tuple[int, int]:
-    """Return a pixel's column and row."""
+    """Return a pixel's row and column."""
     if pixel is None:
         raise ValueError("pixel must be given with a camera")
     if not isinstance(pixel, tuple | list) or len(pixel) != 2:
-        raise ValueError(f"pixel must be a pair (column, row), got {pixel!r}")
-    column, row = (index("pixel", part) for part in pixel)
-    if column < 0 or row < 0:
+        raise ValueError(f"pixel must be a pair (row, column), got {pixel!r}")
+    row, column = (index("pixel", part) for part in pixel)
+    if row < 0 or column < 0:
         raise ValueError(f"pixel must be one of the picture, got {pixel!r}")
-    return column, row
+    return row, column

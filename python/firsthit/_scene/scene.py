@@ -1510,7 +1510,7 @@ class Scene(Traceable):
             The ray, in world space. Instead of both, a `Camera` with a ``pixel``, or
             `LeavingRays` (`Hits.leave`) of the shape ``()``.
         pixel : pair of int, optional
-            Of a camera: the column from the left and the row from the top, both from 0. The ray
+            Of a camera: the row from the top and the column from the left, both from 0. The ray
             goes through the pixel's centre.
         t_min, t_max, mask, cull, skip, objects, blend_below
             As for `shoot`, for this ray.

@@ -58,7 +58,7 @@ pub(crate) struct CameraArgs {
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, requires = "viewplane", allow_hyphen_values = true)]
     pub(crate) focal_length: Option<f64>,
     /// The viewplane's width and height, in scene units
-    #[arg(long, value_name = "WxH", value_parser = values::lengths, allow_hyphen_values = true)]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = values::lengths, allow_hyphen_values = true)]
     pub(crate) viewplane: Option<(f64, f64)>,
     /// The diameter of the lens, in scene units: colours are sharp at --focus, and blurred nearer and farther. Needs --samples, 64
     /// or more for a smooth blur. All other channels stay those of a pinhole [default: 0, a pinhole, or the file's]
@@ -100,7 +100,7 @@ pub(crate) struct CameraArgs {
     pub(crate) ray_start: Option<RayStartArg>,
     /// Columns and rows of pixels [default: 1024x768; with --viewplane as many rows as make square pixels; 1024x512 of a
     /// panorama]
-    #[arg(long, value_name = "WxH", value_parser = values::pixels, allow_hyphen_values = true)]
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::pixels, allow_hyphen_values = true)]
     pub(crate) size: Option<(usize, usize)>,
 }
 

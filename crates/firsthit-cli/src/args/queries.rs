@@ -291,10 +291,10 @@ pub(crate) struct LintArgs {
 pub(crate) struct ProbeArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
-    /// The pixel through whose centre the ray goes: its column from the left and its row from the top, both from 0. The picture is
+    /// The pixel through whose centre the ray goes: its row from the top and its column from the left, both from 0. The picture is
     /// that of firsthit render with the same options
-    #[arg(long, value_name = "X,Y", value_parser = values::pixel, allow_hyphen_values = true)]
-    pub(crate) pixel: Option<(usize, usize)>,
+    #[arg(long, value_name = "ROW,COLUMN", value_parser = values::pixel, allow_hyphen_values = true)]
+    pub(crate) pixel: Option<[usize; 2]>,
     /// The ray itself: its origin and its direction, of any length
     #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", value_parser = values::ray, allow_hyphen_values = true,
         conflicts_with_all = ["camera", "colmap", "image", "view", "position", "aim", "look_at", "up", "fov", "fov_axis", "focal_length",

@@ -68,7 +68,7 @@ fn probe<'a>(
     }
     let base = of_file(&args.camera, model)?;
     let chosen = camera(&args.camera, (&args.file, &base), scene, model)?;
-    let (column, row) = args.pixel.unwrap_or_default();
-    let explained = explain_pixel(scene, &chosen.camera, [column, row], &settings, watch)?;
+    let pixel = args.pixel.unwrap_or_default();
+    let explained = explain_pixel(scene, &chosen.camera, pixel, &settings, watch)?;
     Ok((explained, chosen.guessed))
 }

@@ -190,7 +190,7 @@ fn impossible_cameras_are_refused_by_their_parameter() {
             "cannot be used with",
         ),
         ("--convention ros", "--intrinsics <FX,FY,CX,CY[,SKEW]>"),
-        ("--focal-length 3", "--viewplane <WxH>"),
+        ("--focal-length 3", "--viewplane <WIDTHxHEIGHT>"),
         (
             "--focal-length 0 --viewplane 3x2",
             "expected a positive number",
@@ -428,7 +428,7 @@ fn an_image_of_a_colmap_reconstruction_is_a_camera() {
     // Its picture in another size, and options that override it.
     assert_eq!(of("from above.png", "--size 10x6")["z"].shape, [6, 10]);
     assert_eq!(of("from above.png", "--position 0,0,7")["z"].values[7], 7.0);
-    let probed = lab.ok("probe square.ply --pixel 2,1 --colmap sparse --image near/by.png --json");
+    let probed = lab.ok("probe square.ply --pixel 1,2 --colmap sparse --image near/by.png --json");
     let probed = String::from_utf8_lossy(&probed.stdout).into_owned();
     assert!(
         probed.contains("\"z\": 3") || probed.contains("\"z\":3"),

@@ -137,7 +137,7 @@ fn a_pixel_is_that_of_the_picture_with_the_same_options() {
         let (row, column) = (k / 8, k % 8);
         let story = story(
             &lab,
-            &format!("squares.obj {camera} --pixel {column},{row}"),
+            &format!("squares.obj {camera} --pixel {row},{column}"),
         );
         let hit = &story["hit"];
         if *object < 0.0 {
@@ -150,7 +150,7 @@ fn a_pixel_is_that_of_the_picture_with_the_same_options() {
             assert_eq!(
                 hit[name].as_f64(),
                 Some(of(name)),
-                "{name} at {column},{row}"
+                "{name} at {row},{column}"
             );
         }
         for name in ["range", "z"] {
@@ -164,9 +164,9 @@ fn a_pixel_is_that_of_the_picture_with_the_same_options() {
     }
     assert!(hits > 4, "{hits}");
     lab.fails(
-        &format!("probe squares.obj {camera} --pixel 8,0"),
+        &format!("probe squares.obj {camera} --pixel 0,8"),
         2,
-        "there are 8 x 6, from 0,0 to 7,5",
+        "there are 6 rows and 8 columns, from 0,0 to 5,7",
     );
 }
 
@@ -207,15 +207,15 @@ fn what_cannot_be_asked_is_refused() {
     lab.fails(
         "probe squares.obj",
         2,
-        "<--pixel <X,Y>|--ray <OX,OY,OZ,DX,DY,DZ>>",
+        "<--pixel <ROW,COLUMN>|--ray <OX,OY,OZ,DX,DY,DZ>>",
     );
     lab.fails(
         "probe squares.obj --pixel 1,1 --ray 0,0,1,0,0,1",
         2,
         "cannot be used with",
     );
-    lab.fails("probe squares.obj --pixel 1", 2, "such as 640,360");
-    lab.fails("probe squares.obj --pixel=-1,2", 2, "such as 640,360");
+    lab.fails("probe squares.obj --pixel 1", 2, "such as 360,640");
+    lab.fails("probe squares.obj --pixel=-1,2", 2, "such as 360,640");
     lab.fails("probe squares.obj --ray 1,2,3", 2, "six finite numbers");
     lab.fails(
         "probe squares.obj --ray 0,0,5,0,0,-1 --view top",
@@ -227,7 +227,7 @@ fn what_cannot_be_asked_is_refused() {
         2,
         "--t-max must be above --t-min",
     );
-    lab.fails("probe squares.obj --pixel 5000,0", 2, "1024 x 768");
+    lab.fails("probe squares.obj --pixel 0,5000", 2, "768 rows and 1024 columns");
     lab.fails("probe none.obj --pixel 0,0", 3, "none.obj");
 }
 
@@ -295,7 +295,7 @@ fn node_mesh_and_material_are_those_of_the_channels() {
         if *object < 0.0 {
             continue;
         }
-        let pixel = format!("--pixel {},{}", k % 12, k / 12);
+        let pixel = format!("--pixel {},{}", k / 12, k % 12);
         if !seen.insert(channels.map(|channel| all[channel].values[k].to_bits())) {
             continue;
         }

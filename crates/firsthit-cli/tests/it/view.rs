@@ -200,7 +200,7 @@ fn a_pixel_says_what_probe_prints() {
     let said = page.json("/camera", &json!({"camera": camera}));
     let told = page.json("/probe", &json!({"camera": camera, "pixel": [20, 30]}));
     let arguments = format!(
-        "probe square.ply --pixel 30,20 {}",
+        "probe square.ply --pixel 20,30 {}",
         said["command"].as_str().unwrap()
     );
     let printed: Value =

@@ -10,22 +10,22 @@ use crate::watch::Watch;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Pixel {
-    /// The column, from the left, from 0.
-    pub column: usize,
     /// The row, from the top, from 0.
     pub row: usize,
-    /// The number of pixels across.
-    pub columns: usize,
+    /// The column, from the left, from 0.
+    pub column: usize,
     /// The number of pixels down.
     pub rows: usize,
+    /// The number of pixels across.
+    pub columns: usize,
     /// The hit's distance from the camera's position, along the ray; infinity for a miss.
     pub range: f64,
     /// The hit's distance from the camera's position, along the camera's aim; infinity for a miss.
     pub z: f64,
 }
 
-/// Explains the ray through the centre of a camera's pixel, as [`explain`] does a ray. The pixel is its column from the left and
-/// its row from the top, both from 0.
+/// Explains the ray through the centre of a camera's pixel, as [`explain`] does a ray. The pixel is its row from the top and
+/// its column from the left, both from 0.
 ///
 /// ```
 /// use firsthit::explain::{ExplainSettings, explain_pixel};
@@ -44,25 +44,25 @@ pub struct Pixel {
 pub fn explain_pixel<'a>(
     scene: &'a Scene,
     camera: &Camera,
-    [column, row]: [usize; 2],
+    [row, column]: [usize; 2],
     settings: &ExplainSettings,
     watch: &dyn Watch,
 ) -> Result<Explanation<'a>> {
     let (columns, rows) = (camera.columns(), camera.rows());
     if column >= columns || row >= rows {
-        let (last, lowest) = (columns - 1, rows - 1);
+        let (lowest, last) = (rows - 1, columns - 1);
         let got =
-            format!("{column},{row}; there are {columns} x {rows}, from 0,0 to {last},{lowest}");
+            format!("{row},{column}; there are {rows} rows and {columns} columns, from 0,0 to {lowest},{last}");
         return Err(Error::argument("pixel", "one of the picture", got));
     }
     let mut explanation = explain(scene, &camera.ray(row, column), settings, watch)?;
     let t = explanation.hit.as_ref().map(|hit| hit.hit.t);
     let of_hit = |distance: &dyn Fn(f64) -> f64| t.map_or(f64::INFINITY, distance);
     explanation.pixel = Some(Pixel {
-        column,
         row,
-        columns,
+        column,
         rows,
+        columns,
         range: of_hit(&|t| camera.range(row, column, t)),
         z: of_hit(&|t| camera.z(row, column, t)),
     });

@@ -18,14 +18,14 @@ pub fn text(explained: &Explanation<'_>, all: bool) -> String {
     let mut lines = Vec::new();
     if let Some(pixel) = &explained.pixel {
         let Pixel {
-            column,
             row,
-            columns,
+            column,
             rows,
+            columns,
             ..
         } = pixel;
         lines.push(format!(
-            "pixel      {column},{row} of {columns} x {rows}, from the left and from the top"
+            "pixel      {row},{column} (row, column) of {columns} x {rows}"
         ));
     }
     lines.extend(ray_lines(explained));
@@ -160,10 +160,10 @@ fn list(numbers: &[f64]) -> String {
 
 fn pixel_json(pixel: &Pixel) -> Value {
     json!({
-        "column": pixel.column,
         "row": pixel.row,
-        "columns": pixel.columns,
+        "column": pixel.column,
         "rows": pixel.rows,
+        "columns": pixel.columns,
         "range": pixel.range,
         "z": pixel.z,
     })

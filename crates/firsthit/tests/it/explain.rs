@@ -425,7 +425,7 @@ fn a_pixel_is_that_of_the_picture() {
     let settings = ExplainSettings::default();
     for row in 0..6 {
         for column in 0..9 {
-            let story = explain_pixel(&scene, &camera, [column, row], &settings, &()).unwrap();
+            let story = explain_pixel(&scene, &camera, [row, column], &settings, &()).unwrap();
             let expected = frame.get(9 * row + column);
             let found = story.hit.as_ref().map_or(Hit::MISS, |hit| hit.hit);
             assert_eq!(bits(&found), bits(&expected));
@@ -434,10 +434,10 @@ fn a_pixel_is_that_of_the_picture() {
             assert_eq!(pixel.z, camera.z(row, column, expected.t));
         }
     }
-    for outside in [[9, 0], [0, 6], [usize::MAX; 2]] {
+    for outside in [[0, 9], [6, 0], [usize::MAX; 2]] {
         let refused = explain_pixel(&scene, &camera, outside, &settings, &()).unwrap_err();
         let refused = refused.to_string();
-        assert!(refused.contains("9 x 6, from 0,0 to 8,5"), "{refused}");
+        assert!(refused.contains("6 rows and 9 columns, from 0,0 to 5,8"), "{refused}");
     }
     // The ends that are asked for are those of the ray, a pixel's too.
     let settings = ExplainSettings {
@@ -445,7 +445,7 @@ fn a_pixel_is_that_of_the_picture() {
         t_max: Some(2.0),
         ..settings
     };
-    let story = explain_pixel(&scene, &camera, [4, 2], &settings, &()).unwrap();
+    let story = explain_pixel(&scene, &camera, [2, 4], &settings, &()).unwrap();
     assert_eq!((story.ray.t_min, story.ray.t_max), (-1.0, 2.0));
     assert_eq!(story.counts(), [(Reason::BeyondEnd, 1)]);
     let pixel = story.pixel.unwrap();
