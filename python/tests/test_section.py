@@ -91,7 +91,7 @@ def test_files_say_what_the_section_says(tmp_path):
         np.testing.assert_array_equal(read["points"], polyline.points)
         np.testing.assert_array_equal(read["points_2d"], polyline.points_2d)
         np.testing.assert_array_equal(read["primitives"], polyline.primitives)
-        assert (read["area"], read["closed"]) == (polyline.area, polyline.is_closed)
+        assert (read["area"], read["is_closed"]) == (polyline.area, polyline.is_closed)
         assert (curve.is_closed, curve.dxf.layer) == (polyline.is_closed, "object-0")
         corners = [tuple(vertex.dxf.location)[:2] for vertex in curve.vertices]
         np.testing.assert_array_equal(corners, polyline.points_2d)

@@ -51,7 +51,7 @@ impl Solids {
                 json!({
                     "triangles": shell.triangles,
                     "bounds": [low.to_array(), high.to_array()],
-                    "closed": shell.is_closed,
+                    "is_closed": shell.is_closed,
                     "area": shell.area_in(transform),
                     "volume": shell.volume_in(transform),
                 })
@@ -59,7 +59,7 @@ impl Solids {
             .collect();
         *room -= shells.len();
         vec![
-            ("closed", json!(solid.is_closed)),
+            ("is_closed", json!(solid.is_closed)),
             ("area", json!(solid.area_in(transform))),
             ("volume", json!(solid.volume_in(transform))),
             ("shells", json!(shells)),

@@ -390,7 +390,7 @@ fn a_mesh_has_its_area_its_volume_and_its_shells() {
         assert!(text.lines().any(|other| other == line), "{line}: {text}");
     }
     let object = &info(&lab, "two.obj")["objects"][0];
-    assert_eq!(object["closed"], true);
+    assert_eq!(object["is_closed"], true);
     assert_eq!(
         (&object["area"], &object["volume"]),
         (&json!(30.0), &json!(9.0))

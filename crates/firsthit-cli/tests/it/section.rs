@@ -23,7 +23,7 @@ fn a_cube_is_cut_through_its_middle_across_up() {
     let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
     assert_eq!(report["origin"], json!([-0.5, 0.5, 0.5]));
     assert_eq!(report["normal"], json!([0.0, 0.0, 1.0]));
-    assert_eq!((&report["closed"], &report["open"]), (&json!(1), &json!(0)));
+    assert_eq!((&report["closed_polylines"], &report["open_polylines"]), (&json!(1), &json!(0)));
     assert_eq!(
         (&report["segments"], &report["warnings"]),
         (&json!(8), &json!([]))
@@ -49,7 +49,7 @@ fn a_cube_is_cut_through_its_middle_across_up() {
     };
     let lengths =
         ["points", "points_2d", "primitives"].map(|key| polyline[key].as_array().unwrap().len());
-    assert_eq!((lengths, &polyline["closed"]), ([8; 3], &json!(true)));
+    assert_eq!((lengths, &polyline["is_closed"]), ([8; 3], &json!(true)));
     let text = lab.ok("section cube.ply").stderr;
     assert!(
         text.contains("curves     1 closed, 0 open, 8 segments"),

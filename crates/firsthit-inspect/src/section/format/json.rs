@@ -37,7 +37,7 @@ fn one(section: &Section, polyline: &Polyline<'_>) -> Value {
     let in_plane: Vec<[f64; 2]> = (section.in_plane(polyline)).map(|p| p.to_array()).collect();
     json!({
         "object": polyline.object,
-        "closed": polyline.is_closed,
+        "is_closed": polyline.is_closed,
         "area": polyline.area(section.plane()),
         "length": polyline.length(),
         "points": points,
