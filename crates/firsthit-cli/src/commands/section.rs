@@ -29,9 +29,6 @@ pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Fa
         let rule = args.fill.rule.unwrap_or_default();
         let cut = section_with(rule, &loaded.scene, plane(args, &loaded)?, &watch)?;
         warn(cut.warnings());
-        if cut.is_empty() {
-            warn(&["the plane cuts nothing"]);
-        }
         for path in &args.output {
             cut.save(path, &watch)?;
         }

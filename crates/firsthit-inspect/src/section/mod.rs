@@ -251,6 +251,9 @@ pub fn section_with(
         .warnings
         .extend(reasons.iter().filter_map(Reason::line));
     section.warnings.extend(section.gap_warning());
+    if section.is_empty() {
+        section.warnings.push("the plane cuts nothing".to_owned());
+    }
     Ok(section)
 }
 
