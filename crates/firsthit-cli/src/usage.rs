@@ -21,7 +21,9 @@ pub(crate) fn report(error: &Error) -> u8 {
             let _ = error.print();
         }
         _ => {
-            let line = file_for_command(error).unwrap_or_else(|| line(error));
+            let line = file_for_command(error)
+                .or_else(|| elsewhere(error))
+                .unwrap_or_else(|| line(error));
             end_report_with_error(&line, USAGE);
             say(format_args!("firsthit: error: {line}"));
         }
@@ -65,6 +67,18 @@ fn file_for_command(error: &Error) -> Option<String> {
     Some(format!(
         "{shown} is a file, not a command; did you mean firsthit {command} {typed}? see --help"
     ))
+}
+
+/// The message for an option that there is under no name: what has it instead.
+fn elsewhere(error: &Error) -> Option<String> {
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else {
+        return None;
+    };
+    let is_bar = ["--color-bar", "--colour-bar", "--colorbar", "--colourbar"].contains(&&**option);
+    let is_unknown = error.kind() == ErrorKind::UnknownArgument;
+    (is_bar && is_unknown).then(|| {
+        format!("unexpected argument '{option}': plot() of the Python package draws a bar of colours, a file has none")
+    })
 }
 
 /// clap's message and tips; its usage is left to `--help`.

@@ -162,6 +162,10 @@ fn wrong_usage_is_one_line_with_a_way_on() {
             "unexpected argument '--fob' found; tip: a similar argument exists: '--fov'",
         ),
         (
+            "render square.ply --colour-bar",
+            "'--colour-bar': plot() of the Python package draws a bar of colours",
+        ),
+        (
             "render square.ply --size 3x3 --size 4x4",
             "cannot be used multiple times",
         ),
