@@ -120,7 +120,7 @@ def test_the_returns_are_those_of_the_lidar_bit_for_bit(room, capsys, options):
 HOW = {
     "--returns all --max-returns 1": {"returns": "all", "max_returns": 1},
     "--returns last --range-gate 0.5": {"returns": "last", "range_gate": 0.5},
-    "--divergence 3 --subrays 7 --range-gate 0.1 --returns strongest --intensity": {
+    "--divergence 0.003 --subrays 7 --range-gate 0.1 --returns strongest --intensity": {
         "divergence": 0.003,
         "subrays": 7,
         "range_gate": 0.1,
@@ -526,7 +526,7 @@ def test_a_joined_scan_says_of_what_it_is(room):
 def test_the_help_names_every_option_with_its_unit():
     text = command._parser().format_help()
     units = {
-        "divergence": "milliradians",
+        "divergence": "RADIANS",
         "position": "scene units",
         "min-range": "scene units",
         "max-range": "scene units",

@@ -39,7 +39,7 @@ Examples:
   firsthit scan hall.ply --raster 70,40 --rows 96 --columns 160 -o hall.npz
   firsthit scan yard.ply --rosette 38.4 --frequencies 121.6,-77.7 \\
       --points 10000 --point-rate 100000 --turns 5 -o yard.pcd
-  firsthit scan wood.obj --lidar HDL-32E --divergence 3 --range-gate 0.3 --returns all \\
+  firsthit scan wood.obj --lidar HDL-32E --divergence 0.003 --range-gate 0.3 --returns all \\
       --noise 0.02 --seed 1 -o wood.laz -o wood.npz
 
 Lengths are in the unit of the 3D file. Azimuths count from forwards to the
@@ -87,9 +87,9 @@ def _add_returns(parser: Parser) -> None:
     )
     add(
         "--divergence",
-        metavar="MRAD",
+        metavar="RADIANS",
         type=numbers(1),
-        help="the full angle of a beam's cone, in milliradians [default: a beam is a line]",
+        help="the full angle of a beam's cone, such as 0.003 [default: a beam is a line]",
     )
     add(
         "--subrays",
@@ -299,8 +299,6 @@ def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
         for name in ("divergence", "range_gate", "min_range", "max_range", "dropout")
         for value in [getattr(arguments, name)]
     }
-    if given["divergence"] is not None:
-        given["divergence"] /= 1000.0
     if given["max_range"] is None:
         given["max_range"] = float("inf")
     noise = arguments.noise
