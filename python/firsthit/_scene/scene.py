@@ -430,11 +430,6 @@ class Scene(Traceable):
         bounds = self._native().bounds()
         return np.full((2, 3), np.nan) if bounds is None else np.array(bounds)
 
-    @property
-    def build(self) -> Build:
-        """The trade-off for building trees: ``"auto"``, ``"fast"`` or ``"best"``."""
-        return self._build_as
-
     def move(
         self,
         identifier: ObjectKey | Sequence[ObjectKey] | npt.NDArray[np.integer[Any]],
