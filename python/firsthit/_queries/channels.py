@@ -567,6 +567,8 @@ class Channels:
         for known in _OF_A_CAMERA:
             if known == name:
                 return self.channel(known)
+        if name == "depth" and name not in self.attributes:
+            raise ValueError(f"depth is no channel{hint(name, self.channels)}")
         return self.attribute(attribute_of(name) or name)
 
     def __bool__(self) -> bool:
