@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-use firsthit::channel::{self, Kind, RAY};
-use firsthit::image::{self, Data, Frame, Metadata, Numbers, Origin, WriteSettings};
+use firsthit::channel::{self, ChannelKind, RAY};
+use firsthit::image::{self, ArrayValues, Data, Frame, Metadata, Origin, WriteSettings};
 use firsthit::render::{BACKGROUND, Picture, Region, SAMPLES, work};
 use firsthit::sensor::Sensor;
 use firsthit::shoot::Cpu;
@@ -38,14 +38,14 @@ impl DisplayIn {
 }
 
 /// The kinds of some channels.
-fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<Cow<'static, Kind>>> {
+fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<Cow<'static, ChannelKind>>> {
     let kinds = channels.iter().map(|name| channel::asked(name));
     kinds
         .collect::<firsthit::Result<_>>()
         .map_err(|error| raise(py, &error))
 }
 
-fn references<'a>(kinds: &'a [Cow<'static, Kind>]) -> Vec<&'a Kind> {
+fn references<'a>(kinds: &'a [Cow<'static, ChannelKind>]) -> Vec<&'a ChannelKind> {
     kinds.iter().map(|kind| &**kind).collect()
 }
 
@@ -182,11 +182,12 @@ pub(crate) fn render_more<'py>(
 #[pyfunction]
 pub(crate) fn sampling(py: Python<'_>, channels: Vec<String>) -> PyResult<Vec<&'static str>> {
     let kinds = kinds(py, &channels)?;
-    let made_of = |kind: &Cow<'static, Kind>| match (kind.needs_shade(), kind.needs_samples()) {
-        (true, _) => "accumulated",
-        (false, true) => "all",
-        (false, false) => "centre",
-    };
+    let made_of =
+        |kind: &Cow<'static, ChannelKind>| match (kind.needs_shade(), kind.needs_samples()) {
+            (true, _) => "accumulated",
+            (false, true) => "all",
+            (false, false) => "centre",
+        };
     Ok(kinds.iter().map(made_of).collect())
 }
 
@@ -291,7 +292,7 @@ fn frame(
         let kind = if name == RAY.name {
             Cow::Borrowed(RAY)
         } else {
-            let own = || Kind::own(&name, &data).ok().map(Cow::Owned);
+            let own = || ChannelKind::own(&name, &data).ok().map(Cow::Owned);
             let asked = channel::asked(&name).or_else(|error| own().ok_or(error));
             asked.map_err(|error| raise(py, &error))?
         };
@@ -415,9 +416,9 @@ pub(crate) fn read(
 fn arrays_out(py: Python<'_>, arrays: Vec<image::Array>) -> Vec<ArrayOut<'_>> {
     let array = |array: image::Array| {
         let numbers = match array.numbers {
-            Numbers::Float64(values) => PyArray1::from_vec(py, values).into_any(),
-            Numbers::Float32(values) => PyArray1::from_vec(py, values).into_any(),
-            Numbers::Integer(values) => PyArray1::from_vec(py, values).into_any(),
+            ArrayValues::Float64(values) => PyArray1::from_vec(py, values).into_any(),
+            ArrayValues::Float32(values) => PyArray1::from_vec(py, values).into_any(),
+            ArrayValues::Integer(values) => PyArray1::from_vec(py, values).into_any(),
         };
         (array.name, array.shape, numbers, array.dtype)
     };

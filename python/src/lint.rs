@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use firsthit::lint::{KINDS, Kind, LintSettings, Report, lint, save_marked};
+use firsthit::lint::{FindingKind, KINDS, LintSettings, Report, lint, save_marked};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -32,7 +32,7 @@ impl Lint {
         places: usize,
         threads: usize,
     ) -> PyResult<Self> {
-        let kinds = ignore.iter().map(|name| Kind::named(name));
+        let kinds = ignore.iter().map(|name| FindingKind::named(name));
         let ignore = kinds.collect::<firsthit::Result<_>>();
         let ignore = ignore.map_err(|error| raise(py, &error))?;
         let settings = LintSettings { ignore, places };

@@ -1,6 +1,6 @@
 //! Rays to hits, and what can be asked about them.
 
-use firsthit::channel::{KINDS, Shots, kind, make};
+use firsthit::channel::{ChannelInput, KINDS, kind, make};
 use firsthit::sensor::Sensor;
 use firsthit::shoot::{All, AllHits, Answers, Cpu, Engine, HitSlices, trace};
 use firsthit::{DVec2, Rays};
@@ -209,7 +209,7 @@ pub(crate) fn channel<'py>(
             "expected as many hits as rays, and no colours",
         ));
     }
-    let shots = Shots {
+    let shots = ChannelInput {
         scene: &scene.0,
         rays,
         hits: &hits,

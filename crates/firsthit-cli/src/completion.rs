@@ -5,12 +5,12 @@ use std::ffi::OsStr;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, Command};
 
-use crate::output::Source;
+use crate::output::ChannelSource;
 
 /// The names of channels, as shells complete them. What is no name is refused where the channels are looked up: there it
 /// is known what else could be meant.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ChannelNames(pub(crate) Source);
+pub(crate) struct ChannelNames(pub(crate) ChannelSource);
 
 impl TypedValueParser for ChannelNames {
     type Value = String;

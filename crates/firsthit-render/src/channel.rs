@@ -24,7 +24,7 @@ use crate::watch::{OnlyStops, Watch};
 
 /// Rays, what they met, and all that channels are made from.
 #[derive(Clone, Copy)]
-pub struct Shots<'a> {
+pub struct ChannelInput<'a> {
     /// The scene that was shot at.
     pub scene: &'a Scene,
     /// The rays.
@@ -35,9 +35,9 @@ pub struct Shots<'a> {
     pub sensor: Option<&'a dyn Sensor>,
 }
 
-impl std::fmt::Debug for Shots<'_> {
+impl std::fmt::Debug for ChannelInput<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Shots")
+        f.debug_struct("ChannelInput")
             .field("rays", &self.rays.len())
             .field("sensor", &self.sensor)
             .finish_non_exhaustive()
@@ -46,7 +46,7 @@ impl std::fmt::Debug for Shots<'_> {
 
 /// A kind of output: its name, what it says, and how it is made from hits.
 #[derive(Debug, Clone)]
-pub struct Kind {
+pub struct ChannelKind {
     /// The channel's name, in files too.
     pub name: Cow<'static, str>,
     /// One line for help texts: what it is, its unit, and its value for a miss.
@@ -103,7 +103,7 @@ enum Make {
 /// # Errors
 ///
 /// [`Error::Argument`] for a name that no kind has.
-pub fn kind(name: &str) -> Result<&'static Kind> {
+pub fn kind(name: &str) -> Result<&'static ChannelKind> {
     let names: Vec<&str> = KINDS.iter().map(|kind| &*kind.name).collect();
     KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
         Error::argument(
@@ -117,7 +117,7 @@ pub fn kind(name: &str) -> Result<&'static Kind> {
     })
 }
 
-impl Kind {
+impl ChannelKind {
     /// Whether it takes a sensor: rays from elsewhere do not have it.
     pub fn needs_sensor(&self) -> bool {
         matches!(self.make, Make::Distance(_) | Make::Valid)
@@ -254,9 +254,13 @@ const CHUNK: usize = 1 << 12;
 ///
 /// [`Error::Limit`] when they do not fit into memory, [`Error::Argument`] for colours, for a channel that needs a sensor where
 /// there is none, and for an attribute that no mesh has, [`Error::Interrupted`] when `watch` stops it.
-pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
+pub fn make(
+    kinds: &[&ChannelKind],
+    shots: &ChannelInput<'_>,
+    watch: &dyn Watch,
+) -> Result<Vec<Channel>> {
     let others = kinds.iter().copied();
-    let others: Vec<&Kind> = others
+    let others: Vec<&ChannelKind> = others
         .filter(|kind| kind.attribute_name().is_none())
         .collect();
     let mut made = make_at_hits(&others, shots, watch)?.into_iter();
@@ -278,7 +282,11 @@ pub fn make(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec
 }
 
 /// The channels that are no attributes.
-fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result<Vec<Channel>> {
+fn make_at_hits(
+    kinds: &[&ChannelKind],
+    shots: &ChannelInput<'_>,
+    watch: &dyn Watch,
+) -> Result<Vec<Channel>> {
     for kind in kinds {
         let is_made_elsewhere =
             kind.needs_samples() || matches!(kind.make, Make::Elsewhere | Make::Edge);
@@ -296,16 +304,16 @@ fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result
     if kinds.is_empty() {
         return Ok(Vec::new());
     }
-    let mut chunks: Vec<Vec<Part<'_>>> = Vec::new();
+    let mut chunks: Vec<Vec<ChannelChunk<'_>>> = Vec::new();
     for (kind, data) in kinds.iter().zip(&mut made) {
-        for (index, part) in Part::chunks(kind, data).into_iter().enumerate() {
+        for (index, part) in ChannelChunk::chunks(kind, data).into_iter().enumerate() {
             if index == chunks.len() {
                 chunks.push(Vec::with_capacity(kinds.len()));
             }
             chunks[index].push(part);
         }
     }
-    let fill = |(index, parts): (usize, &mut Vec<Part<'_>>)| {
+    let fill = |(index, parts): (usize, &mut Vec<ChannelChunk<'_>>)| {
         if watch.is_stopped() {
             return Err(Error::Interrupted);
         }
@@ -321,7 +329,7 @@ fn make_at_hits(kinds: &[&Kind], shots: &Shots<'_>, watch: &dyn Watch) -> Result
     Ok(channels.map(|(kind, data)| kind.channel(data)).collect())
 }
 
-impl Kind {
+impl ChannelKind {
     /// The channel of `count` misses.
     fn missed(&self, count: usize) -> Result<Data> {
         Ok(match self.make {
@@ -352,7 +360,7 @@ impl Kind {
 }
 
 /// A chunk of a channel, being made.
-enum Part<'a> {
+enum ChannelChunk<'a> {
     T(&'a mut [f64]),
     Doubles(
         fn(&SurfaceInteraction<'_>, &mut [f64]),
@@ -367,9 +375,9 @@ enum Part<'a> {
     Valid(&'a mut [bool]),
 }
 
-impl<'a> Part<'a> {
+impl<'a> ChannelChunk<'a> {
     /// The chunks of a channel.
-    fn chunks(kind: &Kind, data: &'a mut Data) -> Vec<Self> {
+    fn chunks(kind: &ChannelKind, data: &'a mut Data) -> Vec<Self> {
         let components = kind.components;
         match (data, &kind.make) {
             (Data::Float64(values), Make::T) => values.chunks_mut(CHUNK).map(Self::T).collect(),
@@ -412,12 +420,14 @@ impl<'a> Part<'a> {
 }
 
 /// Fills the parts of channels that belong to `count` rays from `first` on, where they hit something.
-fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
-    let needs_surface = parts.iter().any(Part::needs_surface);
-    let has_origin = parts.iter().any(|part| matches!(part, Part::Origin(..)));
+fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [ChannelChunk<'_>]) {
+    let needs_surface = parts.iter().any(ChannelChunk::needs_surface);
+    let has_origin = parts
+        .iter()
+        .any(|part| matches!(part, ChannelChunk::Origin(..)));
     let catalog = has_origin.then(|| shots.scene.catalog());
     for part in &mut *parts {
-        if let Part::Valid(out) = part {
+        if let ChannelChunk::Valid(out) = part {
             for (k, out) in out.iter_mut().enumerate() {
                 *out = shots.rays.ray(first + k).is_valid();
             }
@@ -439,30 +449,30 @@ fn fill(shots: &Shots<'_>, first: usize, count: usize, parts: &mut [Part<'_>]) {
         for part in &mut *parts {
             match part {
                 // Of every ray, above.
-                Part::Valid(_) => {}
-                Part::T(out) => out[k] = hit.t,
-                Part::Identifier(value, out) => out[k] = value(&hit),
-                Part::Origin(value, out) => {
+                ChannelChunk::Valid(_) => {}
+                ChannelChunk::T(out) => out[k] = hit.t,
+                ChannelChunk::Identifier(value, out) => out[k] = value(&hit),
+                ChannelChunk::Origin(value, out) => {
                     if let (Some(object), Some(catalog)) = (shots.scene.object(&hit), catalog) {
                         out[k] = value(catalog, object, &hit);
                     }
                 }
-                Part::Distance(which, out) => {
+                ChannelChunk::Distance(which, out) => {
                     if let Some(sensor) = shots.sensor {
                         out[k] = sensor.range_and_z(first + k, hit.t)[*which];
                     }
                 }
-                Part::Doubles(value, components, out) => {
+                ChannelChunk::Doubles(value, components, out) => {
                     if let Some(surface) = &surface {
                         value(surface, &mut out[k * *components..][..*components]);
                     }
                 }
-                Part::Integer(value, out) => {
+                ChannelChunk::Integer(value, out) => {
                     if let Some(surface) = &surface {
                         out[k] = value(surface);
                     }
                 }
-                Part::Flag(value, out) => {
+                ChannelChunk::Flag(value, out) => {
                     if let Some(surface) = &surface {
                         out[k] = value(surface);
                     }

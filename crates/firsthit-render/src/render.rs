@@ -22,7 +22,7 @@ pub use state::check_state_file;
 use std::borrow::Cow;
 
 use crate::camera::{Aim, Camera, Description, StandardView};
-use crate::channel::{Kind, still_camera};
+use crate::channel::{ChannelKind, still_camera};
 use crate::edge::{Edges, Lines, Subject};
 use crate::error::{Error, Result};
 use crate::geometry::summary::summary;
@@ -63,7 +63,7 @@ pub struct Picture<'a> {
     /// The shader that gives rays their colours.
     pub shade: &'a dyn Shade,
     /// The channels of the frame.
-    pub channels: &'a [&'a Kind],
+    pub channels: &'a [&'a ChannelKind],
     /// The number of samples of a pixel; 1 is the pixel's centre.
     pub samples: u32,
     /// A threshold: where the standard error of a pixel's brightness is below this, no more samples are taken. It is checked after 32, 64,
@@ -112,7 +112,7 @@ pub fn render(
     scene: &Scene,
     sensor: &dyn Sensor,
     shade: &dyn Shade,
-    channels: &[&Kind],
+    channels: &[&ChannelKind],
     samples: u32,
     watch: &dyn Watch,
 ) -> Result<Frame> {
@@ -136,7 +136,7 @@ impl<'a> Picture<'a> {
         scene: &'a Scene,
         sensor: &'a dyn Sensor,
         shade: &'a dyn Shade,
-        channels: &'a [&'a Kind],
+        channels: &'a [&'a ChannelKind],
     ) -> Self {
         Self {
             scene,
@@ -271,7 +271,7 @@ impl<'a> Picture<'a> {
         watch: &dyn Watch,
         state: impl FnOnce(&Frame) -> Result<Cow<'s, Frame>>,
     ) -> Result<Progressive<'a>> {
-        let is_lost = |kind: &&&Kind| !kind.needs_shade();
+        let is_lost = |kind: &&&ChannelKind| !kind.needs_shade();
         if let Some(kind) = self.channels.iter().find(is_lost) {
             let expected = "color, alpha or samples of a picture that is gone on with";
             return Err(Error::argument("channel", expected, &*kind.name));
@@ -326,7 +326,7 @@ impl<'a> Picture<'a> {
             require("edges", expected, is_camera, edges.width)?;
         }
         let [rows, columns] = region.shape();
-        let bytes = |kind: &&Kind| kind.components * size_of::<f32>();
+        let bytes = |kind: &&ChannelKind| kind.components * size_of::<f32>();
         let each: usize = self.channels.iter().map(bytes).sum();
         let pixels = rows.saturating_mul(columns);
         memory::check("the picture", pixels.saturating_mul(each))?;
@@ -422,10 +422,10 @@ impl Progressive<'_> {
 }
 
 /// The number of rays that a picture of `pixels` pixels reports to its watch in all.
-pub fn work(pixels: usize, channels: &[&Kind], samples: u32) -> u64 {
+pub fn work(pixels: usize, channels: &[&ChannelKind], samples: u32) -> u64 {
     let has_color = channels.iter().any(|kind| kind.needs_shade());
     let has_samples = channels.iter().any(|kind| kind.needs_samples());
-    let is_other = |kind: &&Kind| !kind.needs_samples() && !kind.is_edge();
+    let is_other = |kind: &&ChannelKind| !kind.needs_samples() && !kind.is_edge();
     let has_others = channels.iter().any(is_other);
     // Of each sample the rays and the colours; and the other channels, all at once.
     let traced = if has_samples { u64::from(samples) } else { 1 };
@@ -441,7 +441,7 @@ pub fn origin(
     scene: &Scene,
     sensor: Option<&dyn Sensor>,
     samples: Option<u32>,
-    channels: &[&Kind],
+    channels: &[&ChannelKind],
 ) -> Origin {
     let has_names = channels.iter().any(|kind| kind.has_names());
     let (camera, sensor) = match sensor.map(Sensor::record) {

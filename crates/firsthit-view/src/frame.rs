@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use firsthit::channel::{self, Kind};
+use firsthit::channel::{self, ChannelKind};
 use firsthit::edge::Edges;
 use firsthit::geometry::{Value, rotation};
 use firsthit::image::{self, Channel, Data, Frame, WriteSettings};
@@ -100,7 +100,7 @@ impl Viewer {
             Some(capped) => capped,
             None => &shading,
         };
-        let kinds: [&Kind; 1] = [kind];
+        let kinds: [&ChannelKind; 1] = [kind];
         let picture = Picture {
             samples: resolved.samples,
             edges: self.edges_of(look)?,

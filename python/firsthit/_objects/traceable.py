@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .object import Object
 
 #: What is around a scene, which way is up, and whether that is guessed.
-Around: TypeAlias = "tuple[Environment | None, Vector, bool]"
+Surroundings: TypeAlias = "tuple[Environment | None, Vector, bool]"
 #: A mask, the objects that are there, and the alpha below which what is translucent is cut out.
 SeenKey: TypeAlias = "tuple[int, tuple[int, ...] | None, float | None]"
 
@@ -43,7 +43,7 @@ class Built:
         self,
         objects: Sequence[Object],
         lights: Sequence[Light],
-        around: Around,
+        around: Surroundings,
         native: _firsthit.Scene | None = None,
         previous: _firsthit.Scene | None = None,
         build: Build = "auto",
@@ -144,7 +144,7 @@ class _Seen(Built):
         self,
         objects: Sequence[Object],
         lights: Sequence[Light],
-        around: Around,
+        around: Surroundings,
         native: _firsthit.Scene,
         key: SeenKey,
     ) -> None:
@@ -158,7 +158,7 @@ class _Seen(Built):
 def _seen_again(
     objects: Sequence[Object],
     lights: Sequence[Light],
-    around: Around,
+    around: Surroundings,
     key: SeenKey,
 ) -> Built:
     return Built(objects, lights, around).seen_by(key)

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     )
     from firsthit._looks.material import Material
     from firsthit._looks.shading import Shader
-    from firsthit._objects.traceable import Around
+    from firsthit._objects.traceable import Surroundings
     from firsthit._queries.all_hits import AllHits
     from firsthit._queries.explain import Explanation
     from firsthit._queries.hits import Hits
@@ -1635,7 +1635,7 @@ class Scene(Traceable):
         is_all = counts == (len(self._objects), len(self._lights))
         return is_all and built.around == self._around()
 
-    def _around(self) -> Around:
+    def _around(self) -> Surroundings:
         """Return what is around; which way is up counts only for an environment."""
         if self._environment is None:
             return None, (0.0, 0.0, 1.0), False

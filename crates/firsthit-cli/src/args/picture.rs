@@ -12,7 +12,7 @@ use super::{
 };
 use crate::completion::ChannelNames;
 use crate::help;
-use crate::output::Source;
+use crate::output::ChannelSource;
 use crate::values;
 
 #[derive(Debug, Args)]
@@ -56,7 +56,7 @@ pub(crate) struct PictureArgs {
     /// node, mesh, material, normal, incidence, position, barycentric, uv, base_color, front, valid (whether the lens sees
     /// anything), edge, alpha, ao[:LENGTH] (ambient occlusion, of what is up to LENGTH away), samples, crypto_object, crypto_material,
     /// and attribute:NAME for an attribute of the meshes [default: color; for .ply and .pcd position, normal, color, object]
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(Source::Camera), hide_possible_values = true)]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = ChannelNames(ChannelSource::Camera), hide_possible_values = true)]
     pub(crate) channels: Vec<String>,
     /// Write a table that explains a picture of the channel object: the number of each object, its name, its colour in the
     /// picture (sRGB) and its count of pixels, as .csv or .json
@@ -141,7 +141,7 @@ pub(crate) struct DemoArgs {
         long,
         value_name = "NAMES",
         value_delimiter = ',',
-        value_parser = ChannelNames(Source::Camera),
+        value_parser = ChannelNames(ChannelSource::Camera),
         hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,

@@ -10,7 +10,7 @@ use super::look::{ColorsArgs, LightingArgs};
 use super::{CameraArgs, CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
 use crate::completion::ChannelNames;
 use crate::help;
-use crate::output::Source;
+use crate::output::ChannelSource;
 use crate::values;
 
 #[derive(Debug, Args)]
@@ -40,7 +40,7 @@ pub(crate) struct ShootArgs {
         long,
         value_name = "NAMES",
         value_delimiter = ',',
-        value_parser = ChannelNames(Source::Rays),
+        value_parser = ChannelNames(ChannelSource::Rays),
         hide_possible_values = true
     )]
     pub(crate) channels: Vec<String>,
@@ -224,7 +224,7 @@ pub(crate) struct DiffArgs {
         long,
         value_name = "NAMES",
         value_delimiter = ',',
-        value_parser = ChannelNames(Source::Camera),
+        value_parser = ChannelNames(ChannelSource::Camera),
         hide_possible_values = true,
         visible_alias = "channel"
     )]

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use firsthit::geometry::srgb_decode;
 use firsthit::image::{
-    Array, Channel, Data, Description, Display, Frame, Numbers, Origin, Points, Unit,
+    Array, ArrayValues, Channel, Data, Description, Display, Frame, Origin, Points, Unit,
 };
 use serde_json::{Value, json};
 
@@ -112,10 +112,10 @@ fn column(name: String, array: Array) -> Channel {
     } = array;
     let is_color = is_picture && matches!(components, 3 | 4);
     let data = match numbers {
-        Numbers::Integer(levels) if is_color => Data::Float64(linear(&levels, components)),
-        Numbers::Float64(values) => Data::Float64(values),
-        Numbers::Float32(values) => Data::Float32(values),
-        Numbers::Integer(values) => {
+        ArrayValues::Integer(levels) if is_color => Data::Float64(linear(&levels, components)),
+        ArrayValues::Float64(values) => Data::Float64(values),
+        ArrayValues::Float32(values) => Data::Float32(values),
+        ArrayValues::Integer(values) => {
             let small = values.iter().map(|&value| i32::try_from(value));
             match small.collect() {
                 Ok(small) => Data::Int32(small),

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 use firsthit::Scene;
 use firsthit::error::escape_controls;
 use firsthit::inputs;
-use firsthit::lint::{Finding, Kind, LintSettings, Place, Report, lint, save_marked};
+use firsthit::lint::{Finding, FindingKind, LintSettings, Place, Report, lint, save_marked};
 use serde_json::{Value, json};
 
 use crate::args::LintArgs;
@@ -63,7 +63,7 @@ fn settings(args: &LintArgs) -> Result<LintSettings, Failure> {
     } else {
         PLACES_IN_TEXT
     };
-    let ignore = args.ignore.iter().map(|name| Kind::named(name));
+    let ignore = args.ignore.iter().map(|name| FindingKind::named(name));
     Ok(LintSettings {
         ignore: ignore.collect::<Result<_, _>>()?,
         places: args.places.map_or(default, |places| places as usize),

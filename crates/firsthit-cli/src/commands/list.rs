@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::Scene;
-use firsthit::channel::Kind;
+use firsthit::channel::ChannelKind;
 use firsthit::image::{Data, Frame};
 use firsthit::render::origin;
 use serde_json::{Map, Value, json};
@@ -34,7 +34,7 @@ pub(super) struct Answers {
 /// Reads a list of rows of numbers, asks, and writes and reports what the answers are.
 pub(super) fn run<const COLUMNS: usize>(
     args: &ListArgs,
-    (kind, noun): (&'static Kind, &str),
+    (kind, noun): (&'static ChannelKind, &str),
     read: impl FnOnce(&Path) -> Result<Vec<[f64; COLUMNS]>, Failure> + Send,
     ask: impl FnOnce(&Scene, &[[f64; COLUMNS]], &Progress<'_>) -> Result<Answers, Failure> + Send,
     interrupted: &AtomicBool,

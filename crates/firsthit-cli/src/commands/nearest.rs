@@ -2,7 +2,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::Scene;
-use firsthit::channel::{DISTANCE, Kind, POINT, SIGNED_DISTANCE, kind};
+use firsthit::channel::{ChannelKind, DISTANCE, POINT, SIGNED_DISTANCE, kind};
 use firsthit::image::{Data, Frame};
 use firsthit::nearest::{
     ClosestPoints, NearestSettings, SignSettings, closest_points, signed_distances_from,
@@ -85,7 +85,7 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
 }
 
 /// The channels that are written, in this order; [`columns`] has the numbers.
-fn kinds(args: &NearestArgs) -> Result<Vec<&'static Kind>, Failure> {
+fn kinds(args: &NearestArgs) -> Result<Vec<&'static ChannelKind>, Failure> {
     let mut kinds = Vec::new();
     kinds.extend(args.count.is_some().then_some(POINT));
     kinds.push(if args.signed {

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use firsthit::channel::{Kind, RAY};
+use firsthit::channel::{ChannelKind, RAY};
 use firsthit::image::{Holds, format_of};
 use firsthit::render::work;
 use firsthit::shoot::All;
@@ -40,9 +40,9 @@ fn channels(args: &ShootArgs) -> Vec<String> {
 }
 
 /// The channels that are computed: of all hits, first the numbers of their rays.
-fn kinds(args: &ShootArgs) -> Result<Vec<&'static Kind>, Failure> {
+fn kinds(args: &ShootArgs) -> Result<Vec<&'static ChannelKind>, Failure> {
     let is_quiet = args.run.quiet || args.run.json;
-    let mut kinds = output::kinds(&channels(args), output::Source::Rays, is_quiet)?;
+    let mut kinds = output::kinds(&channels(args), output::ChannelSource::Rays, is_quiet)?;
     if several(args).is_some() {
         kinds.insert(0, RAY);
     }
@@ -56,7 +56,7 @@ fn several(args: &ShootArgs) -> Option<All> {
 }
 
 /// The source of rays.
-enum Source {
+enum RayInput {
     Arrays(RayArrays),
     /// Answered as they arrive, if they are text.
     Stdin(Feed),
@@ -91,10 +91,10 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         kinds.iter().try_for_each(|kind| kind.check(&scene))?;
         warn(&warnings);
         let counts = match source {
-            Source::Arrays(rays) => {
+            RayInput::Arrays(rays) => {
                 all_at_once(&rays, &scene, (several, &kinds), &sinks, interrupted)?
             }
-            Source::Stdin(feed) => {
+            RayInput::Stdin(feed) => {
                 let is_stopped = || interrupted.load(Ordering::Relaxed);
                 if rays::is_text(&feed.mark(&is_stopped)?) {
                     let lines = RayLines::new(limits);
@@ -134,7 +134,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
     })
 }
 
-impl Source {
+impl RayInput {
     /// The number of rays; `None` for a stream.
     fn count(&self) -> Option<u64> {
         match self {
@@ -145,9 +145,9 @@ impl Source {
 }
 
 /// The rays. A stream that may be answered line by line is not waited for here.
-fn source(args: &ShootArgs, sinks: &Sinks, limits: Limits) -> Result<Source, Failure> {
+fn source(args: &ShootArgs, sinks: &Sinks, limits: Limits) -> Result<RayInput, Failure> {
     if let Some(from) = args.from {
-        return rays::read_from(&args.rays, from, limits).map(Source::Arrays);
+        return rays::read_from(&args.rays, from, limits).map(RayInput::Arrays);
     }
     let is_pipe = args.rays.as_path() == Path::new("-") && args.directions.is_none();
     // A ray without hits has no line among all hits, for which a program would wait.
@@ -156,15 +156,15 @@ fn source(args: &ShootArgs, sinks: &Sinks, limits: Limits) -> Result<Source, Fai
         && sinks.is_csv_stream()
         && let Some(feed) = Feed::new()
     {
-        return Ok(Source::Stdin(feed));
+        return Ok(RayInput::Stdin(feed));
     }
-    rays::read(&args.rays, args.directions.as_deref(), limits).map(Source::Arrays)
+    rays::read(&args.rays, args.directions.as_deref(), limits).map(RayInput::Arrays)
 }
 
 fn all_at_once(
     rays: &RayArrays,
     scene: &Scene,
-    (several, kinds): (Option<All>, &[&Kind]),
+    (several, kinds): (Option<All>, &[&ChannelKind]),
     sinks: &Sinks,
     interrupted: &AtomicBool,
 ) -> Result<Counts, Failure> {

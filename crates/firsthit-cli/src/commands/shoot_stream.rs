@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use firsthit::channel::Kind;
+use firsthit::channel::ChannelKind;
 use firsthit::image::Frame;
 use firsthit::{Rays as _, Scene};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ const ROWS: usize = 1 << 12;
 pub(super) fn answer(
     feed: &Feed,
     mut lines: RayLines,
-    (scene, kinds): (&Scene, &[&Kind]),
+    (scene, kinds): (&Scene, &[&ChannelKind]),
     interrupted: &AtomicBool,
 ) -> Result<Counts, Failure> {
     let is_stopped = || interrupted.load(Ordering::Relaxed);

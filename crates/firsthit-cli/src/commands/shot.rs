@@ -2,7 +2,7 @@
 
 use std::ops::AddAssign;
 
-use firsthit::channel::{Kind, RAY, Shots, make};
+use firsthit::channel::{ChannelInput, ChannelKind, RAY, make};
 use firsthit::image::{Data, Frame};
 use firsthit::render::origin;
 use firsthit::shoot::{All, AllHits, First, RaysOfHits, trace};
@@ -33,11 +33,11 @@ impl AddAssign for Counts {
 pub(super) fn shot(
     scene: &Scene,
     rays: &RayArrays,
-    kinds: &[&Kind],
+    kinds: &[&ChannelKind],
     progress: &Progress<'_>,
 ) -> Result<(Frame, Counts), Failure> {
     let hits = trace(scene, rays, First, progress)?;
-    let shots = Shots {
+    let shots = ChannelInput {
         scene,
         rays,
         hits: &hits,
@@ -60,13 +60,13 @@ pub(super) fn shot(
 pub(super) fn shot_all(
     scene: &Scene,
     rays: &RayArrays,
-    (query, kinds): (All, &[&Kind]),
+    (query, kinds): (All, &[&ChannelKind]),
     progress: &Progress<'_>,
 ) -> Result<(Frame, Counts), Failure> {
     let all = trace(scene, rays, query, progress)?;
     let numbers = all.ray_numbers()?;
     let AllHits { offsets, hits } = all;
-    let shots = Shots {
+    let shots = ChannelInput {
         scene,
         rays: &RaysOfHits::new(rays, &numbers),
         hits: &hits,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use firsthit::channel::Kind;
+use firsthit::channel::ChannelKind;
 use firsthit::image::{Frame, WriteSettings};
 use serde_json::{Value, json};
 
@@ -34,7 +34,7 @@ impl Sinks {
     pub(super) fn new(
         (outputs, format): (&[PathBuf], Option<StreamFormat>),
         inputs: &[&Path],
-        kinds: &[&'static Kind],
+        kinds: &[&'static ChannelKind],
         run: &RunArgs,
     ) -> Result<Self, Failure> {
         let stdout = |path: &&PathBuf| path.as_path() == Path::new("-");
@@ -49,7 +49,7 @@ impl Sinks {
         for path in inputs {
             firsthit::inputs::note(path);
         }
-        let files = output::targets(&files, kinds, output::Source::Rays)?;
+        let files = output::targets(&files, kinds, output::ChannelSource::Rays)?;
         if !streams {
             if format.is_some() {
                 return Err(Failure::usage(
@@ -109,7 +109,7 @@ impl Sinks {
     }
 
     /// The JSON about the destinations.
-    pub(super) fn as_json(&self, kinds: &[&Kind]) -> Vec<Value> {
+    pub(super) fn as_json(&self, kinds: &[&ChannelKind]) -> Vec<Value> {
         let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
         let stdout = self.stdout.map(|_| json!({"file": "-", "channels": names}));
         let files = output::as_json(&self.files, kinds, &[]);

@@ -1,6 +1,6 @@
 //! The channels that can be asked for, by what makes the numbers.
 
-use firsthit::channel::{ATTRIBUTE, KINDS, Kind, asked};
+use firsthit::channel::{ATTRIBUTE, ChannelKind, KINDS, asked};
 use firsthit::error::escape_controls;
 use firsthit::image::{FORMATS, Format};
 use firsthit::scene_file::nearest_word;
@@ -10,20 +10,20 @@ use crate::failure::Failure;
 
 /// The source of the numbers, which decides what can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Source {
+pub(crate) enum ChannelSource {
     /// A camera: pixels, that make a picture.
     Camera,
     /// The user's own rays: a list.
     Rays,
 }
 
-impl Source {
+impl ChannelSource {
     /// The channels that can be asked for.
-    pub(crate) fn channels(self) -> impl Iterator<Item = &'static Kind> {
+    pub(crate) fn channels(self) -> impl Iterator<Item = &'static ChannelKind> {
         KINDS.iter().filter(move |kind| self.has(kind))
     }
 
-    fn has(self, kind: &Kind) -> bool {
+    fn has(self, kind: &ChannelKind) -> bool {
         let takes_sensor = kind.needs_sensor() || kind.needs_samples() || kind.is_edge();
         self == Self::Camera || !takes_sensor
     }
@@ -45,10 +45,10 @@ impl Source {
 /// The channels that were asked for.
 pub(crate) fn kinds(
     names: &[String],
-    source: Source,
+    source: ChannelSource,
     quiet: bool,
-) -> Result<Vec<&'static Kind>, Failure> {
-    let mut kinds: Vec<&'static Kind> = Vec::new();
+) -> Result<Vec<&'static ChannelKind>, Failure> {
+    let mut kinds: Vec<&'static ChannelKind> = Vec::new();
     for name in names {
         let wanted = match name.trim() {
             "depth" => "z",
@@ -74,7 +74,7 @@ pub(crate) fn kinds(
 }
 
 /// Whether a kind is one of some already. Fails for another one of its name.
-pub(crate) fn has(kinds: &[&Kind], kind: &Kind) -> Result<bool, Failure> {
+pub(crate) fn has(kinds: &[&ChannelKind], kind: &ChannelKind) -> Result<bool, Failure> {
     let Some(other) = kinds.iter().find(|other| other.name == kind.name) else {
         return Ok(false);
     };
@@ -95,7 +95,7 @@ pub(crate) fn has(kinds: &[&Kind], kind: &Kind) -> Result<bool, Failure> {
 }
 
 /// The channel of that name.
-fn named(wanted: &str, source: Source) -> Result<&'static Kind, Failure> {
+fn named(wanted: &str, source: ChannelSource) -> Result<&'static ChannelKind, Failure> {
     KINDS
         .iter()
         .find(|kind| kind.name == wanted)
@@ -114,8 +114,8 @@ fn named(wanted: &str, source: Source) -> Result<&'static Kind, Failure> {
 /// A channel that says more after a colon, if that is what is asked for: an attribute by its name, whether any mesh has it being known
 /// later; the Cryptomatte of another number of pairs than the usual one; or ambient occlusion up to a length. Channels are arguments of the
 /// program, and live as long.
-fn with_more(wanted: &str) -> Result<Option<&'static Kind>, Failure> {
-    let takes_more = |kind: &&Kind| kind.matte().is_some() || kind.occlusion().is_some();
+fn with_more(wanted: &str) -> Result<Option<&'static ChannelKind>, Failure> {
+    let takes_more = |kind: &&ChannelKind| kind.matte().is_some() || kind.occlusion().is_some();
     let mut known = KINDS.iter().filter(takes_more);
     let name = wanted.split_once(':').map(|(name, _)| name);
     if !wanted.starts_with(ATTRIBUTE) && !known.any(|kind| Some(&*kind.name) == name) {

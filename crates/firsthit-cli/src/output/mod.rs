@@ -5,7 +5,7 @@ mod paths;
 mod targets;
 mod write;
 
-pub(crate) use channels::{Source, has, kinds};
+pub(crate) use channels::{ChannelSource, has, kinds};
 pub(crate) use paths::{check_files, check_orders, check_other, check_paths};
 pub(crate) use targets::{
     Order, Target, check_all_go_somewhere, clouds, names, orders, packs, shows_colors,

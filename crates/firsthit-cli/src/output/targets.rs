@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use firsthit::channel::{Kind, PLACEHOLDER};
+use firsthit::channel::{ChannelKind, PLACEHOLDER};
 use firsthit::error::escaped;
 use firsthit::image::{Display, Format, Holds};
 
-use super::channels::{Source, has, kinds};
+use super::channels::{ChannelSource, has, kinds};
 use super::paths::{check_orders, check_paths, is_folder};
 use crate::asked::with_required;
 use crate::failure::Failure;
@@ -35,7 +35,7 @@ impl Target {
 /// Files that are made together, and what is in them.
 #[derive(Debug)]
 pub(crate) struct Order {
-    pub(crate) kinds: Vec<&'static Kind>,
+    pub(crate) kinds: Vec<&'static ChannelKind>,
     pub(crate) targets: Vec<Target>,
 }
 
@@ -48,8 +48,12 @@ pub(crate) fn orders(
     let mut orders: Vec<Order> = Vec::new();
     for (path, channels) in outputs {
         let channels = with_required(channels, [path]);
-        let kinds = kinds(&channels, Source::Camera, quiet || !orders.is_empty())?;
-        let made = targets(std::slice::from_ref(path), &kinds, Source::Camera)?;
+        let kinds = kinds(
+            &channels,
+            ChannelSource::Camera,
+            quiet || !orders.is_empty(),
+        )?;
+        let made = targets(std::slice::from_ref(path), &kinds, ChannelSource::Camera)?;
         // A picture has one channel of a name.
         for order in &orders {
             for kind in &kinds {
@@ -72,8 +76,8 @@ pub(crate) fn orders(
     for (_, channels) in outputs {
         let same = outputs.iter().filter(|(_, others)| others == channels);
         let same: Vec<PathBuf> = same.map(|(path, _)| path.clone()).collect();
-        let kinds = kinds(channels, Source::Camera, true)?;
-        let targets = targets(&same, &kinds, Source::Camera)?;
+        let kinds = kinds(channels, ChannelSource::Camera, true)?;
+        let targets = targets(&same, &kinds, ChannelSource::Camera)?;
         check_all_go_somewhere(&targets, &kinds)?;
     }
     Ok(orders)
@@ -82,7 +86,7 @@ pub(crate) fn orders(
 /// The files for a cloud of points with any columns.
 pub(crate) fn clouds(paths: &[PathBuf]) -> Result<Vec<Target>, Failure> {
     let target = |path: &PathBuf| {
-        let format = format(path, Source::Rays)?;
+        let format = format(path, ChannelSource::Rays)?;
         if format.is_some_and(|format| format.holds == Holds::OneChannel) {
             let path = escaped(path);
             let what = format!("--cloud: {path} holds one channel; use .ply, .pcd, .npz or .csv");
@@ -101,8 +105,8 @@ pub(crate) fn clouds(paths: &[PathBuf]) -> Result<Vec<Target>, Failure> {
 /// The files for the `kinds`.
 pub(crate) fn targets(
     outputs: &[PathBuf],
-    kinds: &[&'static Kind],
-    source: Source,
+    kinds: &[&'static ChannelKind],
+    source: ChannelSource,
 ) -> Result<Vec<Target>, Failure> {
     let mut targets: Vec<Target> = Vec::new();
     for path in outputs {
@@ -141,7 +145,7 @@ pub(crate) fn targets(
 }
 
 /// Refuses Cryptomattes for files that hold none, before any work is done.
-fn check_mattes(targets: &[Target], kinds: &[&'static Kind]) -> Result<(), Failure> {
+fn check_mattes(targets: &[Target], kinds: &[&'static ChannelKind]) -> Result<(), Failure> {
     for target in targets {
         let mut held =
             (kinds.iter()).filter(|kind| target.channel.is_none_or(|of| kind.name == of));
@@ -158,7 +162,7 @@ fn check_mattes(targets: &[Target], kinds: &[&'static Kind]) -> Result<(), Failu
     Ok(())
 }
 
-fn format(path: &Path, source: Source) -> Result<Option<&'static Format>, Failure> {
+fn format(path: &Path, source: ChannelSource) -> Result<Option<&'static Format>, Failure> {
     if path.is_dir() {
         return Err(is_folder(path));
     }
@@ -179,7 +183,7 @@ fn format(path: &Path, source: Source) -> Result<Option<&'static Format>, Failur
 fn only_channel(
     path: &Path,
     format: Option<&Format>,
-    kinds: &[&'static Kind],
+    kinds: &[&'static ChannelKind],
 ) -> Result<Option<&'static str>, Failure> {
     if format.is_none_or(|format| format.holds != Holds::OneChannel) {
         return Ok(None);
@@ -197,9 +201,9 @@ fn only_channel(
 /// Refuses channels that were asked for and would go nowhere.
 pub(crate) fn check_all_go_somewhere(
     targets: &[Target],
-    kinds: &[&'static Kind],
+    kinds: &[&'static ChannelKind],
 ) -> Result<(), Failure> {
-    let goes = |kind: &Kind| {
+    let goes = |kind: &ChannelKind| {
         let takes = |target: &Target| target.channel.is_none_or(|name| name == kind.name);
         targets.iter().any(takes)
     };
@@ -235,7 +239,7 @@ pub(crate) fn shows_colors(Order { kinds, targets }: &Order) -> bool {
 }
 
 /// Whether one of the files is a PNG of a channel that is shown so.
-fn has_png_of(display: Display, kinds: &[&Kind], targets: &[Target]) -> bool {
+fn has_png_of(display: Display, kinds: &[&ChannelKind], targets: &[Target]) -> bool {
     let is_shown_so = |name: &str| {
         let kind = kinds.iter().find(|kind| kind.name == name);
         kind.is_some_and(|kind| kind.display == display)

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use firsthit::channel::Kind;
+use firsthit::channel::ChannelKind;
 use firsthit::error::escaped;
 use firsthit::image::{self, Display, Far, Frame, WriteSettings, short_legend, write_whole};
 use serde_json::{Value, json};
@@ -18,7 +18,7 @@ use crate::progress::Interrupt;
 /// The JSON about files: their names, what is in them, and how to read a picture back.
 pub(crate) fn as_json(
     targets: &[Target],
-    kinds: &[&Kind],
+    kinds: &[&ChannelKind],
     legends: &[Option<String>],
 ) -> Vec<Value> {
     let one = |(target, legend): (&Target, &Option<String>)| {

@@ -1,4 +1,4 @@
-use super::decode::output::{Array, Numbers};
+use super::decode::output::{Array, ArrayValues};
 use crate::geometry::single;
 
 /// The difference of two channels.
@@ -36,7 +36,7 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Result<Difference, Strin
         return Err(format!("the shapes {:?} and {:?} differ", a.shape, b.shape));
     }
     let compared = match (&a.numbers, &b.numbers) {
-        (Numbers::Integer(a_values), Numbers::Integer(b_values)) => {
+        (ArrayValues::Integer(a_values), ArrayValues::Integer(b_values)) => {
             let tolerance = if a.is_picture { tolerance } else { 0.0 };
             let pairs = a_values.iter().zip(b_values).map(|(&a, &b)| Pair {
                 is_equal: a == b,
@@ -49,7 +49,10 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Result<Difference, Strin
                 ..largest(pairs, tolerance, a.components)
             }
         }
-        (Numbers::Float64(_) | Numbers::Integer(_), Numbers::Float64(_) | Numbers::Integer(_)) => {
+        (
+            ArrayValues::Float64(_) | ArrayValues::Integer(_),
+            ArrayValues::Float64(_) | ArrayValues::Integer(_),
+        ) => {
             let pairs = doubles(&a.numbers).zip(doubles(&b.numbers));
             let pairs = pairs.map(|(a, b)| pair([a, b], ordered(a), ordered(b)));
             Difference {
@@ -133,11 +136,11 @@ fn largest(pairs: impl Iterator<Item = Pair>, tolerance: f64, components: usize)
     found
 }
 
-fn doubles(numbers: &Numbers) -> Box<dyn Iterator<Item = f64> + '_> {
+fn doubles(numbers: &ArrayValues) -> Box<dyn Iterator<Item = f64> + '_> {
     match numbers {
-        Numbers::Float64(values) => Box::new(values.iter().copied()),
-        Numbers::Float32(values) => Box::new(values.iter().map(|&value| f64::from(value))),
-        Numbers::Integer(values) => Box::new(values.iter().map(|&value| value as f64)),
+        ArrayValues::Float64(values) => Box::new(values.iter().copied()),
+        ArrayValues::Float32(values) => Box::new(values.iter().map(|&value| f64::from(value))),
+        ArrayValues::Integer(values) => Box::new(values.iter().map(|&value| value as f64)),
     }
 }
 
@@ -164,7 +167,7 @@ fn ordered_single(value: f32) -> i64 {
 mod tests {
     use super::*;
 
-    fn array(numbers: Numbers, components: usize) -> Array {
+    fn array(numbers: ArrayValues, components: usize) -> Array {
         Array {
             name: None,
             shape: vec![numbers.len() / components, components],
@@ -176,7 +179,7 @@ mod tests {
     }
 
     fn doubles_of(a: &[f64], b: &[f64], tolerance: f64) -> Difference {
-        let [a, b] = [a, b].map(|values| array(Numbers::Float64(values.to_vec()), 1));
+        let [a, b] = [a, b].map(|values| array(ArrayValues::Float64(values.to_vec()), 1));
         compare(&a, &b, tolerance).unwrap()
     }
 
@@ -204,8 +207,8 @@ mod tests {
 
     #[test]
     fn the_lower_precision_decides() {
-        let double = array(Numbers::Float64(vec![0.1, 0.2]), 1);
-        let single = array(Numbers::Float32(vec![0.1, 0.200_000_03]), 1);
+        let double = array(ArrayValues::Float64(vec![0.1, 0.2]), 1);
+        let single = array(ArrayValues::Float32(vec![0.1, 0.200_000_03]), 1);
         let found = compare(&double, &single, 0.0).unwrap();
         assert_eq!((found.differing, found.ulps), (1, Some(2)));
         assert_eq!(found.compared_as, "float32");
@@ -214,13 +217,13 @@ mod tests {
     #[test]
     fn elements_are_counted_once_and_identifiers_have_no_tolerance() {
         let [a, b] = [[1, 2, 3, 4, 5, 6], [1, 9, 9, 4, 5, 7]]
-            .map(|values| array(Numbers::Integer(values.to_vec()), 3));
+            .map(|values| array(ArrayValues::Integer(values.to_vec()), 3));
         let found = compare(&a, &b, 100.0).unwrap();
         assert_eq!((found.differing, found.elements, found.ulps), (2, 2, None));
         let mut picture = b.clone();
         picture.is_picture = true;
         assert!(compare(&a, &picture, 0.0).is_err());
-        let other = array(Numbers::Integer(vec![0; 3]), 3);
+        let other = array(ArrayValues::Integer(vec![0; 3]), 3);
         assert!(compare(&a, &other, 0.0).unwrap_err().contains("shapes"));
     }
 }

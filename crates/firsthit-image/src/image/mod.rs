@@ -54,7 +54,7 @@ pub use cryptomatte::{Cryptomatte, matte_id};
 pub use decode::exr::decode as decode_exr;
 #[cfg(feature = "npy")]
 pub use decode::npy::{NpyHeader, NpyValues};
-pub use decode::output::{Array, Numbers, Output};
+pub use decode::output::{Array, ArrayValues, Output};
 #[doc(hidden)]
 pub use file::check_writable;
 pub use file::{sidecar_of, write_whole};

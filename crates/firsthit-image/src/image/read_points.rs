@@ -16,7 +16,7 @@ use std::path::Path;
 
 #[cfg(feature = "exr")]
 use super::decode::exr;
-use super::decode::output::{Array, Numbers, Output};
+use super::decode::output::{Array, ArrayValues, Output};
 use super::decode::points;
 #[cfg(feature = "npy")]
 use super::decode::{npy, npz};
@@ -177,9 +177,9 @@ fn floats(array: &Array) -> std::result::Result<Vec<f64>, String> {
     (floats.try_reserve_exact(array.numbers.len()))
         .map_err(|_| "no memory is free for its points")?;
     match &array.numbers {
-        Numbers::Float64(values) => floats.extend(values),
-        Numbers::Float32(values) => floats.extend(values.iter().copied().map(f64::from)),
-        Numbers::Integer(values) => floats.extend(values.iter().map(|&value| value as f64)),
+        ArrayValues::Float64(values) => floats.extend(values),
+        ArrayValues::Float32(values) => floats.extend(values.iter().copied().map(f64::from)),
+        ArrayValues::Integer(values) => floats.extend(values.iter().map(|&value| value as f64)),
     }
     Ok(floats)
 }

@@ -51,8 +51,9 @@ pub fn explain_pixel<'a>(
     let (columns, rows) = (camera.columns(), camera.rows());
     if column >= columns || row >= rows {
         let (lowest, last) = (rows - 1, columns - 1);
-        let got =
-            format!("{row},{column}; there are {rows} rows and {columns} columns, from 0,0 to {lowest},{last}");
+        let got = format!(
+            "{row},{column}; there are {rows} rows and {columns} columns, from 0,0 to {lowest},{last}"
+        );
         return Err(Error::argument("pixel", "one of the picture", got));
     }
     let mut explanation = explain(scene, &camera.ray(row, column), settings, watch)?;

@@ -1,6 +1,6 @@
 //! Edges at which faces do not fit together.
 
-use super::report::Found;
+use super::report::FindingCollector;
 use super::subject::{EdgeUse, Subject};
 use crate::error::Result;
 use crate::watch::Watch;
@@ -9,7 +9,7 @@ use crate::watch::Watch;
 #[expect(clippy::unnecessary_wraps, reason = "a check may fail")]
 pub(super) fn winding(
     subject: &Subject<'_>,
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
     for uses in subject.edge_uses() {
@@ -26,7 +26,7 @@ pub(super) fn winding(
 #[expect(clippy::unnecessary_wraps, reason = "a check may fail")]
 pub(super) fn non_manifold(
     subject: &Subject<'_>,
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
     for uses in subject.edge_uses() {
@@ -37,7 +37,7 @@ pub(super) fn non_manifold(
     Ok(())
 }
 
-fn add(subject: &Subject<'_>, uses: &[EdgeUse], found: &mut Found<'_>) {
+fn add(subject: &Subject<'_>, uses: &[EdgeUse], found: &mut FindingCollector<'_>) {
     let [a, b] = uses[0].ends.map(|place| subject.point(place));
     let triangles: Vec<u32> = uses.iter().map(|edge| edge.triangle).collect();
     found.add(subject, &triangles, 0.5 * a + 0.5 * b);

@@ -1,6 +1,6 @@
 //! Faces that should not be there.
 
-use super::report::Found;
+use super::report::FindingCollector;
 use super::subject::Subject;
 use crate::error::Result;
 use crate::watch::Watch;
@@ -9,7 +9,7 @@ use crate::watch::Watch;
 #[expect(clippy::unnecessary_wraps, reason = "a check may fail")]
 pub(super) fn degenerate(
     subject: &Subject<'_>,
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
     for triangle in 0..subject.len() {
@@ -24,7 +24,7 @@ pub(super) fn degenerate(
 #[expect(clippy::unnecessary_wraps, reason = "a check may fail")]
 pub(super) fn duplicate(
     subject: &Subject<'_>,
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     _watch: &dyn Watch,
 ) -> Result<()> {
     let with_area = (subject.copies.iter()).filter(|same| subject.has_area[same[0] as usize]);

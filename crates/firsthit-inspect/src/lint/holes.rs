@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::report::{Found, Place, primitive};
+use super::report::{FindingCollector, Place, primitive};
 use super::subject::{Subject, stop_if_asked};
 use crate::error::Result;
 use crate::geometry::{DVec3, Transform, compare_points};
@@ -72,7 +72,7 @@ pub(super) fn boundary_edges(
 /// Finds the holes among the boundary edges of all objects.
 pub(super) fn check(
     boundary_edges: &mut [BoundaryEdge],
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
     boundary_edges.par_sort_unstable_by(|a, b| {

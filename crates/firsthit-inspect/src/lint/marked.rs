@@ -17,7 +17,7 @@ use crate::watch::Watch;
 const FINE: [u8; 3] = [200, 200, 200];
 
 /// Writes all meshes to a PLY file, whole or not at all, in world space. A face has the colour of the first kind of which it is a
-/// part ([`Kind::color`](super::Kind::color)), or light grey.
+/// part ([`FindingKind::color`](super::FindingKind::color)), or light grey.
 ///
 /// # Errors
 ///

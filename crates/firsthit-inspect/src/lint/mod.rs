@@ -1,6 +1,6 @@
 //! Checks meshes for likely faults: holes, flipped faces, self-intersections and more.
 //!
-//! A [`Kind`] is a row of [`KINDS`]. Most look at each mesh by itself; objects that share a mesh are looked at once. Vertices in one
+//! A [`FindingKind`] is a row of [`KINDS`]. Most look at each mesh by itself; objects that share a mesh are looked at once. Vertices in one
 //! place are one, to the last bit, whether or not triangles share them by index. All that decides is exact: areas, volumes and
 //! whether triangles meet are signs of determinants on the float64 numbers.
 
@@ -22,7 +22,7 @@ mod vertices;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-pub use kinds::{KINDS, Kind};
+pub use kinds::{FindingKind, KINDS};
 #[cfg(feature = "frame")]
 pub use marked::save_marked;
 pub use report::{Finding, Place, Report};
@@ -35,14 +35,14 @@ use crate::shape::Mesh;
 use crate::watch::Watch;
 use holes::BoundaryEdge;
 use kinds::Check;
-use report::{Found, Marks, NO_MARK};
+use report::{FindingCollector, Marks, NO_MARK};
 use subject::Subject;
 
 /// The kinds to look for, and the number of places to tell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LintSettings {
     /// Kinds that are not looked for.
-    pub ignore: Vec<&'static Kind>,
+    pub ignore: Vec<&'static FindingKind>,
     /// The number of places of each kind that are told.
     pub places: usize,
 }
@@ -86,15 +86,15 @@ struct Facts<'a> {
 ///
 /// [`Error::Limit`](crate::error::Error::Limit) when memory is short, and [`Error::Interrupted`](crate::error::Error::Interrupted).
 pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result<Report> {
-    let is_wanted = |kind: &&Kind| !settings.ignore.contains(kind);
-    let checked: Vec<&'static Kind> = KINDS.iter().filter(is_wanted).collect();
+    let is_wanted = |kind: &&FindingKind| !settings.ignore.contains(kind);
+    let checked: Vec<&'static FindingKind> = KINDS.iter().filter(is_wanted).collect();
     let (mut marks, of_objects) = distinct(scene)?;
     let mut drafts: Vec<Draft> = checked.iter().map(|&kind| Draft::new(kind)).collect();
     let mut facts = Facts {
         scene,
         meshes: Vec::new(),
     };
-    let of_boundary_edges = |kind: &&Kind| matches!(kind.check, Check::BoundaryEdges(_));
+    let of_boundary_edges = |kind: &&FindingKind| matches!(kind.check, Check::BoundaryEdges(_));
     let wants_boundary_edges = checked.iter().any(of_boundary_edges);
     let mut boundary_edges = Vec::new();
     for index in 0..marks.len() {
@@ -189,7 +189,7 @@ fn distinct(scene: &Scene) -> Result<(Vec<Marks>, Vec<Option<u32>>)> {
 
 /// A finding in the making.
 struct Draft {
-    kind: &'static Kind,
+    kind: &'static FindingKind,
     mark: u8,
     count: u64,
     places: Vec<Place>,
@@ -197,7 +197,7 @@ struct Draft {
 }
 
 impl Draft {
-    fn new(kind: &'static Kind) -> Self {
+    fn new(kind: &'static FindingKind) -> Self {
         let mark = KINDS.iter().position(|other| other == kind);
         Self {
             kind,
@@ -213,9 +213,9 @@ impl Draft {
         &mut self,
         marks: &mut [Marks],
         settings: &LintSettings,
-        check: impl FnOnce(&mut Found<'_>) -> Result<()>,
+        check: impl FnOnce(&mut FindingCollector<'_>) -> Result<()>,
     ) -> Result<()> {
-        let mut found = Found {
+        let mut found = FindingCollector {
             mark: self.mark,
             most_places: settings.places,
             marks,

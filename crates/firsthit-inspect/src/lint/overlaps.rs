@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 use std::collections::HashSet;
 
 use super::meeting::cross;
-use super::report::Found;
+use super::report::FindingCollector;
 use super::self_intersections::{face, meets};
 use super::shells::Shell;
 use super::subject::{Subject, stop_if_asked};
@@ -27,7 +27,11 @@ const NONE: u32 = u32::MAX;
 /// A shell with fewer faces is looked through.
 const FEW: usize = 1000;
 
-pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Watch) -> Result<()> {
+pub(super) fn check(
+    subject: &Subject<'_>,
+    found: &mut FindingCollector<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
     let shells = subject.shells(watch)?;
     if shells.len() < 2 {
         return Ok(());

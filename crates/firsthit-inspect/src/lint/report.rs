@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Debug, Formatter};
 
-use super::kinds::Kind;
+use super::kinds::FindingKind;
 use super::subject::Subject;
 use crate::geometry::DVec3;
 
@@ -10,7 +10,7 @@ use crate::geometry::DVec3;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     pub(super) findings: Vec<Finding>,
-    pub(super) checked: Vec<&'static Kind>,
+    pub(super) checked: Vec<&'static FindingKind>,
     pub(super) marks: Vec<Marks>,
     /// The index of the marks of each object's mesh.
     pub(super) of_objects: Vec<Option<u32>>,
@@ -28,7 +28,7 @@ impl Report {
     }
 
     /// The kinds that were looked for.
-    pub fn checked(&self) -> &[&'static Kind] {
+    pub fn checked(&self) -> &[&'static FindingKind] {
         &self.checked
     }
 
@@ -38,7 +38,7 @@ impl Report {
     pub fn marked(
         &self,
         object: usize,
-    ) -> Option<impl ExactSizeIterator<Item = Option<&'static Kind>>> {
+    ) -> Option<impl ExactSizeIterator<Item = Option<&'static FindingKind>>> {
         let index = (*self.of_objects.get(object)?)?;
         let marks = self.marks.get(index as usize)?;
         let kind = |&mark: &u8| super::KINDS.get(usize::from(mark));
@@ -72,7 +72,7 @@ impl Debug for Marks {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// The kind.
-    pub kind: &'static Kind,
+    pub kind: &'static FindingKind,
     /// The number of things found; the kind says of what.
     pub count: u64,
     /// The first of them, as many as were asked for.
@@ -93,7 +93,7 @@ pub struct Place {
 }
 
 /// Collects what a check finds.
-pub(super) struct Found<'a> {
+pub(super) struct FindingCollector<'a> {
     pub(super) mark: u8,
     pub(super) most_places: usize,
     pub(super) marks: &'a mut [Marks],
@@ -102,7 +102,7 @@ pub(super) struct Found<'a> {
     pub(super) note: String,
 }
 
-impl Found<'_> {
+impl FindingCollector<'_> {
     /// Counts one in a subject, at a point of object space, and marks its triangles, of which the first is its place.
     pub(super) fn add(&mut self, subject: &Subject<'_>, triangles: &[u32], position: DVec3) {
         let place = || Place {

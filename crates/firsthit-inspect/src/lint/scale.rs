@@ -1,7 +1,7 @@
 //! Sizes that tell of a mistake.
 
 use super::Facts;
-use super::report::Found;
+use super::report::FindingCollector;
 use super::subject::Subject;
 use crate::error::Result;
 use crate::geometry::{Bounds, single};
@@ -18,7 +18,11 @@ const SIZES: [f64; 2] = [1e-3, 1e6];
 
 /// A mesh in float32 whose offset takes its digits.
 #[expect(clippy::unnecessary_wraps, reason = "a check may fail")]
-pub(super) fn far(subject: &Subject<'_>, found: &mut Found<'_>, _watch: &dyn Watch) -> Result<()> {
+pub(super) fn far(
+    subject: &Subject<'_>,
+    found: &mut FindingCollector<'_>,
+    _watch: &dyn Watch,
+) -> Result<()> {
     let bounds = subject.mesh.bounds();
     let Bounds { low, high } = bounds;
     let is_single = matches!(**subject.mesh.positions(), Positions::Single(_));
@@ -37,7 +41,11 @@ pub(super) fn far(subject: &Subject<'_>, found: &mut Found<'_>, _watch: &dyn Wat
 
 /// A scene of an unlikely size.
 #[expect(clippy::unnecessary_wraps, reason = "a check may fail")]
-pub(super) fn units(facts: &Facts<'_>, found: &mut Found<'_>, _watch: &dyn Watch) -> Result<()> {
+pub(super) fn units(
+    facts: &Facts<'_>,
+    found: &mut FindingCollector<'_>,
+    _watch: &dyn Watch,
+) -> Result<()> {
     let bounds = facts.scene.bounds();
     let size = bounds.size().max_element();
     let [least, most] = SIZES;

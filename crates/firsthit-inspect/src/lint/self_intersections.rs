@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 use super::meeting::{Face, meet};
-use super::report::Found;
+use super::report::FindingCollector;
 use super::subject::{CHUNK, Subject, stop_if_asked};
 use crate::accel::Bvh;
 use crate::error::Result;
@@ -24,7 +24,11 @@ const UNKNOWN: u8 = 0;
 const CLEAN: u8 = 1;
 const MEETING: u8 = 2;
 
-pub(super) fn check(subject: &Subject<'_>, found: &mut Found<'_>, watch: &dyn Watch) -> Result<()> {
+pub(super) fn check(
+    subject: &Subject<'_>,
+    found: &mut FindingCollector<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
     let count = subject.len();
     let bytes = (count as usize).saturating_mul(TREE_BYTES);
     memory::check("the tree over the faces of a mesh", bytes)?;

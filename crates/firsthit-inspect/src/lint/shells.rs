@@ -10,7 +10,7 @@
 
 use std::cmp::Ordering;
 
-use super::report::Found;
+use super::report::FindingCollector;
 use super::subject::{CHUNK, EdgeUse, Subject, stop_if_asked};
 use crate::accel::Bvh;
 use crate::error::Result;
@@ -22,7 +22,7 @@ use crate::watch::Watch;
 
 pub(super) fn inside_out(
     subject: &Subject<'_>,
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
     let shells = subject.shells(watch)?;

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::Facts;
-use super::report::Found;
+use super::report::FindingCollector;
 use super::subject::stop_if_asked;
 use crate::error::Result;
 use crate::geometry::DVec3;
@@ -33,7 +33,7 @@ fn add(
     scene: &Scene,
     (object, positions): (i32, &Positions),
     wanted: impl Fn(u32) -> bool,
-    (found, watch): (&mut Found<'_>, &dyn Watch),
+    (found, watch): (&mut FindingCollector<'_>, &dyn Watch),
 ) -> Result<()> {
     stop_if_asked(watch)?;
     let in_scene = usize::try_from(object)
@@ -51,7 +51,7 @@ fn add(
 /// Vertices that are nowhere.
 pub(super) fn non_finite(
     facts: &Facts<'_>,
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
     for (object, positions, _) in buffers(facts) {
@@ -73,7 +73,7 @@ pub(super) fn non_finite(
 /// Vertices of no face.
 pub(super) fn unreferenced(
     facts: &Facts<'_>,
-    found: &mut Found<'_>,
+    found: &mut FindingCollector<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
     for (object, positions, meshes) in buffers(facts) {

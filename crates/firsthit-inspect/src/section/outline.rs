@@ -148,7 +148,7 @@ pub(super) fn judge(
 const LINE_BYTES: usize = 256;
 
 /// The relation of a line to others.
-struct Seen {
+struct LineRelations {
     is_tangled: bool,
     /// Whether it has an end in common with a line that is not its neighbour.
     is_pinched: bool,
@@ -162,8 +162,8 @@ fn look(
     extents: &[Extent],
     line: usize,
     stack: &mut Vec<u32>,
-) -> Seen {
-    let mut seen = Seen {
+) -> LineRelations {
+    let mut seen = LineRelations {
         is_tangled: false,
         is_pinched: false,
         is_back: false,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::memory_budget::MemoryBudget;
 use super::read;
 use super::settings::LoadSettings;
-use super::source::Source;
+use super::source::SourceFile;
 use super::warnings::Warnings;
 use crate::error::{Error, Place};
 use crate::scene::Scene;
@@ -15,7 +15,7 @@ use crate::scene::Scene;
 #[derive(Debug)]
 pub struct Report {
     pub settings: LoadSettings,
-    pub source: Source,
+    pub source: SourceFile,
     pub budget: MemoryBudget,
     pub warnings: Warnings,
     /// The names of the variants of the materials that the file has.
@@ -29,7 +29,7 @@ pub struct Report {
 impl Report {
     pub fn new(path: &Path, settings: LoadSettings) -> Self {
         Self {
-            source: Source::new(path),
+            source: SourceFile::new(path),
             budget: MemoryBudget::new(settings.max_memory),
             settings,
             warnings: Warnings::default(),

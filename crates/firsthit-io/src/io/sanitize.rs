@@ -6,14 +6,14 @@ use crate::geometry::{single, srgb_decode, srgb_encode};
 
 /// The meaning of the numbers of vertices or faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ValueKind {
     Normals,
     Coordinates,
     /// Linear, from 0 to 1.
     Colors,
 }
 
-impl Kind {
+impl ValueKind {
     /// The replacement of an unusable value.
     fn sanitized<const N: usize>(self, value: [f32; N]) -> [f32; N] {
         match self {
@@ -69,7 +69,7 @@ pub(super) fn sanitize_levels(values: &mut [[f32; 3]], report: &mut Report) {
         });
         levels_of_bytes(values);
     }
-    sanitize(values, Kind::Colors, &Place::File, report);
+    sanitize(values, ValueKind::Colors, &Place::File, report);
 }
 
 /// Makes levels that count from 0 to 255, and came through [`linear`], what they are.
@@ -86,7 +86,7 @@ pub(super) fn levels_of_bytes(values: &mut [[f32; 3]]) {
 /// warning.
 pub(super) fn sanitize<const N: usize>(
     values: &mut [[f32; N]],
-    kind: Kind,
+    kind: ValueKind,
     place: &Place,
     report: &mut Report,
 ) {
@@ -123,13 +123,13 @@ mod tests {
             [f32::NAN, -5.0, f32::INFINITY],
             [f32::NEG_INFINITY, 1e30, 2.0],
         ];
-        sanitize(&mut colors, Kind::Colors, &Place::File, &mut report);
+        sanitize(&mut colors, ValueKind::Colors, &Place::File, &mut report);
         assert_eq!(colors, [[0.5, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]);
         let mut normals = [[0.0, 0.0, 1.0], [0.0, f32::NAN, 1.0]];
-        sanitize(&mut normals, Kind::Normals, &Place::File, &mut report);
+        sanitize(&mut normals, ValueKind::Normals, &Place::File, &mut report);
         assert_eq!(normals, [[0.0, 0.0, 1.0], [0.0; 3]]);
         let mut uvs = [[1e38, -3.0]];
-        sanitize(&mut uvs, Kind::Coordinates, &Place::File, &mut report);
+        sanitize(&mut uvs, ValueKind::Coordinates, &Place::File, &mut report);
         let lines = report.take_lines();
         assert_eq!(lines.len(), 2, "{lines:?}");
         assert!(lines[0].contains(": 2, the first at index 1;"), "{lines:?}");

@@ -23,7 +23,7 @@ pub fn has_extension(path: &Path, extensions: &[&str]) -> bool {
 
 /// The file that is read.
 #[derive(Debug)]
-pub struct Source {
+pub struct SourceFile {
     path: PathBuf,
     /// Whether its path is a mere name without a folder: no file that it names is opened.
     pub in_memory: bool,
@@ -31,7 +31,7 @@ pub struct Source {
     pub(crate) further: Vec<PathBuf>,
 }
 
-impl Source {
+impl SourceFile {
     pub(crate) fn new(path: &Path) -> Self {
         Self {
             path: path.to_owned(),

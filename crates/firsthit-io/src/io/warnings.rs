@@ -8,7 +8,7 @@ use crate::error::{Error, Place, escaped};
 /// The warnings so far.
 #[derive(Debug, Default)]
 pub struct Warnings {
-    kinds: Vec<Kind>,
+    kinds: Vec<WarningKind>,
     dropped: u64,
     first_dropped: String,
     /// The place and reason where a file seems to end too early.
@@ -18,7 +18,7 @@ pub struct Warnings {
 }
 
 #[derive(Debug)]
-struct Kind {
+struct WarningKind {
     key: &'static str,
     line: String,
     count: u64,
@@ -39,7 +39,7 @@ impl Warnings {
         } else {
             let line = format!("{}{place}: {}", escaped(path), shortened(what()));
             let count = 1;
-            self.kinds.push(Kind { key, line, count });
+            self.kinds.push(WarningKind { key, line, count });
         }
     }
 

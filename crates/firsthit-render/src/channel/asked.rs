@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::attribute::components;
-use super::{Kind, Make, kind};
+use super::{ChannelKind, Make, kind};
 use crate::error::{Error, Result};
 use crate::image::{Data, Display, Unit};
 use crate::scene::Scene;
@@ -22,13 +22,13 @@ const MOST_RANKS: usize = 64;
 
 /// The kind of a channel's name; a Cryptomatte with another number of pairs, as in
 /// `crypto_object:8`; ambient occlusion up to a distance, as in `ao:0.5`; or with [`ATTRIBUTE`]
-/// before it the attribute of the meshes, see [`Kind::attribute`].
+/// before it the attribute of the meshes, see [`ChannelKind::attribute`].
 ///
 /// # Errors
 ///
 /// [`Error::Argument`] for a name that no kind has, for an attribute without a name, and for a number of pairs that is odd or not
 /// from 2 to 64.
-pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
+pub fn asked(name: &str) -> Result<Cow<'static, ChannelKind>> {
     if let Some((name, ranks)) = name.split_once(':')
         && let Some(kind) = kind(name).ok().filter(|kind| kind.matte().is_some())
     {
@@ -41,12 +41,12 @@ pub fn asked(name: &str) -> Result<Cow<'static, Kind>> {
     }
     match name.strip_prefix(ATTRIBUTE) {
         Some("") => Err(Error::argument("channel", "an attribute's name", name)),
-        Some(attribute) => Ok(Cow::Owned(Kind::attribute(attribute))),
+        Some(attribute) => Ok(Cow::Owned(ChannelKind::attribute(attribute))),
         None => kind(name).map(Cow::Borrowed),
     }
 }
 
-impl Kind {
+impl ChannelKind {
     /// The Cryptomatte with another number of pairs. Two make a layer of an EXR.
     fn with_ranks(&self, ranks: &str) -> Result<Self> {
         let count = ranks.parse().ok();

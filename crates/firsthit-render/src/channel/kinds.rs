@@ -3,14 +3,14 @@
 use std::borrow::Cow;
 
 use super::asked::MATTE_RANKS;
-use super::{Kind, Make, Matte};
+use super::{ChannelKind, Make, Matte};
 use crate::geometry::Hit;
 use crate::image::{Display, Unit};
 use crate::scene::{Catalog, Object, SurfaceInteraction};
 
 /// The number of the ray that each hit belongs to, where a ray may have several. It is no channel of a picture, so not among
 /// [`KINDS`]; [`AllHits::ray_numbers`](crate::shoot::AllHits::ray_numbers) has its data.
-pub const RAY: &Kind = &Kind {
+pub const RAY: &ChannelKind = &ChannelKind {
     name: Cow::Borrowed("ray"),
     about: "number of the ray, from 0",
     components: 1,
@@ -22,7 +22,7 @@ pub const RAY: &Kind = &Kind {
 
 /// Whether a point is inside an object. It is no channel of hits, so not among [`KINDS`];
 /// `inside` has its data.
-pub const INSIDE: &Kind = &Kind {
+pub const INSIDE: &ChannelKind = &ChannelKind {
     name: Cow::Borrowed("inside"),
     about: "whether the point is inside an object",
     components: 1,
@@ -34,7 +34,7 @@ pub const INSIDE: &Kind = &Kind {
 
 /// Whether two points see each other. It is no channel of hits, so not among [`KINDS`]; [`visible`](crate::shoot::visible())
 /// has its data.
-pub const VISIBLE: &Kind = &Kind {
+pub const VISIBLE: &ChannelKind = &ChannelKind {
     name: Cow::Borrowed("visible"),
     about: "whether the two points see each other",
     components: 1,
@@ -45,7 +45,7 @@ pub const VISIBLE: &Kind = &Kind {
 };
 
 /// The thickness of an object. It is no channel of hits, so not among [`KINDS`]; `thickness` has its data.
-pub const THICKNESS: &Kind = &Kind {
+pub const THICKNESS: &ChannelKind = &ChannelKind {
     name: Cow::Borrowed("thickness"),
     about: "distance inwards to the other side; inf where there is none",
     components: 1,
@@ -57,7 +57,7 @@ pub const THICKNESS: &Kind = &Kind {
 
 /// The distance to the nearest point. It is no channel of hits, so not among [`KINDS`];
 /// `closest_points` has its data.
-pub const DISTANCE: &Kind = &Kind {
+pub const DISTANCE: &ChannelKind = &ChannelKind {
     name: Cow::Borrowed("distance"),
     about: "how far away the nearest point is; inf if there is none",
     components: 1,
@@ -68,7 +68,7 @@ pub const DISTANCE: &Kind = &Kind {
 };
 
 /// The distance with a sign; `signed_distances` has its data.
-pub const SIGNED_DISTANCE: &Kind = &Kind {
+pub const SIGNED_DISTANCE: &ChannelKind = &ChannelKind {
     name: Cow::Borrowed("distance"),
     about: "how far away the nearest point is, negative inside; inf if there is none",
     components: 1,
@@ -79,7 +79,7 @@ pub const SIGNED_DISTANCE: &Kind = &Kind {
 };
 
 /// The number of the point that each nearest point belongs to, where a point may have several.
-pub const POINT: &Kind = &Kind {
+pub const POINT: &ChannelKind = &ChannelKind {
     name: Cow::Borrowed("point"),
     about: "number of the point that was given, from 0",
     components: 1,
@@ -90,8 +90,8 @@ pub const POINT: &Kind = &Kind {
 };
 
 /// Every channel. A new one is a new row.
-pub const KINDS: &[Kind] = &[
-    Kind {
+pub const KINDS: &[ChannelKind] = &[
+    ChannelKind {
         name: Cow::Borrowed("color"),
         about: "linear red, green, blue (Rec. 709); the background for a miss",
         components: 3,
@@ -100,7 +100,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Color,
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("t"),
         about: "distance from the ray's start along the ray (in lengths of the direction); inf for a miss",
         components: 1,
@@ -109,7 +109,7 @@ pub const KINDS: &[Kind] = &[
         frame: Some("ray"),
         make: Make::T,
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("range"),
         about: "distance from the camera's position along the ray; inf for a miss",
         components: 1,
@@ -118,7 +118,7 @@ pub const KINDS: &[Kind] = &[
         frame: Some("camera"),
         make: Make::Distance(0),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("z"),
         about: "distance from the camera's position along its aim; inf for a miss",
         components: 1,
@@ -127,7 +127,7 @@ pub const KINDS: &[Kind] = &[
         frame: Some("camera"),
         make: Make::Distance(1),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("object"),
         about: "identifier of the object; -1 for a miss",
         components: 1,
@@ -136,7 +136,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Identifier(|hit| hit.object),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("primitive"),
         about: "identifier of the object's part, such as the triangle; -1 for a miss",
         components: 1,
@@ -145,7 +145,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Identifier(|hit| hit.primitive),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("face"),
         about: "identifier of the polygon that the triangle was part of; -1 for a miss",
         components: 1,
@@ -154,7 +154,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Integer(face),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("node"),
         about: "identifier of the node that the object comes from; -1 for a miss and where there is none",
         components: 1,
@@ -163,7 +163,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.node_of(object))),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("mesh"),
         about: "identifier of the mesh that the object is, or is a part of; -1 for a miss and other shapes",
         components: 1,
@@ -172,7 +172,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Origin(|catalog, _, hit| of_object(hit, |object| catalog.mesh_of(object))),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("material"),
         about: "identifier of the material; -1 for a miss and where there is none",
         components: 1,
@@ -181,7 +181,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Origin(material),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("normal"),
         about: "geometric normal in the world, of length one, outwards; NaN for a miss",
         components: 3,
@@ -192,7 +192,7 @@ pub const KINDS: &[Kind] = &[
             out.copy_from_slice(&surface.normal().to_array());
         }),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("incidence"),
         about: "angle between the ray and the normal, 0 head on; NaN for a miss",
         components: 1,
@@ -201,7 +201,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Doubles(|surface, out| out[0] = surface.incidence()),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("position"),
         about: "where the hit is in the world; NaN for a miss",
         components: 3,
@@ -212,7 +212,7 @@ pub const KINDS: &[Kind] = &[
             out.copy_from_slice(&surface.position().to_array());
         }),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("barycentric"),
         about: "weights of the triangle's corners 0, 1, 2; NaN for a miss and for other shapes",
         components: 3,
@@ -224,7 +224,7 @@ pub const KINDS: &[Kind] = &[
             out.copy_from_slice(&[1.0 - b - c, b, c]);
         }),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("uv"),
         about: "texture coordinates; NaN for a miss and where there are none",
         components: 2,
@@ -237,7 +237,7 @@ pub const KINDS: &[Kind] = &[
             }
         }),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("base_color"),
         about: "linear colour of the surface there, with its texture, without light; NaN for a miss",
         components: 3,
@@ -248,7 +248,7 @@ pub const KINDS: &[Kind] = &[
             out.copy_from_slice(&surface.color().to_array());
         }),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("front"),
         about: "whether the front of the surface was met; false for a miss",
         components: 1,
@@ -257,7 +257,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Flag(is_front),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("valid"),
         about: "whether the pixel sees anything at all: false where a lens has no ray, as beyond a fisheye's circle",
         components: 1,
@@ -266,7 +266,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Valid,
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("edge"),
         about: "how much of the pixel lines along edges cover, from 0 to 1",
         components: 1,
@@ -275,7 +275,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Edge,
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("alpha"),
         about: "coverage, from 0 to 1: how much of the pixel is not the background; with a ground, its shadow too",
         components: 1,
@@ -284,7 +284,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Alpha,
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("ao"),
         about: "ambient occlusion over all samples: how much of the sky the surface sees, from 0 to 1; 1 for a miss",
         components: 1,
@@ -293,7 +293,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Occlusion(f64::INFINITY),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("samples"),
         about: "how many samples the pixel's colour is the mean of",
         components: 1,
@@ -302,7 +302,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Samples,
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("crypto_object"),
         about: "Cryptomatte of objects by name: six pairs of identifier and coverage, over all samples; 0 for a miss",
         components: 2 * MATTE_RANKS,
@@ -311,7 +311,7 @@ pub const KINDS: &[Kind] = &[
         frame: None,
         make: Make::Matte(Matte::Object),
     },
-    Kind {
+    ChannelKind {
         name: Cow::Borrowed("crypto_material"),
         about: "the same of materials by name; 0 for a miss and where there is no material",
         components: 2 * MATTE_RANKS,

@@ -1,6 +1,6 @@
 //! Pixels that are shaded at a time.
 
-use super::region::Part;
+use super::region::RegionRays;
 use crate::geometry::{Color, DVec3, Hit, Ray, Rays, Side};
 use crate::scene::Scene;
 use crate::shade::{Samples, Shade};
@@ -118,7 +118,7 @@ impl Batch {
     /// their way to the caches afterwards. Returns whether there are any.
     pub(super) fn read(
         &mut self,
-        (scene, part): (&Scene, &Part<'_>),
+        (scene, part): (&Scene, &RegionRays<'_>),
         hits: &Hits,
         block: Block,
         goes_on: impl Fn(usize) -> bool,

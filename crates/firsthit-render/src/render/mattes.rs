@@ -1,6 +1,6 @@
 //! Cryptomatte: which objects or materials the samples of a pixel meet, and how many of them each.
 
-use crate::channel::{Kind, Matte};
+use crate::channel::{ChannelKind, Matte};
 use crate::error::Result;
 use crate::geometry::Hit;
 use crate::image::{Cryptomatte, Data, matte_id};
@@ -17,13 +17,13 @@ pub(super) struct Mattes {
     of: Matte,
     /// The matte identifiers, by the number of an object or a material.
     ids: Vec<u32>,
-    pixels: Vec<Seen>,
+    pixels: Vec<PixelShares>,
 }
 
 /// The shares of objects or materials in the samples of a pixel so far. Most pixels meet one thing,
 /// and need no more memory.
 #[derive(Clone, Default)]
-struct Seen {
+struct PixelShares {
     first: Share,
     others: Vec<Share>,
 }
@@ -35,7 +35,7 @@ struct Share {
     count: u32,
 }
 
-impl Seen {
+impl PixelShares {
     fn add(&mut self, id: u32) {
         if self.first.count == 0 {
             self.first.id = id;
@@ -77,7 +77,7 @@ fn portion(count: u32, samples: u32) -> f32 {
 
 impl Mattes {
     /// The mattes of a channel, if it is one of mattes, for `pixels` pixels.
-    pub(super) fn new(kind: &Kind, scene: &Scene, pixels: usize) -> Result<Option<Self>> {
+    pub(super) fn new(kind: &ChannelKind, scene: &Scene, pixels: usize) -> Result<Option<Self>> {
         let Some(of) = kind.matte() else {
             return Ok(None);
         };
@@ -85,7 +85,7 @@ impl Mattes {
         Ok(Some(Self {
             of,
             ids: ids.collect(),
-            pixels: filled(pixels, Seen::default())?,
+            pixels: filled(pixels, PixelShares::default())?,
         }))
     }
 
@@ -154,7 +154,7 @@ fn names(scene: &Scene, of: Matte) -> Box<dyn Iterator<Item = String> + '_> {
 }
 
 /// The metadata of a channel, with its name, if it is one of mattes.
-pub(super) fn record(scene: &Scene, kind: &Kind) -> Option<(String, Cryptomatte)> {
+pub(super) fn record(scene: &Scene, kind: &ChannelKind) -> Option<(String, Cryptomatte)> {
     let said = Cryptomatte::new(&kind.name, names(scene, kind.matte()?));
     Some((kind.name.to_string(), said))
 }
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn pairs_are_sorted_by_share_and_then_by_identifier() {
-        let mut seen = Seen::default();
+        let mut seen = PixelShares::default();
         for id in [7, 3, 9, 3, 9, 5, 3, 1] {
             seen.add(id);
         }

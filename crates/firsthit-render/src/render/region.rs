@@ -47,12 +47,12 @@ impl Region {
 
 /// The rays of one sample of the pixels of a region.
 #[derive(Debug)]
-pub(super) struct Part<'a> {
+pub(super) struct RegionRays<'a> {
     pub(super) region: Region,
     sample: Sample<'a>,
 }
 
-impl<'a> Part<'a> {
+impl<'a> RegionRays<'a> {
     /// The rays of the first sample, which go through the pixels' centres.
     pub(super) fn new(sensor: &'a dyn Sensor, region: Region) -> Self {
         Self {
@@ -96,7 +96,7 @@ impl<'a> Part<'a> {
     }
 }
 
-impl Rays for Part<'_> {
+impl Rays for RegionRays<'_> {
     fn len(&self) -> usize {
         let [rows, columns] = self.region.shape();
         rows.saturating_mul(columns)
@@ -135,7 +135,7 @@ impl Rays for Part<'_> {
     }
 }
 
-impl Sensor for Part<'_> {
+impl Sensor for RegionRays<'_> {
     fn shape(&self) -> [usize; 2] {
         self.region.shape()
     }

@@ -4,7 +4,7 @@ use std::fmt::{self, Debug, Formatter};
 
 use super::{Appearance, Picture, Region, default_samples, framing_camera};
 use crate::camera::{Camera, StandardView};
-use crate::channel::{self, Kind};
+use crate::channel::{self, ChannelKind};
 use crate::edge::Edges;
 use crate::error::Result;
 use crate::geometry::{DVec3, Side, require};
@@ -242,7 +242,7 @@ impl<'a> Render<'a> {
     pub fn frame(self) -> Result<Frame> {
         let asked = self.channels.iter().map(|name| channel::asked(name));
         let asked = asked.collect::<Result<Vec<_>>>()?;
-        let kinds: Vec<&Kind> = asked.iter().map(|kind| &**kind).collect();
+        let kinds: Vec<&ChannelKind> = asked.iter().map(|kind| &**kind).collect();
         let camera = self.camera.map_or_else(
             || {
                 let up = self.up.unwrap_or_else(|| self.scene.up());

@@ -12,8 +12,8 @@ use super::Picture;
 use super::accumulation::{ALPHA, Accumulation, Activity};
 use super::batch::{Batch, Block, split};
 use super::mattes::Mattes;
-use super::region::{Part, Region};
-use crate::channel::{self, Kind, Shots};
+use super::region::{Region, RegionRays};
+use crate::channel::{self, ChannelInput, ChannelKind};
 use crate::edge::Lines;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, Filtered, RayFilter, Rays, single};
@@ -28,7 +28,7 @@ use crate::watch::Watch;
 /// See [the module](self).
 pub(super) struct Slab<'a> {
     picture: &'a Picture<'a>,
-    part: Part<'a>,
+    part: RegionRays<'a>,
     hits: Hits,
     known: Accumulation,
     /// The ambient occlusion, if it is asked for: its shader, and the sum over the samples.
@@ -75,7 +75,7 @@ impl<'a> Slab<'a> {
             lines.coverage(rows, columns, watch)
         });
         let covered = covered.transpose()?.unwrap_or_default();
-        let part = Part::new(picture.sensor, region);
+        let part = RegionRays::new(picture.sensor, region);
         let pixels = if picture.has_color() { part.len() } else { 0 };
         known.reset(pixels)?;
         let mattes = picture.channels.iter();
@@ -153,14 +153,14 @@ impl<'a> Slab<'a> {
         let rays = Filtered::new(&self.part, filter);
         trace_into(picture.engine, picture.scene, &rays, answers, watch)?;
         if self.samples == 0 {
-            let shots = Shots {
+            let shots = ChannelInput {
                 scene: picture.scene,
                 rays: &self.part,
                 hits: &self.hits,
                 sensor: Some(&self.part),
             };
             let plain = picture.channels.iter().copied();
-            let is_plain = |kind: &&Kind| !kind.needs_samples() && !kind.is_edge();
+            let is_plain = |kind: &&ChannelKind| !kind.needs_samples() && !kind.is_edge();
             let plain: Vec<_> = plain.filter(is_plain).collect();
             self.channels = channel::make(&plain, &shots, watch)?;
         }

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::{Picture, Progressive, work};
-use crate::channel::Kind;
+use crate::channel::ChannelKind;
 use crate::error::{Error, Result, escaped};
 use crate::image::{
-    self, Array, Channel, Data, Description, Display, Frame, Metadata, Numbers, Origin, Unit,
+    self, Array, ArrayValues, Channel, Data, Description, Display, Frame, Metadata, Origin, Unit,
 };
 use crate::watch::{OnlyCounts, OnlyStops, Watch};
 
@@ -32,7 +32,7 @@ impl<'a> Picture<'a> {
             let expected = "left out without color, alpha or samples among the channels";
             return Err(Error::argument("resume", expected, escaped(path)));
         }
-        let (shaded, plain): (Vec<&Kind>, Vec<&Kind>) =
+        let (shaded, plain): (Vec<&ChannelKind>, Vec<&ChannelKind>) =
             self.channels.iter().partition(|kind| kind.needs_shade());
         let shaded = Picture {
             channels: &shaded,
@@ -153,7 +153,7 @@ fn read_state(path: &Path, own: &Frame) -> Result<Cow<'static, Frame>> {
 }
 
 /// One frame of the colours and of all else, in the order that was asked for.
-fn put_together(channels: &[&Kind], colors: Frame, others: Frame) -> Result<Frame> {
+fn put_together(channels: &[&ChannelKind], colors: Frame, others: Frame) -> Result<Frame> {
     let origin = colors.origin().clone();
     let mut whole = Frame::new(colors.shape().to_vec()).from_origin(Origin {
         names: others.origin().names.clone(),
@@ -195,8 +195,8 @@ fn wrong_numbers() -> Error {
 
 fn channel(array: Array) -> Result<Channel> {
     let data = match array.numbers {
-        Numbers::Float64(values) => Data::Float64(values),
-        Numbers::Integer(values) => {
+        ArrayValues::Float64(values) => Data::Float64(values),
+        ArrayValues::Integer(values) => {
             let values = values.into_iter().map(i32::try_from);
             Data::Int32(
                 values
@@ -204,7 +204,7 @@ fn channel(array: Array) -> Result<Channel> {
                     .map_err(|_| wrong_numbers())?,
             )
         }
-        Numbers::Float32(_) => return Err(wrong_numbers()),
+        ArrayValues::Float32(_) => return Err(wrong_numbers()),
     };
     Ok(Channel {
         name: array.name.ok_or_else(wrong_numbers)?.into(),

@@ -24,7 +24,7 @@ pub(super) fn onwards(surface: &SurfaceInteraction<'_>) -> (Ray, RayFilter) {
 }
 
 /// A ray on its way through translucent surfaces.
-struct Seen {
+struct TransmittedRay {
     /// The index of the sample.
     sample: usize,
     ray: Ray,
@@ -47,7 +47,7 @@ pub(super) fn compose(
         if opacity < 1.0 {
             colors[sample] *= opacity;
             coverage[sample] *= opacity;
-            seen.push(Seen {
+            seen.push(TransmittedRay {
                 sample,
                 ray: *ray,
                 hit: *hit,
@@ -60,7 +60,7 @@ pub(super) fn compose(
         if seen.is_empty() {
             return;
         }
-        let draws = |seen: &Seen| {
+        let draws = |seen: &TransmittedRay| {
             samples
                 .draws(seen.sample)
                 .split(stream::LAYERS + u64::from(layer))
@@ -87,7 +87,7 @@ pub(super) fn compose(
 }
 
 /// Takes rays to what is behind the surfaces that they have met.
-fn go_on(shading: &Shading<'_>, cull: Option<Side>, seen: &mut [Seen]) {
+fn go_on(shading: &Shading<'_>, cull: Option<Side>, seen: &mut [TransmittedRay]) {
     let on = seen.iter().filter_map(|seen| {
         let surface = shading.scene.interaction(&seen.ray, &seen.hit)?;
         let (ray, filter) = onwards(&surface);

@@ -80,12 +80,12 @@ impl HardLighting {
 }
 
 /// A source of light, which counts as its middle where it has a size.
-trait Source {
+trait IncidentLight {
     /// The source's light at a point, and the direction towards it.
     fn at(&self, point: DVec3) -> Option<(LightSample, DVec3)>;
 }
 
-impl Source for PreparedLight {
+impl IncidentLight for PreparedLight {
     #[inline(always)]
     fn at(&self, point: DVec3) -> Option<(LightSample, DVec3)> {
         let sample = self.sample(point, MIDDLE)?;
@@ -102,7 +102,7 @@ impl Everywhere {
     }
 }
 
-impl Source for Everywhere {
+impl IncidentLight for Everywhere {
     #[inline(always)]
     fn at(&self, _point: DVec3) -> Option<(LightSample, DVec3)> {
         Some((self.0, self.1))
@@ -241,7 +241,7 @@ impl LitRow {
 /// Computes the light that the surfaces at some points reflect.
 struct Reflect<'a, S, R>(&'a LitRow, &'a S, &'a R);
 
-impl<S: Source, R: Reflection> Kernel for Reflect<'_, S, R> {
+impl<S: IncidentLight, R: Reflection> Kernel for Reflect<'_, S, R> {
     type Output = Arriving;
 
     #[inline(always)]

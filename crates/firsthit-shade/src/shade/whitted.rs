@@ -32,7 +32,7 @@ const MOST: u32 = 128;
 const MOST_BRANCHES: usize = 64;
 
 /// A surface that was met, and how many times its ray was reflected.
-struct Seen {
+struct ReflectedVertex {
     vertex: Vertex,
     reflections: u32,
 }
@@ -67,7 +67,7 @@ pub(super) fn shade(
             (k, PathSegment::of_camera(surface)),
             colors,
         );
-        seen.extend(vertex.map(|vertex| Seen {
+        seen.extend(vertex.map(|vertex| ReflectedVertex {
             vertex,
             reflections: 0,
         }));
@@ -88,7 +88,7 @@ pub(super) fn shade(
         for (index, branch) in branches.iter().enumerate() {
             let (vertex, on) = follow(settings, shading, branch, &hits.get(index), colors);
             let reflections = branch.reflections;
-            seen.extend(vertex.map(|vertex| Seen {
+            seen.extend(vertex.map(|vertex| ReflectedVertex {
                 vertex,
                 reflections,
             }));
@@ -139,11 +139,16 @@ fn met(
 }
 
 /// Adds the light of lights, each by its middle.
-fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &mut [Color]) {
+fn add_light(
+    settings: &Whitted,
+    shading: &Shading<'_>,
+    seen: &[ReflectedVertex],
+    colors: &mut [Color],
+) {
     let mut rays = ShadowRays::with_capacity(seen.len());
     for light in shading.scene.lights() {
         let light = light.prepared();
-        for Seen { vertex, .. } in seen {
+        for ReflectedVertex { vertex, .. } in seen {
             let sample = light.sample(vertex.position, DVec2::splat(0.5));
             let seen = sample.and_then(|sample| Some((sample, vertex.seen(&sample)?)));
             if let Some((sample, light)) = seen {
@@ -155,9 +160,9 @@ fn add_light(settings: &Whitted, shading: &Shading<'_>, seen: &[Seen], colors: &
 }
 
 /// The rays that continue from a vertex.
-fn branches_of(settings: &Whitted, seen: &Seen) -> Vec<Branch> {
+fn branches_of(settings: &Whitted, seen: &ReflectedVertex) -> Vec<Branch> {
     let Whitted { least, depth, .. } = *settings;
-    let Seen {
+    let ReflectedVertex {
         vertex,
         reflections,
     } = seen;

@@ -437,7 +437,10 @@ fn a_pixel_is_that_of_the_picture() {
     for outside in [[0, 9], [6, 0], [usize::MAX; 2]] {
         let refused = explain_pixel(&scene, &camera, outside, &settings, &()).unwrap_err();
         let refused = refused.to_string();
-        assert!(refused.contains("6 rows and 9 columns, from 0,0 to 5,8"), "{refused}");
+        assert!(
+            refused.contains("6 rows and 9 columns, from 0,0 to 5,8"),
+            "{refused}"
+        );
     }
     // The ends that are asked for are those of the ray, a pixel's too.
     let settings = ExplainSettings {

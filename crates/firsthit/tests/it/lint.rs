@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use firsthit::lint::{Finding, KINDS, Kind, LintSettings, Report, lint, save_marked};
+use firsthit::lint::{Finding, FindingKind, KINDS, LintSettings, Report, lint, save_marked};
 use firsthit::watch::Watch;
 use firsthit::{DAffine3, DVec3, Error, Mesh, Object, Positions, Scene, Sphere, Transform};
 use num_rational::BigRational;
@@ -410,7 +410,7 @@ fn digits_lost_to_an_offset_and_unlikely_sizes_are_told() {
 #[test]
 fn what_is_ignored_is_not_looked_for() {
     let scene = one(&POINTS, FACES[..3].to_vec());
-    let ignore = vec![Kind::named("hole").unwrap()];
+    let ignore = vec![FindingKind::named("hole").unwrap()];
     let report = lint(&scene, &LintSettings { ignore, places: 1 }, &()).unwrap();
     assert!(report.is_clean() && report.checked().len() == KINDS.len() - 1);
     let settings = LintSettings {

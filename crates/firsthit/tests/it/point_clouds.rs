@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use firsthit::channel::{KINDS, Kind};
+use firsthit::channel::{ChannelKind, KINDS};
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
     Array, Channel, Data, Display, Frame, Metadata, Numbers, WriteSettings, format_named,
@@ -12,7 +12,7 @@ use firsthit::image::{
 use firsthit::{Background, Shader, Shading, example, render};
 
 /// Those that point clouds hold.
-fn held() -> impl Iterator<Item = &'static Kind> {
+fn held() -> impl Iterator<Item = &'static ChannelKind> {
     KINDS.iter().filter(|kind| kind.matte().is_none())
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use firsthit::channel::{Kind, kind};
+use firsthit::channel::{ChannelKind, kind};
 use firsthit::image::{Data, Frame};
 use firsthit::render::{Picture, Region};
 use firsthit::scene::{ColorBy, Coloring, Environment, EnvironmentKind};
@@ -16,7 +16,7 @@ use firsthit::{
 const ROWS: usize = 12;
 const COLUMNS: usize = 16;
 
-fn kinds(names: &[&str]) -> Vec<&'static Kind> {
+fn kinds(names: &[&str]) -> Vec<&'static ChannelKind> {
     names.iter().map(|name| kind(name).unwrap()).collect()
 }
 
@@ -27,7 +27,7 @@ fn example() -> (Scene, Camera) {
 }
 
 /// All that can be gone on with.
-fn shaded() -> Vec<&'static Kind> {
+fn shaded() -> Vec<&'static ChannelKind> {
     kinds(&["color", "alpha", "samples"])
 }
 
@@ -448,7 +448,7 @@ fn a_picture_resumes_from_its_file_with_the_bytes_and_the_progress_of_one_run() 
 fn whole_state(state: &std::path::Path) -> u32 {
     let output = firsthit::image::read(state).unwrap();
     match &output.array("samples").unwrap().numbers {
-        firsthit::image::Numbers::Integer(counts) => u32::try_from(counts[0]).unwrap(),
+        firsthit::image::ArrayValues::Integer(counts) => u32::try_from(counts[0]).unwrap(),
         other => panic!("{other:?}"),
     }
 }

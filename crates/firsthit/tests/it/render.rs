@@ -1,6 +1,6 @@
 //! Pictures against closed forms: shading, channels, antialiasing, and the same bytes for any threads.
 
-use firsthit::channel::{KINDS, Kind, Shots, kind, make};
+use firsthit::channel::{ChannelInput, ChannelKind, KINDS, kind, make};
 use firsthit::image::{Data, Frame};
 use firsthit::render::work;
 use firsthit::scene::{DirectionalLight, PointLight};
@@ -414,7 +414,7 @@ fn channels_are_interrupted_too() {
     }
     let (scene, camera) = (example::scene().unwrap(), small_camera());
     let hits = trace(&scene, &camera, First, &()).unwrap();
-    let shots = Shots {
+    let shots = ChannelInput {
         scene: &scene,
         rays: &camera,
         hits: &hits,
@@ -441,7 +441,7 @@ fn a_watch_is_told_of_all_the_work_that_was_announced() {
     }
     let (scene, camera) = (example::scene().unwrap(), small_camera());
     let shade = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
-    let kinds: Vec<&Kind> = KINDS.iter().collect();
+    let kinds: Vec<&ChannelKind> = KINDS.iter().collect();
     for samples in [1, 4] {
         let watch = Counted::default();
         render(&scene, &camera, &shade, &kinds, samples, &watch).unwrap();

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use firsthit::camera::Equirectangular;
-use firsthit::channel::{KINDS, Kind, kind};
+use firsthit::channel::{ChannelKind, KINDS, kind};
 use firsthit::image::{Channel, Frame};
 use firsthit::render::{Picture, Region};
 use firsthit::shade::Samples;
@@ -50,7 +50,7 @@ fn all_bits(frame: &Frame, rows: Range<usize>, columns: Range<usize>) -> Vec<Vec
 #[test]
 fn a_region_is_that_part_of_the_whole() {
     let (scene, camera) = (example::scene().unwrap(), small_camera());
-    let kinds: Vec<&Kind> = KINDS.iter().collect();
+    let kinds: Vec<&ChannelKind> = KINDS.iter().collect();
     let shading = Shader::default().on(&scene);
     let panorama = Camera::new(View {
         lens: Lens::Equirectangular(Equirectangular::default()),
@@ -109,7 +109,7 @@ fn a_region_outside_the_picture_is_refused() {
 #[test]
 fn samples_one_by_one_are_those_at_once() {
     let (scene, camera) = (example::scene().unwrap(), small_camera());
-    let kinds: Vec<&Kind> = KINDS.iter().collect();
+    let kinds: Vec<&ChannelKind> = KINDS.iter().collect();
     let shade = Shader::default().on(&scene);
     let all = |frame: &Frame| all_bits(frame, 0..30, 0..40);
     let picture = Picture::new(&scene, &camera, &shade, &kinds);
@@ -147,7 +147,7 @@ fn every_engine_makes_the_same_picture() {
     let rows = if is_full() { 0..30 } else { 13..16 };
     let camera = small_camera().crop(rows, 0..40).unwrap();
     let scene = example::scene().unwrap();
-    let kinds: Vec<&Kind> = KINDS.iter().collect();
+    let kinds: Vec<&ChannelKind> = KINDS.iter().collect();
     let render = |engine: &dyn Engine| {
         let frame = Render::new(&scene).camera(camera).samples(2).engine(engine);
         let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();

@@ -8,7 +8,7 @@
 use firsthit::camera::{
     Aim, Calibrated, Description, Equirectangular, Focus, Opening, PixelMatrix, distortion,
 };
-use firsthit::channel::{KINDS, Kind, kind};
+use firsthit::channel::{ChannelKind, KINDS, kind};
 use firsthit::geometry::Bounds;
 use firsthit::image::Frame;
 use firsthit::render::{Picture, Sample};
@@ -457,7 +457,7 @@ fn threads_engines_and_samples_one_by_one_make_the_same_bytes() {
     for set in InstructionSet::available() {
         assert!(picture(&Cpu::with(set)) == first, "{set:?}");
     }
-    let kinds: Vec<&Kind> = vec![kind("color").unwrap()];
+    let kinds: Vec<&ChannelKind> = vec![kind("color").unwrap()];
     let shade = Shader::default().on(&scene);
     let at_once = render(&scene, &camera, &shade, &kinds, 5, &()).unwrap();
     let picture = Picture {
@@ -480,7 +480,7 @@ fn cameras_that_move_line_by_line_have_a_lens_too() {
     let (scene, camera) = small();
     let still = Trajectory::new(vec![0.0, 1.0], vec![Pose::IDENTITY; 2]).unwrap();
     let shade = Shader::default().on(&scene);
-    let kinds: Vec<&Kind> = vec![kind("color").unwrap()];
+    let kinds: Vec<&ChannelKind> = vec![kind("color").unwrap()];
     let of = |sensor: &dyn Sensor| {
         bits(
             &render(&scene, sensor, &shade, &kinds, 6, &()).unwrap(),

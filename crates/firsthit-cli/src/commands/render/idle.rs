@@ -1,6 +1,6 @@
 //! Options that would do nothing, or not what is meant.
 
-use firsthit::channel::Kind;
+use firsthit::channel::ChannelKind;
 use firsthit::edge::{EdgeKind, Edges};
 use firsthit::geometry::meant_as_levels;
 use firsthit::render::{Resolved, idle};
@@ -59,7 +59,7 @@ pub(crate) fn without_channels(
     orders: &[Order],
 ) -> Vec<String> {
     let kinds = orders.iter().flat_map(|order| &order.kinds);
-    let kinds: Vec<&Kind> = kinds.copied().collect();
+    let kinds: Vec<&ChannelKind> = kinds.copied().collect();
     let given = options.into_iter().filter(|(_, is_given)| *is_given);
     let idle = given.filter_map(|(option, _)| {
         let name = option.trim_start_matches("--").trim_start_matches("no-");

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use firsthit::channel::Kind;
+use firsthit::channel::ChannelKind;
 use firsthit::edge::Edges;
 use firsthit::image::{Data, Frame, WriteSettings};
 use firsthit::render::{Picture, work};
@@ -236,8 +236,8 @@ fn write_all(
 }
 
 /// The kinds of all outputs, each once; the object, from which it is known what was hit; and the samples where a noise ends them.
-fn all_kinds(orders: &[Order], noise: Option<f64>) -> Result<Vec<&'static Kind>, Failure> {
-    let mut kinds: Vec<&'static Kind> = vec![firsthit::channel::kind("object")?];
+fn all_kinds(orders: &[Order], noise: Option<f64>) -> Result<Vec<&'static ChannelKind>, Failure> {
+    let mut kinds: Vec<&'static ChannelKind> = vec![firsthit::channel::kind("object")?];
     if noise.is_some() && orders.iter().any(needs_shade) {
         kinds.push(firsthit::channel::kind("samples")?);
     }

@@ -27,7 +27,7 @@ use crate::environment;
 use crate::failure::Failure;
 use crate::legend;
 use crate::loading::{self, Loaded, with_threads};
-use crate::output::{self, Order, Source};
+use crate::output::{self, ChannelSource, Order};
 use job::{needs_samples, needs_shade};
 
 pub(super) use idle::without_channels;
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
     let asked = (!args.picture.output.is_empty())
         .then(|| orders(args, &[]))
         .transpose()?;
-    output::kinds(&args.picture.channels, Source::Camera, true)?;
+    output::kinds(&args.picture.channels, ChannelSource::Camera, true)?;
     if let Some(orders) = &asked {
         check_others(args, orders)?;
     }

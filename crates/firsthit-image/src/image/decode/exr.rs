@@ -10,7 +10,7 @@ use exr::meta::header::Header;
 use exr::prelude::{Vec2, f16};
 
 use super::super::metadata::{ChannelRecord, Encoding, KEY, Metadata};
-use super::output::{Array, Numbers, Output, collected, elements, metadata_of};
+use super::output::{Array, ArrayValues, Output, collected, elements, metadata_of};
 
 /// Every channel of every flat layer, at full resolution: components put together as the metadata say,
 /// or as names that programs agree on do.
@@ -201,7 +201,7 @@ fn interleaved(
     planes: &[Vec<u32>],
     kind: SampleType,
     is_signed: bool,
-) -> Result<(&'static str, Numbers), String> {
+) -> Result<(&'static str, ArrayValues), String> {
     let pixels = planes.first().map_or(0, Vec::len);
     let count = pixels * planes.len();
     let of_pixel = |k: usize| planes.iter().filter_map(move |plane| plane.get(k).copied());
@@ -209,19 +209,19 @@ fn interleaved(
     Ok(match kind {
         SampleType::F32 => {
             let singles = collected(count, bits.map(f32::from_bits))?;
-            ("float32", Numbers::Float32(singles))
+            ("float32", ArrayValues::Float32(singles))
         }
         SampleType::F16 => {
             let singles = collected(count, bits.map(half))?;
-            ("float16", Numbers::Float32(singles))
+            ("float16", ArrayValues::Float32(singles))
         }
         SampleType::U32 if is_signed => {
             let signed = collected(count, bits.map(|bits| i64::from(bits.cast_signed())))?;
-            ("uint32", Numbers::Integer(signed))
+            ("uint32", ArrayValues::Integer(signed))
         }
         SampleType::U32 => {
             let unsigned = collected(count, bits.map(i64::from))?;
-            ("uint32", Numbers::Integer(unsigned))
+            ("uint32", ArrayValues::Integer(unsigned))
         }
     })
 }

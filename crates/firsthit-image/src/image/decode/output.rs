@@ -23,7 +23,7 @@ pub struct Array {
     /// The number of components of each element.
     pub components: usize,
     /// The numbers, row by row.
-    pub numbers: Numbers,
+    pub numbers: ArrayValues,
     /// The NumPy name of the type in the file.
     pub dtype: String,
     /// Whether they are bytes to look at, not values.
@@ -32,7 +32,7 @@ pub struct Array {
 
 /// Numbers of any type, in one that holds them exactly.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Numbers {
+pub enum ArrayValues {
     /// Double precision.
     Float64(Vec<f64>),
     /// Single precision, or half.
@@ -48,7 +48,7 @@ impl Output {
     }
 }
 
-impl Numbers {
+impl ArrayValues {
     /// The number of values.
     pub fn len(&self) -> usize {
         match self {

@@ -3,7 +3,7 @@ use std::io::{Cursor, ErrorKind};
 use png::{BitDepth, Decoder, DecodingError, Limits, Transformations};
 
 use super::super::metadata::{Encoding, KEY};
-use super::output::{Array, Numbers, Output, collected, elements, metadata_of, only_channel};
+use super::output::{Array, ArrayValues, Output, collected, elements, metadata_of, only_channel};
 
 /// The picture: distances where it holds steps of them, else its samples.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
@@ -48,10 +48,10 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
         Some((_, Encoding::Steps, Some(scale))) => (distances(&whole, scale)?, false),
         Some((_, Encoding::Labels, _)) => {
             let identifiers = whole.iter().map(|label| label - 1);
-            (Numbers::Integer(collected(count, identifiers)?), false)
+            (ArrayValues::Integer(collected(count, identifiers)?), false)
         }
-        Some((_, Encoding::Picture, _)) | None => (Numbers::Integer(whole), true),
-        Some(_) => (Numbers::Integer(whole), false),
+        Some((_, Encoding::Picture, _)) | None => (ArrayValues::Integer(whole), true),
+        Some(_) => (ArrayValues::Integer(whole), false),
     };
     let mut shape = vec![rows as usize, columns as usize];
     if components > 1 {
@@ -90,7 +90,7 @@ fn sixteen(samples: &[u8]) -> impl Iterator<Item = i64> {
 }
 
 /// Steps as distances: 0 is a miss.
-fn distances(steps: &[i64], scale: f64) -> Result<Numbers, String> {
+fn distances(steps: &[i64], scale: f64) -> Result<ArrayValues, String> {
     let distance = |&steps: &i64| {
         if steps == 0 {
             f64::INFINITY
@@ -98,5 +98,5 @@ fn distances(steps: &[i64], scale: f64) -> Result<Numbers, String> {
             scale * steps as f64
         }
     };
-    collected(steps.len(), steps.iter().map(distance)).map(Numbers::Float64)
+    collected(steps.len(), steps.iter().map(distance)).map(ArrayValues::Float64)
 }

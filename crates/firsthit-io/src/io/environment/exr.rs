@@ -2,7 +2,7 @@
 
 use super::{Picture, charge};
 use crate::error::Place;
-use crate::image::{Array, Numbers, decode_exr};
+use crate::image::{Array, ArrayValues, decode_exr};
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::size_in_words;
 use crate::io::report::Report;
@@ -41,7 +41,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Picture> {
 }
 
 fn texels(array: &Array) -> Checked<Vec<[f32; 3]>> {
-    let Numbers::Float32(values) = &array.numbers else {
+    let ArrayValues::Float32(values) = &array.numbers else {
         return Err(Fault::file("its channels are whole numbers, not light"));
     };
     let mut texels = Vec::new();

@@ -11,7 +11,7 @@ use crate::io::fault::{Checked, Fault};
 use crate::io::report::Report;
 
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Picture> {
-    let mut source = Source { bytes, at: 0 };
+    let mut source = ByteReader { bytes, at: 0 };
     header(&mut source, report)?;
     let order = Order::of(&mut source)?;
     let (lines, length) = (order.lines, order.length);
@@ -47,7 +47,7 @@ fn decoded([red, green, blue, exponent]: [u8; 4]) -> [f32; 3] {
 }
 
 /// The lines of text up to the empty one.
-fn header(source: &mut Source<'_>, report: &mut Report) -> Checked<()> {
+fn header(source: &mut ByteReader<'_>, report: &mut Report) -> Checked<()> {
     loop {
         let start = source.at;
         let line = source.line()?;
@@ -91,7 +91,7 @@ struct Order {
 
 impl Order {
     /// Reads the order from the line with the size.
-    fn of(source: &mut Source<'_>) -> Checked<Self> {
+    fn of(source: &mut ByteReader<'_>) -> Checked<Self> {
         let start = source.at;
         let line = source.line()?;
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -171,7 +171,7 @@ fn number(word: &str) -> Option<usize> {
 }
 
 /// The bytes, and how far they have been read.
-struct Source<'a> {
+struct ByteReader<'a> {
     bytes: &'a [u8],
     at: usize,
 }
@@ -179,7 +179,7 @@ struct Source<'a> {
 /// Longer lines are no header's.
 const LONGEST: usize = 4096;
 
-impl Source<'_> {
+impl ByteReader<'_> {
     /// The next line, without its end.
     fn line(&mut self) -> Checked<String> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();

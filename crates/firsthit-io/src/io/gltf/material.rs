@@ -10,7 +10,7 @@ use super::buffers::Buffers;
 use super::document::Document;
 use super::index::Index;
 use super::material_entry::{ImageEntry, MaterialEntry, SamplerEntry, TextureInfo};
-use super::model::Numbers;
+use super::model::MaterialNumbers;
 use super::place::Entry;
 use super::resource::{file_name, resource};
 use crate::error::escape_controls;
@@ -54,7 +54,7 @@ impl Looks {
         let name = escape_controls(material.name.as_deref().unwrap_or_default());
         let bytes = name.len() + size_of::<Material>();
         report.budget.charge(bytes as u64, "a material")?;
-        let mut numbers = Numbers { entry, report };
+        let mut numbers = MaterialNumbers { entry, report };
         let (color, alpha) = numbers.base(material);
         let of_normals = [MapRole::Normal, MapRole::ClearcoatNormal];
         let mut of_normals = of_normals.into_iter().filter_map(|role| maps.get(role));

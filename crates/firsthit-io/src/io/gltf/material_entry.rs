@@ -170,13 +170,13 @@ pub(super) struct TextureEntry {
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct TextureExtensions {
     #[serde(rename = "EXT_texture_webp")]
-    pub(super) webp: Option<Source>,
+    pub(super) webp: Option<ImageSource>,
     #[serde(rename = "KHR_texture_basisu")]
-    pub(super) basisu: Option<Source>,
+    pub(super) basisu: Option<ImageSource>,
 }
 
 #[derive(Debug, Deserialize)]
-pub(super) struct Source {
+pub(super) struct ImageSource {
     pub(super) source: Option<Index>,
 }
 

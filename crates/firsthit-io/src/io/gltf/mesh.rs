@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::super::fault::{Checked, Fault};
 use super::super::memory_budget::check_free;
-use super::super::sanitize::{Kind, sanitize};
+use super::super::sanitize::{ValueKind, sanitize};
 use super::super::surface::{Surface, Vertices, push_fan};
 use super::accessor::{Component, Shape, component, has_shape};
 use super::index::Index;
@@ -259,7 +259,7 @@ fn with_normals(
         return Ok(mesh);
     }
     if maps.is_none() && !is_morphed(values, deformation) {
-        let normals = sanitized(values, "NORMAL", &Shape::VEC3, Kind::Normals, count)?;
+        let normals = sanitized(values, "NORMAL", &Shape::VEC3, ValueKind::Normals, count)?;
         return Ok(mesh.with_normals(Attribute::per_vertex(normals.unwrap_or_default()))?);
     }
     let mut normals: Vec<[f64; 3]> = values
@@ -279,7 +279,7 @@ fn with_normals(
             normal => normal,
         })
         .collect();
-    mend_in(values, &mut normals, Kind::Normals, "NORMAL");
+    mend_in(values, &mut normals, ValueKind::Normals, "NORMAL");
     Ok(mesh.with_normals(Attribute::per_vertex(normals))?)
 }
 
@@ -288,7 +288,7 @@ fn sanitized<const N: usize>(
     values: &mut Values<'_, '_>,
     name: &str,
     shape: &Shape,
-    kind: Kind,
+    kind: ValueKind,
     count: usize,
 ) -> Checked<Option<Vec<[f32; N]>>> {
     let mut numbers = values.read(name, shape, count)?;
@@ -302,7 +302,7 @@ fn sanitized<const N: usize>(
 fn mend_in<const N: usize>(
     values: &mut Values<'_, '_>,
     numbers: &mut [[f32; N]],
-    kind: Kind,
+    kind: ValueKind,
     name: &str,
 ) {
     let place = values.place(&format!("attributes/{name}"));
@@ -337,7 +337,7 @@ fn uvs(
     count: usize,
 ) -> Checked<Option<Attribute<2>>> {
     let name = format!("TEXCOORD_{set}");
-    let uvs = sanitized(values, &name, &Shape::VEC2, Kind::Coordinates, count)?;
+    let uvs = sanitized(values, &name, &Shape::VEC2, ValueKind::Coordinates, count)?;
     if uvs.is_none() && is_taken {
         let place = values.place("attributes");
         values.report.warn("TEXCOORD", &place, || {
@@ -361,7 +361,7 @@ fn with_tangents(
     // Tangents of vertices mean nothing without normals of vertices.
     let has_own = values.attribute("TANGENT").is_some() && mesh.normals().is_some();
     if has_own && !is_morphed(values, deformation) {
-        let tangents = sanitized(values, "TANGENT", &Shape::VEC4, Kind::Normals, count)?;
+        let tangents = sanitized(values, "TANGENT", &Shape::VEC4, ValueKind::Normals, count)?;
         let mut tangents: Vec<[f32; 4]> = tangents.unwrap_or_default();
         for (tangent, map) in tangents.iter_mut().zip(maps.unwrap_or_default()) {
             let [x, y, z, sign] = *tangent;
@@ -398,10 +398,10 @@ fn with_colors(
         return Ok(mesh);
     };
     if has_shape(values.document, index, &Shape::VEC3) {
-        let colors = sanitized(values, "COLOR_0", &Shape::VEC3, Kind::Colors, count)?;
+        let colors = sanitized(values, "COLOR_0", &Shape::VEC3, ValueKind::Colors, count)?;
         return Ok(mesh.with_colors(Attribute::per_vertex(colors.unwrap_or_default()))?);
     }
-    let colors = sanitized::<4>(values, "COLOR_0", &Shape::VEC4, Kind::Colors, count)?;
+    let colors = sanitized::<4>(values, "COLOR_0", &Shape::VEC4, ValueKind::Colors, count)?;
     let colors = colors.unwrap_or_default();
     let opaque = colors
         .iter()

@@ -7,7 +7,7 @@ use crate::geometry::Color;
 use crate::scene::{Matte, MetalRough, Model};
 
 /// Numbers of a material; those out of their range are moved into it, which is one warning.
-pub(super) struct Numbers<'a> {
+pub(super) struct MaterialNumbers<'a> {
     pub(super) entry: Entry,
     pub(super) report: &'a mut Report,
 }
@@ -15,7 +15,7 @@ pub(super) struct Numbers<'a> {
 /// The brightest light: more than any real one, and less than its sums can bear.
 const BRIGHTEST: f64 = 1e30;
 
-impl Numbers<'_> {
+impl MaterialNumbers<'_> {
     fn within(&mut self, (least, most): (f64, f64), number: f64, name: &'static str) -> f64 {
         if (least..=most).contains(&number) {
             return number;

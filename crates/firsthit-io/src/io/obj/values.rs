@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::index::NONE;
 use crate::error::Place;
 use crate::io::report::Report;
-use crate::io::sanitize::{Kind, linear, sanitize, sanitize_levels};
+use crate::io::sanitize::{ValueKind, linear, sanitize, sanitize_levels};
 use crate::scene::Material;
 
 /// Values that corners name by index.
@@ -71,8 +71,8 @@ impl Values {
     }
 
     pub(super) fn sanitize(&mut self, report: &mut Report) {
-        sanitize(&mut self.normals, Kind::Normals, &Place::File, report);
-        sanitize(&mut self.uvs, Kind::Coordinates, &Place::File, report);
+        sanitize(&mut self.normals, ValueKind::Normals, &Place::File, report);
+        sanitize(&mut self.uvs, ValueKind::Coordinates, &Place::File, report);
         self.sort_sevenths(report);
         sanitize_levels(&mut self.colors, report);
     }

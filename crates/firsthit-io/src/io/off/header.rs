@@ -9,7 +9,7 @@ use crate::io::text::{Lines, Words, shown};
     reason = "the letters of a keyword, each there or not"
 )]
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Kind {
+pub(super) struct VertexLayout {
     /// A fourth coordinate, that the others are divided by.
     pub(super) has_weights: bool,
     pub(super) has_normals: bool,
@@ -21,7 +21,7 @@ pub(super) struct Kind {
 
 #[derive(Debug)]
 pub(super) struct Header {
-    pub(super) kind: Kind,
+    pub(super) kind: VertexLayout,
     pub(super) vertices: u64,
     pub(super) faces: u64,
 }
@@ -39,8 +39,8 @@ pub(super) fn next_line<'a>(lines: &mut Lines<'a>) -> Option<&'a [u8]> {
 
 /// The prefix of the word `OFF`: any of `ST`, `C`, `N`, `4` and `n`; and the text after it, which
 /// some programs write without a blank between. `None` for a word that is no keyword.
-fn keyword(word: &[u8]) -> Option<(Kind, &[u8])> {
-    let mut kind = Kind::default();
+fn keyword(word: &[u8]) -> Option<(VertexLayout, &[u8])> {
+    let mut kind = VertexLayout::default();
     let mut rest = word;
     loop {
         rest = match rest {
@@ -74,7 +74,7 @@ fn keyword(word: &[u8]) -> Option<(Kind, &[u8])> {
 pub(super) fn parse(lines: &mut Lines) -> Checked<Header> {
     let truncated = || Fault::file("truncated: the file ends before its counts");
     let mut line = next_line(lines).ok_or_else(truncated)?;
-    let mut kind = Kind::default();
+    let mut kind = VertexLayout::default();
     if let Some((found, rest)) = keyword(line) {
         kind = found;
         line = rest.trim_ascii();
@@ -126,14 +126,14 @@ pub(super) fn parse(lines: &mut Lines) -> Checked<Header> {
 mod tests {
     use super::*;
 
-    fn read(text: &[u8]) -> Option<(Kind, u64, u64)> {
+    fn read(text: &[u8]) -> Option<(VertexLayout, u64, u64)> {
         let header = parse(&mut Lines::new(text)).ok()?;
         Some((header.kind, header.vertices, header.faces))
     }
 
     #[test]
     fn counts_stand_where_programs_write_them() {
-        let plain = Some((Kind::default(), 8, 6));
+        let plain = Some((VertexLayout::default(), 8, 6));
         for text in [
             &b"OFF\n8 6 12\n"[..],
             b"# made\nOFF # x\n\n# y\n8 6 12\n",
@@ -145,7 +145,7 @@ mod tests {
             b"nOFF\n3\n8 6 12\n",
         ] {
             let found = read(text).map(|(kind, vertices, faces)| {
-                let kind = Kind {
+                let kind = VertexLayout {
                     has_dimensions: false,
                     ..kind
                 };
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn letters_before_the_keyword_come_in_any_order() {
-        let all = Kind {
+        let all = VertexLayout {
             has_weights: true,
             has_normals: true,
             has_colors: true,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::fault::{Checked, Fault};
 use super::model::Model;
 use super::report::Report;
-use super::sanitize::{Kind, levels_of_bytes, linear, sanitize, sanitize_levels};
+use super::sanitize::{ValueKind, levels_of_bytes, linear, sanitize, sanitize_levels};
 use super::surface::{Surface, Vertices, face_attribute};
 use super::text;
 use crate::error::Place;
@@ -163,11 +163,11 @@ impl Contents {
         let vertices = Vertices::new(Positions::compact(self.points));
         let (mut mesh, _) = self.surface.finish(&vertices, &name, report)?;
         if !self.normals.is_empty() {
-            sanitize(&mut self.normals, Kind::Normals, &Place::File, report);
+            sanitize(&mut self.normals, ValueKind::Normals, &Place::File, report);
             mesh = mesh.with_normals(Attribute::per_vertex(self.normals))?;
         }
         if !self.uvs.is_empty() {
-            sanitize(&mut self.uvs, Kind::Coordinates, &Place::File, report);
+            sanitize(&mut self.uvs, ValueKind::Coordinates, &Place::File, report);
             mesh = mesh.with_uvs(Attribute::per_vertex(self.uvs))?;
         }
         let colors = if !of_vertices.is_empty() {

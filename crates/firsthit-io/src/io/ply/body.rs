@@ -1,6 +1,6 @@
 //! The rows of a PLY file's body, in text or in bytes.
 
-use super::header::{Element, Header, Kind, Type};
+use super::header::{Element, Header, PropertyKind, Type};
 use crate::error::Place;
 use crate::io::fault::{Checked, Fault};
 use crate::io::report::Report;
@@ -190,7 +190,7 @@ impl Rows for Binary<'_> {
         let [property] = element.properties.as_slice() else {
             return 0;
         };
-        let Kind::List {
+        let PropertyKind::List {
             count: Type::Uint8,
             item: Type::Int32 | Type::Uint32,
         } = property.kind
@@ -385,10 +385,10 @@ pub(super) fn skip<R: Rows>(element: &Element, rows: &mut R) -> Checked<()> {
     Ok(())
 }
 
-pub(super) fn skip_value<R: Rows>(kind: Kind, rows: &mut R) -> Checked<()> {
+pub(super) fn skip_value<R: Rows>(kind: PropertyKind, rows: &mut R) -> Checked<()> {
     match kind {
-        Kind::Scalar(kind) => rows.value(kind).map(drop),
-        Kind::List { count, item } => {
+        PropertyKind::Scalar(kind) => rows.value(kind).map(drop),
+        PropertyKind::List { count, item } => {
             for _ in 0..rows.length(count, item)? {
                 rows.value(item)?;
             }
@@ -401,7 +401,7 @@ pub(super) fn skip_value<R: Rows>(kind: Kind, rows: &mut R) -> Checked<()> {
 pub(super) fn scalar_at(element: &Element, names: &[&str]) -> Option<(usize, Type)> {
     let properties = element.properties.iter().enumerate();
     let mut scalars = properties.filter_map(|(k, property)| match property.kind {
-        Kind::Scalar(kind) if names.contains(&property.name.as_str()) => Some((k, kind)),
+        PropertyKind::Scalar(kind) if names.contains(&property.name.as_str()) => Some((k, kind)),
         _ => None,
     });
     scalars.next_back()

@@ -1,7 +1,7 @@
 //! The faces and triangle strips of a PLY file.
 
 use super::body::{Rows, scalar_at, skip, skip_value};
-use super::header::{Element, Kind, Type};
+use super::header::{Element, PropertyKind, Type};
 use super::levels::Levels;
 use super::named::NamedRows;
 use crate::error::Place;
@@ -91,18 +91,18 @@ impl Faces {
         rows.begin(element)?;
         for (k, property) in element.properties.iter().enumerate() {
             match property.kind {
-                Kind::List { count, item } if k == indices => {
+                PropertyKind::List { count, item } if k == indices => {
                     self.read_ring(count, item, rows, ring)?;
                 }
-                Kind::Scalar(kind) if colors.has(k) => {
+                PropertyKind::Scalar(kind) if colors.has(k) => {
                     let value = rows.value(kind)?;
                     let levels = color.iter_mut().zip(colors.columns.iter().flatten());
                     levels
                         .filter(|&(_, &column)| column == k)
                         .for_each(|(level, _)| *level = value);
                 }
-                Kind::Scalar(kind) => self.named.push(k, rows.value(kind)?),
-                kind @ Kind::List { .. } => skip_value(kind, rows)?,
+                PropertyKind::Scalar(kind) => self.named.push(k, rows.value(kind)?),
+                kind @ PropertyKind::List { .. } => skip_value(kind, rows)?,
             }
         }
         rows.finish();
@@ -159,7 +159,7 @@ impl Faces {
             rows.begin(element)?;
             for (k, property) in element.properties.iter().enumerate() {
                 match property.kind {
-                    Kind::List { count, item } if k == strip => {
+                    PropertyKind::List { count, item } if k == strip => {
                         let length = rows.length(count, item)?;
                         self.read_strip(length, item, rows)?;
                     }
@@ -229,7 +229,8 @@ impl ColorColumns {
 fn list_at(element: &Element, names: &[&str]) -> Option<usize> {
     let mut properties = element.properties.iter();
     properties.position(|property| {
-        matches!(property.kind, Kind::List { .. }) && names.contains(&property.name.as_str())
+        matches!(property.kind, PropertyKind::List { .. })
+            && names.contains(&property.name.as_str())
     })
 }
 

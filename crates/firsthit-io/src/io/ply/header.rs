@@ -44,11 +44,11 @@ pub(super) struct Element {
 #[derive(Debug)]
 pub(super) struct Property {
     pub(super) name: String,
-    pub(super) kind: Kind,
+    pub(super) kind: PropertyKind,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum PropertyKind {
     Scalar(Type),
     List { count: Type, item: Type },
 }
@@ -88,14 +88,14 @@ impl Element {
     /// The least number of bytes of a row.
     pub(super) fn smallest_row(&self) -> u64 {
         let sizes = self.properties.iter().map(|property| match property.kind {
-            Kind::Scalar(kind) | Kind::List { count: kind, .. } => kind.size(),
+            PropertyKind::Scalar(kind) | PropertyKind::List { count: kind, .. } => kind.size(),
         });
         sizes.sum()
     }
 
     pub(super) fn has_lists(&self) -> bool {
         let mut kinds = self.properties.iter().map(|property| property.kind);
-        kinds.any(|kind| matches!(kind, Kind::List { .. }))
+        kinds.any(|kind| matches!(kind, PropertyKind::List { .. }))
     }
 }
 
@@ -237,11 +237,11 @@ fn parse_property(mut words: Words, line: u64) -> Checked<Property> {
         Type::parse(word).ok_or_else(wrong)
     };
     let kind = match words.next() {
-        Some(b"list") => Kind::List {
+        Some(b"list") => PropertyKind::List {
             count: type_of(words.next())?,
             item: type_of(words.next())?,
         },
-        word => Kind::Scalar(type_of(word)?),
+        word => PropertyKind::Scalar(type_of(word)?),
     };
     match words.next() {
         Some(name) => Ok(Property {

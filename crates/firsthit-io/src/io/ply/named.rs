@@ -1,7 +1,7 @@
 //! Properties that mean nothing to us, kept by their names.
 
 use super::body::Table;
-use super::header::{Element, Kind, Type};
+use super::header::{Element, PropertyKind, Type};
 use crate::error::escape_controls;
 use crate::memory::Storage;
 use crate::shape::{Between, Property, PropertyOf, PropertyValues};
@@ -20,7 +20,7 @@ impl NamedRows {
         let mut rows = Self::default();
         for (k, property) in element.properties.iter().enumerate() {
             let kind = match property.kind {
-                Kind::Scalar(kind) if is_named(k) => kind,
+                PropertyKind::Scalar(kind) if is_named(k) => kind,
                 _ => {
                     rows.places.push(None);
                     continue;
@@ -76,7 +76,8 @@ impl NamedRows {
     pub(super) fn read_table(&mut self, element: &Element, table: &Table) {
         let mut offset = 0;
         for (property, place) in element.properties.iter().zip(&self.places) {
-            let (Kind::Scalar(kind) | Kind::List { count: kind, .. }) = property.kind;
+            let (PropertyKind::Scalar(kind) | PropertyKind::List { count: kind, .. }) =
+                property.kind;
             if let Some(named) = place.and_then(|place| self.named.get_mut(place)) {
                 table
                     .columns([(offset, kind)])

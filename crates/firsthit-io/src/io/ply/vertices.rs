@@ -1,7 +1,7 @@
 //! The vertices of a PLY file.
 
 use super::body::{Rows, Table, scalar_at, skip_value};
-use super::header::{Element, Format, Header, Kind, Type};
+use super::header::{Element, Format, Header, PropertyKind, Type};
 use super::levels::Levels;
 use super::named::NamedRows;
 use crate::geometry::single;
@@ -96,9 +96,9 @@ impl VertexRows {
             rows.begin(element)?;
             for (k, (property, slot)) in element.properties.iter().zip(&self.slots).enumerate() {
                 match (property.kind, slot.and_then(|slot| row.get_mut(slot))) {
-                    (Kind::Scalar(kind), Some(value)) => *value = rows.value(kind)?,
-                    (Kind::Scalar(kind), None) => self.named.push(k, rows.value(kind)?),
-                    (kind @ Kind::List { .. }, _) => skip_value(kind, rows)?,
+                    (PropertyKind::Scalar(kind), Some(value)) => *value = rows.value(kind)?,
+                    (PropertyKind::Scalar(kind), None) => self.named.push(k, rows.value(kind)?),
+                    (kind @ PropertyKind::List { .. }, _) => skip_value(kind, rows)?,
                 }
             }
             rows.finish();
@@ -125,7 +125,8 @@ impl VertexRows {
         let mut columns = [(usize::MAX, Type::Uint8); NAMES.len()];
         let mut offset = 0;
         for (property, slot) in element.properties.iter().zip(&self.slots) {
-            let (Kind::Scalar(kind) | Kind::List { count: kind, .. }) = property.kind;
+            let (PropertyKind::Scalar(kind) | PropertyKind::List { count: kind, .. }) =
+                property.kind;
             if let Some(column) = slot.and_then(|slot| columns.get_mut(slot)) {
                 *column = (offset, kind);
             }

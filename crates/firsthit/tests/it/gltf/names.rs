@@ -2,7 +2,7 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use firsthit::channel::{Kind, Shots, kind, make};
+use firsthit::channel::{ChannelInput, ChannelKind, kind, make};
 use firsthit::image::Data;
 use firsthit::shoot::{First, trace};
 use firsthit::{DVec3, Object, Ray, Scene};
@@ -18,13 +18,13 @@ fn down(points: &[[f64; 2]]) -> Vec<Ray> {
 
 fn channels(scene: &Scene, rays: &[Ray], names: &[&str]) -> Vec<Data> {
     let hits = trace(scene, rays, First, &()).unwrap();
-    let shots = Shots {
+    let shots = ChannelInput {
         scene,
         rays: &rays,
         hits: &hits,
         sensor: None,
     };
-    let kinds: Vec<&Kind> = names.iter().map(|name| kind(name).unwrap()).collect();
+    let kinds: Vec<&ChannelKind> = names.iter().map(|name| kind(name).unwrap()).collect();
     let made = make(&kinds, &shots, &()).unwrap();
     made.into_iter().map(|channel| channel.data).collect()
 }

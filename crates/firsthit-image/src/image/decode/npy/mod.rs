@@ -8,7 +8,7 @@ mod values;
 pub use header::NpyHeader;
 pub use values::NpyValues;
 
-use super::output::{Array, Numbers, Output, elements};
+use super::output::{Array, ArrayValues, Output, elements};
 
 /// One array without a name.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
@@ -27,10 +27,10 @@ pub(super) fn array(bytes: &[u8], name: Option<String>, most: u64) -> Result<Arr
     };
     elements(claimed, 8, most)?;
     let numbers = match header.values(data)? {
-        Some(NpyValues::Float64(values)) => Numbers::Float64(values),
-        Some(NpyValues::Float32(values)) => Numbers::Float32(values),
-        Some(NpyValues::Whole(values)) => Numbers::Integer(values),
-        Some(NpyValues::Unsigned(values)) => Numbers::Integer(signed(values)?),
+        Some(NpyValues::Float64(values)) => ArrayValues::Float64(values),
+        Some(NpyValues::Float32(values)) => ArrayValues::Float32(values),
+        Some(NpyValues::Whole(values)) => ArrayValues::Integer(values),
+        Some(NpyValues::Unsigned(values)) => ArrayValues::Integer(signed(values)?),
         None => return Err("expected numbers".to_owned()),
     };
     let shape: Vec<usize> = (claimed.iter())

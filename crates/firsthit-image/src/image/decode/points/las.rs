@@ -3,7 +3,7 @@
 use super::super::super::metadata::KEY;
 use super::super::output::{collected, elements, metadata_of};
 use super::{Table, Type, laz, padded};
-use crate::image::{Array, Numbers, Output};
+use crate::image::{Array, ArrayValues, Output};
 
 /// The length of a point in each format, without extra bytes.
 const LENGTHS: [usize; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
@@ -277,7 +277,7 @@ fn arrays(
         name: Some("position".to_owned()),
         shape: vec![table.count, 3],
         components: 3,
-        numbers: Numbers::Float64(collected(3 * table.count, places)?),
+        numbers: ArrayValues::Float64(collected(3 * table.count, places)?),
         dtype: "float64".to_owned(),
         is_picture: false,
     }];
@@ -288,7 +288,7 @@ fn arrays(
             name: Some(name.to_owned()),
             shape: vec![table.count],
             components: 1,
-            numbers: Numbers::Integer(collected(table.count, values)?),
+            numbers: ArrayValues::Integer(collected(table.count, values)?),
             dtype: "uint8".to_owned(),
             is_picture: false,
         });

@@ -17,7 +17,7 @@ pub(in crate::image) use text::text;
 use std::collections::HashSet;
 
 use super::super::metadata::{ChannelRecord, Encoding, KEY, Metadata};
-use super::output::{Array, Numbers, Output, collected, elements, metadata_of};
+use super::output::{Array, ArrayValues, Output, collected, elements, metadata_of};
 use rows::Order;
 
 /// The next line of a header, without its end; it is then gone from `rest`.
@@ -99,26 +99,26 @@ impl Type {
         self,
         count: usize,
         cells: impl Iterator<Item = &'a [u8]>,
-    ) -> Result<Numbers, String> {
+    ) -> Result<ArrayValues, String> {
         Ok(match self {
             Self::Float64 => {
                 let values = cells.map(|cell| f64::from_le_bytes(padded(cell)));
-                Numbers::Float64(collected(count, values)?)
+                ArrayValues::Float64(collected(count, values)?)
             }
             Self::Float32 => {
                 let values = cells.map(|cell| f32::from_le_bytes(padded(cell)));
-                Numbers::Float32(collected(count, values)?)
+                ArrayValues::Float32(collected(count, values)?)
             }
             Self::Signed(size) => {
                 let unused = 64 - 8 * size;
                 let whole = |cell| i64::from_le_bytes(padded(cell)) << unused >> unused;
-                Numbers::Integer(collected(count, cells.map(whole))?)
+                ArrayValues::Integer(collected(count, cells.map(whole))?)
             }
             Self::Unsigned(_) => {
                 // The largest of 64 bits stand for all beyond.
                 let whole =
                     |cell| i64::try_from(u64::from_le_bytes(padded(cell))).unwrap_or(i64::MAX);
-                Numbers::Integer(collected(count, cells.map(whole))?)
+                ArrayValues::Integer(collected(count, cells.map(whole))?)
             }
         })
     }

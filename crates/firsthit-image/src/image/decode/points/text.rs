@@ -1,7 +1,7 @@
 //! Points as text, a line each: numbers with commas, semicolons, tabs or blanks between, with or without a line of names before.
 
 use crate::error::escape_controls;
-use crate::image::{Array, Numbers, Output};
+use crate::image::{Array, ArrayValues, Output};
 
 /// The names of a point's coordinates: sets of them, in any case.
 const AXES: &[[&str; 3]] = &[
@@ -234,7 +234,7 @@ impl Columns {
                 name: Some(name.clone()),
                 shape: vec![count],
                 components: 1,
-                numbers: Numbers::Float64(values),
+                numbers: ArrayValues::Float64(values),
                 dtype: "float64".to_owned(),
                 is_picture: false,
             })
@@ -251,7 +251,7 @@ fn positions(points: Vec<[f64; 3]>) -> Array {
         name: Some("position".to_owned()),
         shape: vec![points.len(), 3],
         components: 3,
-        numbers: Numbers::Float64(points.into_flattened()),
+        numbers: ArrayValues::Float64(points.into_flattened()),
         dtype: "float64".to_owned(),
         is_picture: false,
     }
