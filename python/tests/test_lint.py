@@ -47,7 +47,10 @@ def test_findings_have_places():
     assert repr(report) == "LintReport(hole: 3)"
     assert (len(report), list(report)) == (1, [hole])
     clean = of(CORNERS, FACES)
-    assert (len(clean), list(clean), bool(clean)) == (0, [], True)
+    assert (len(clean), list(clean)) == (0, [])
+    for either in (clean, report):
+        with pytest.raises(TypeError, match="ask for its is_clean"):
+            bool(either)
     with pytest.raises(IndexError, match="there is no object 1"):
         report.marked(1)
 
@@ -111,3 +114,14 @@ def test_what_is_about_the_whole_scene_is_about_no_object():
 def test_reports_pickle():
     report = of(CORNERS, FACES[:3])
     assert pickle.loads(pickle.dumps(report)).findings == report.findings
+
+
+def test_files_are_taken_alike_and_several_have_a_report_each(tmp_path):
+    whole, holed = tmp_path / "whole.ply", tmp_path / "holed.ply"
+    fh.Mesh(CORNERS, FACES).save(whole)
+    fh.Mesh(CORNERS, FACES[:3]).save(holed)
+    assert fh.lint(whole).is_clean
+    assert fh.lint(str(whole)).is_clean
+    reports = fh.lint([whole, str(holed)], ignore=["units"])
+    assert [report.is_clean for report in reports] == [True, False]
+    assert fh.lint(iter(())) == ()

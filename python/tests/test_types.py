@@ -101,6 +101,10 @@ def projected(word):
     return fh.Camera(*frame, *lengths, 2, 3, word, "eye", parameters)
 
 
+def aimed(**words):
+    return fh.Camera.look_at((0, 0, 5), (0, 0, 0), (0, 1, 0), 45, 2, 2, **words)
+
+
 def small(**words):
     lengths = 1, 1, 1
     if words.get("projection") == "equirectangular":

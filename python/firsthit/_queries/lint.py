@@ -145,8 +145,8 @@ class LintReport:
         return iter(self._findings)
 
     def __bool__(self) -> bool:
-        """Return True, also without findings: `is_clean` tells."""
-        return True
+        """Raise a `TypeError`: `is_clean` tells, and nobody could say which of both is true."""
+        raise TypeError("a LintReport is neither true nor false: ask for its is_clean")
 
     def __repr__(self) -> str:
         found = ", ".join(f"{finding.kind}: {finding.count}" for finding in self._findings)

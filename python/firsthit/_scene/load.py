@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from firsthit import _firsthit
 from firsthit._base.arrays import count, flag, number, settle, text
@@ -223,8 +223,44 @@ def _fill(scene: Scene, model: _firsthit._Model) -> None:
         scene._take_built(model["scene"])
 
 
+@overload
 def lint(
     path: str | os.PathLike[str],
+    *,
+    ignore: Iterable[str] = ...,
+    places: int = ...,
+    threads: int | None = ...,
+    strict: bool = ...,
+    max_memory: int = ...,
+    max_texture: int = ...,
+    units: Unit | None = ...,
+    scale: float = ...,
+    resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = ...,
+    build: Build = ...,
+    variant: str | None = ...,
+) -> LintReport: ...
+
+
+@overload
+def lint(
+    path: Iterable[str | os.PathLike[str]],
+    *,
+    ignore: Iterable[str] = ...,
+    places: int = ...,
+    threads: int | None = ...,
+    strict: bool = ...,
+    max_memory: int = ...,
+    max_texture: int = ...,
+    units: Unit | None = ...,
+    scale: float = ...,
+    resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = ...,
+    build: Build = ...,
+    variant: str | None = ...,
+) -> tuple[LintReport, ...]: ...
+
+
+def lint(
+    path: str | os.PathLike[str] | Iterable[str | os.PathLike[str]],
     *,
     ignore: Iterable[str] = (),
     places: int = 10,
@@ -237,13 +273,13 @@ def lint(
     resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     build: Build = "auto",
     variant: str | None = None,
-) -> LintReport:
-    """Look for what may be wrong with a 3D file.
+) -> LintReport | tuple[LintReport, ...]:
+    """Look for what may be wrong with a 3D file, or with several.
 
     Parameters
     ----------
-    path : path-like
-        The file, as for `load`.
+    path : path-like or iterable of path-like
+        The file, as for `load`; or several.
     ignore, places, threads
         As for `Scene.lint`.
     strict, max_memory, max_texture, units, scale, resources, build, variant
@@ -252,7 +288,7 @@ def lint(
     Returns
     -------
     LintReport
-        Findings with counts and places.
+        Findings with counts and places; a tuple with one for each of several files.
 
     Raises
     ------
@@ -266,18 +302,22 @@ def lint(
     FirsthitWarning
         For what is doubtful in the file.
     """
-    scene = load(
-        path,
-        strict=strict,
-        max_memory=max_memory,
-        max_texture=max_texture,
-        units=units,
-        scale=scale,
-        resources=resources,
-        build=build,
-        variant=variant,
-    )
-    return scene.lint(ignore=ignore, places=places, threads=threads)
+
+    def report(file: str | os.PathLike[str]) -> LintReport:
+        scene = load(
+            file,
+            strict=strict,
+            max_memory=max_memory,
+            max_texture=max_texture,
+            units=units,
+            scale=scale,
+            resources=resources,
+            build=build,
+            variant=variant,
+        )
+        return scene.lint(ignore=ignore, places=places, threads=threads)
+
+    return report(path) if isinstance(path, str | PathLike) else tuple(map(report, path))
 
 
 def _analytic(kind: str, numbers: Sequence[float]) -> Shape:

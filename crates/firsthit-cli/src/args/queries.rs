@@ -262,8 +262,9 @@ pub(crate) struct SectionArgs {
 #[derive(Debug, Args)]
 #[command(after_help = help::lint())]
 pub(crate) struct LintArgs {
-    /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
-    pub(crate) file: PathBuf,
+    /// The 3D files: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or scene files (TOML)
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
     /// Kinds of findings that are not looked for, with commas between; see below
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = values::lint_kind())]
     pub(crate) ignore: Vec<String>,
@@ -273,8 +274,8 @@ pub(crate) struct LintArgs {
     /// How many places of each kind are listed [default: 3, or 100 with --json]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) places: Option<u32>,
-    /// Print JSON: clean, checked (the kinds), findings (kind, count, of, note, places), warnings. A place has object, name,
-    /// primitive (null if it is about no triangle) and position (null if it is nowhere)
+    /// Print JSON: is_clean, checked (the kinds), files (file, is_clean, findings), warnings. A finding has kind, count, of, note and
+    /// places. A place has object, name, primitive (null if it is about no triangle) and position (null if it is nowhere)
     #[arg(long)]
     pub(crate) json: bool,
     /// The number of threads; the result is the same for any [default: all cores]

@@ -1,8 +1,9 @@
 use std::io::Write;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use firsthit::Scene;
-use firsthit::error::escape_controls;
+use firsthit::error::{escape_controls, escaped};
 use firsthit::inputs;
 use firsthit::lint::{Finding, FindingKind, LintSettings, Place, Report, lint, save_marked};
 use serde_json::{Value, json};
@@ -23,38 +24,59 @@ const PLACES_IN_JSON: usize = 100;
 
 pub(crate) fn run(args: &LintArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
     let outputs = args.output.as_slice();
-    if let Some(path) = &args.output
-        && !path
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("ply"))
-    {
-        return Err(Failure::usage("--output: the file must end in .ply"));
+    if let Some(path) = &args.output {
+        let extension = path.extension().unwrap_or_default();
+        if !extension.eq_ignore_ascii_case("ply") {
+            return Err(Failure::usage("--output: the file must end in .ply"));
+        }
+        if args.files.len() > 1 {
+            return Err(Failure::usage("--output takes the findings of one file"));
+        }
     }
-    inputs::note(&args.file);
+    args.files.iter().for_each(|file| inputs::note(file));
     output::check_files(outputs)?;
     let settings = settings(args)?;
     with_count(args.threads, || {
-        let loaded = loading::read(&args.file, &args.load, args.trees.settings(None), None)?;
-        warn(&loaded.warnings);
-        output::check_files(outputs)?;
-        let (scene, watch) = (&loaded.scene, Interrupt(interrupted));
-        let report = lint(scene, &settings, &watch)?;
-        if let Some(path) = &args.output {
-            save_marked(scene, &report, path, &watch)?;
+        let (mut files, mut checked, mut is_clean) = (Vec::new(), Vec::new(), true);
+        for file in &args.files {
+            let loaded = loading::read(file, &args.load, args.trees.settings(None), None)?;
+            warn(&loaded.warnings);
+            output::check_files(outputs)?;
+            let (scene, watch) = (&loaded.scene, Interrupt(interrupted));
+            let report = lint(scene, &settings, &watch)?;
+            if let Some(path) = &args.output {
+                save_marked(scene, &report, path, &watch)?;
+            }
+            is_clean &= report.is_clean();
+            checked = report.checked().iter().map(|kind| kind.name).collect();
+            if args.json {
+                files.push(as_json(file, scene, &report));
+            } else {
+                let name = (args.files.len() > 1).then(|| escaped(file) + ":\n");
+                print(&(name.unwrap_or_default() + &as_text(scene, &report)))?;
+            }
         }
-        let text = if args.json {
-            json_text(&as_json(scene, &report)) + "\n"
-        } else {
-            as_text(scene, &report)
-        };
-        let written = std::io::stdout().write_all(text.as_bytes());
-        written.map_err(|error| Failure::stdout(&error))?;
-        if report.is_clean() {
+        if args.json {
+            print(
+                &(json_text(&json!({
+                    "is_clean": is_clean,
+                    "checked": checked,
+                    "files": files,
+                    "warnings": kept_warnings(),
+                })) + "\n"),
+            )?;
+        }
+        if is_clean {
             Ok(())
         } else {
             Err(Failure::found())
         }
     })
+}
+
+fn print(text: &str) -> Result<(), Failure> {
+    let written = std::io::stdout().write_all(text.as_bytes());
+    written.map_err(|error| Failure::stdout(&error))
 }
 
 fn settings(args: &LintArgs) -> Result<LintSettings, Failure> {
@@ -120,7 +142,7 @@ fn of_finding(scene: &Scene, finding: &Finding) -> Vec<String> {
     lines
 }
 
-fn as_json(scene: &Scene, report: &Report) -> Value {
+fn as_json(file: &Path, scene: &Scene, report: &Report) -> Value {
     let place = |place: &Place| {
         let position = place
             .position
@@ -143,9 +165,8 @@ fn as_json(scene: &Scene, report: &Report) -> Value {
         })
     };
     json!({
-        "clean": report.is_clean(),
-        "checked": report.checked().iter().map(|kind| kind.name).collect::<Vec<_>>(),
+        "file": file.to_string_lossy(),
+        "is_clean": report.is_clean(),
         "findings": report.findings().iter().map(finding).collect::<Vec<_>>(),
-        "warnings": kept_warnings(),
     })
 }

@@ -22,8 +22,11 @@ fn a_clean_file_has_exit_code_0() {
     );
     let report: Value = serde_json::from_slice(&lab.ok("lint clean.obj --json").stdout).unwrap();
     assert_eq!(
-        (&report["clean"], &report["findings"]),
-        (&json!(true), &json!([]))
+        (&report["is_clean"], &report["files"]),
+        (
+            &json!(true),
+            &json!([{"file": "clean.obj", "is_clean": true, "findings": []}])
+        )
     );
     assert_eq!(report["checked"].as_array().unwrap().len(), 12);
 }
@@ -44,10 +47,32 @@ fn findings_have_exit_code_1_counts_and_places() {
     let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
     let place = json!({"object": 0, "name": "open", "primitive": 0, "position": [0.0, 1.0, 0.0]});
     assert_eq!(
-        report["findings"],
+        report["files"][0]["findings"],
         json!([{"kind": "hole", "count": 3, "of": "edge", "note": "around 1 hole", "places": [place]}])
     );
     assert_eq!(lab.ok("lint open.obj --ignore hole,units").code, 0);
+}
+
+#[test]
+fn several_files_are_each_under_their_name() {
+    let lab = Lab::new();
+    lab.write("whole.obj", TETRAHEDRON);
+    open_tetrahedron(&lab);
+    let outcome = lab.run("lint whole.obj open.obj");
+    assert_eq!(outcome.code, 1);
+    let text = String::from_utf8(outcome.stdout).unwrap();
+    assert!(
+        text.starts_with("whole.obj:\nclean: nothing was found\nopen.obj:\nhole: 3 edges"),
+        "{text}"
+    );
+    let outcome = lab.run("lint whole.obj open.obj --json");
+    let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
+    let each = |key: &str| [0, 1].map(|k| report["files"][k][key].clone());
+    assert_eq!(report["is_clean"], false);
+    assert_eq!(each("file"), [json!("whole.obj"), json!("open.obj")]);
+    assert_eq!(each("is_clean"), [json!(true), json!(false)]);
+    assert_eq!(lab.ok("lint whole.obj whole.obj").code, 0);
+    lab.fails("lint whole.obj open.obj -o a.ply", 2, "one file");
 }
 
 #[test]
@@ -65,7 +90,7 @@ fn what_is_about_the_whole_scene_is_about_no_object() {
     );
     let outcome = lab.run("lint small.obj --json");
     let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
-    let place = &report["findings"][0]["places"][0];
+    let place = &report["files"][0]["findings"][0]["places"][0];
     assert!(
         place["object"].is_null() && place["name"].is_null(),
         "{place}"
