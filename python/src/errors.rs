@@ -1,5 +1,8 @@
 //! The library's errors as Python's.
 
+use std::io::ErrorKind;
+use std::path::Path;
+
 use firsthit::Error;
 use firsthit::error::{Place, escape_controls};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
@@ -9,16 +12,12 @@ use pyo3::prelude::*;
 pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
     // Names in it may be of a caller who escaped nothing.
     let message = escape_controls(&error.to_string());
-    let file = |class: &str, path: &std::path::Path, place: String| {
-        let made = py.import("firsthit").and_then(|module| {
-            module
-                .getattr(class)?
-                .call1((message.clone(), path.to_string_lossy(), place))
-        });
-        made.map_or_else(|error| error, PyErr::from_value)
-    };
+    let file = |class, path, place| of_file(class, py, (path, place), message.clone());
     match error {
         Error::Argument { .. } => PyValueError::new_err(message),
+        Error::Read { path, source } if source.kind() == ErrorKind::NotFound => {
+            file("FileMissingError", path, String::new())
+        }
         Error::Read { path, .. } => file("FileReadError", path, String::new()),
         Error::Write { path, .. } => file("FileWriteError", path, String::new()),
         Error::Parse { path, place, .. } => file("FileFormatError", path, words(place)),
@@ -26,6 +25,21 @@ pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {
         Error::Interrupted => PyKeyboardInterrupt::new_err(()),
         _ => PyRuntimeError::new_err(message),
     }
+}
+
+/// An exception of the Python half about a file and a place in it.
+pub(crate) fn of_file(
+    class: &str,
+    py: Python<'_>,
+    (path, place): (&Path, String),
+    message: String,
+) -> PyErr {
+    let made = py.import("firsthit._base.errors").and_then(|module| {
+        module
+            .getattr(class)?
+            .call1((message, path.to_string_lossy(), place))
+    });
+    made.map_or_else(|error| error, PyErr::from_value)
 }
 
 fn words(place: &Place) -> String {

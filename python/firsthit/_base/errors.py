@@ -59,7 +59,11 @@ class FileError(Exception):
 
 
 class FileReadError(FileError, OSError):
-    """The system refused to read a file."""
+    """The system refused to read a file; a missing one is a `FileNotFoundError` too."""
+
+
+class FileMissingError(FileReadError, FileNotFoundError):
+    """There is no file of this name."""
 
 
 class FileWriteError(FileError, OSError):
@@ -81,6 +85,8 @@ def blaming(
         raise
     except OSError as error:
         text = os.fspath(path)
+        if isinstance(error, FileNotFoundError) and kind is FileReadError:
+            kind = FileMissingError
         raise kind(f"{text}: {error.strerror or error}", text) from error
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.errors import FileFormatError, FileReadError, blaming
+from firsthit._base.errors import FileFormatError, FileMissingError, FileReadError, blaming
 
 from .conventions import quaternion
 
@@ -104,7 +104,7 @@ def files(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
                 raise FileFormatError(f"{path}: {why}", str(path))
         return cameras, images
     if not top.exists():
-        raise FileReadError(f"{top}: {os.strerror(errno.ENOENT)}", str(top))
+        raise FileMissingError(f"{top}: {os.strerror(errno.ENOENT)}", str(top))
     expected = "cameras.bin and images.bin, or cameras.txt and images.txt in a folder"
     raise FileFormatError(f"{top}: expected {expected}", str(top))
 

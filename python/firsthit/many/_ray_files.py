@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from firsthit._base.errors import FileFormatError, FileReadError, blaming
+from firsthit._base.errors import FileFormatError, FileMissingError, FileReadError, blaming
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -84,7 +84,7 @@ def ray_files(given: Any) -> list[RayFile]:
         is_pattern = glob.has_magic(text) and not Path(text).exists()
         found = sorted(glob.glob(text)) if is_pattern else [text]  # noqa: PTH207
         if not found:
-            raise FileReadError(f"{text}: no such files", text)
+            raise FileMissingError(f"{text}: no such files", text)
         paths += (Path(name).absolute() for name in found)
     return [RayFile(path, _rows(path)) for path in paths]
 
