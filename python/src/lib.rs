@@ -35,6 +35,7 @@ use pyo3::prelude::*;
 /// The native module `firsthit._firsthit`.
 #[pymodule]
 mod _firsthit {
+    use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyValueError};
     use pyo3::prelude::*;
 
     #[pymodule_export]
@@ -105,6 +106,18 @@ mod _firsthit {
         firsthit::InstructionSet::current()
             .map(firsthit::InstructionSet::name)
             .map_err(|error| crate::errors::raise(py, &error))
+    }
+
+    /// What the program's command info tells of a file, as JSON; else the exit code and the message.
+    #[pyfunction]
+    fn info(py: Python<'_>, path: std::path::PathBuf) -> Result<String, PyErr> {
+        let told = py.detach(|| firsthit_cli::info(&path));
+        told.map_err(|(code, message)| match code {
+            3 => crate::errors::of_file("FileFormatError", py, (&path, String::new()), message),
+            5 => PyMemoryError::new_err(message),
+            130 => PyKeyboardInterrupt::new_err(()),
+            _ => PyValueError::new_err(message),
+        })
     }
 
     /// Runs the command line program and returns its exit code.

@@ -1,10 +1,15 @@
 """How files are read: units, folders that are allowed, and what is wrong in them."""
 
+import json
+import pickle
+import subprocess
+import sys
 from pathlib import Path
 
 import firsthit as fh
 import numpy as np
 import pytest
+from support import ball
 
 PART = "v 0 0 0\nv 1000 0 0\nv 0 1000 0\nf 1 2 3\n"
 
@@ -58,3 +63,33 @@ def test_names_from_python_are_escaped_in_warnings() -> None:
     assert text.isprintable()
     assert r"a\u{1b}[2J\u{202e}b\u{a}" in text
     assert repr(scene.objects[0]).isprintable()
+
+
+def test_a_file_that_is_not_there_is_a_file_not_found_error(tmp_path):
+    missing = tmp_path / "none.ply"
+    readers = (fh.load, fh.open, fh.lint, fh.info, fh.Frame.load, fh.read_points, fh.read_metadata)
+    for read in readers:
+        with pytest.raises(FileNotFoundError, match="none") as raised:
+            read(missing)
+        assert isinstance(raised.value, fh.FileReadError)
+        again = pickle.loads(pickle.dumps(raised.value))
+        assert (type(again), again.path) == (type(raised.value), str(missing))
+    with pytest.raises(fh.FileReadError) as raised:
+        fh.info(tmp_path)
+    assert not isinstance(raised.value, FileNotFoundError)
+
+
+def test_info_of_a_file_is_what_the_program_says(tmp_path):
+    ball().save(tmp_path / "ball.fhs")
+    ball().shoot([0, 0, 5], [0, 0, -1]).save(tmp_path / "hit.npz")
+    (tmp_path / "bad.ply").write_text("ply\nno")
+    for name in ("ball.fhs", "hit.npz"):
+        run = [sys.executable, "-m", "firsthit", "info", "--json", str(tmp_path / name)]
+        said = json.loads(subprocess.run(run, capture_output=True, check=True).stdout)
+        assert fh.info(tmp_path / name) == fh.info(str(tmp_path / name)) == said
+    with pytest.raises(fh.FileFormatError, match=r"bad\.ply") as raised:
+        fh.info(tmp_path / "bad.ply")
+    assert raised.value.path == str(tmp_path / "bad.ply")
+    (tmp_path / "a.txt").write_text("x")
+    with pytest.raises(ValueError, match=r"a\.txt"):
+        fh.info(tmp_path / "a.txt")

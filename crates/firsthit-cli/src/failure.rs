@@ -110,6 +110,11 @@ impl Failure {
         }
     }
 
+    /// The exit code and the message.
+    pub(crate) fn into_parts(self) -> (u8, String) {
+        (self.code, self.message.unwrap_or_default())
+    }
+
     /// Says it on standard error, and returns the exit code.
     pub(crate) fn report(self) -> u8 {
         let message = self.message.unwrap_or_default();

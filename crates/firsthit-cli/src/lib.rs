@@ -24,6 +24,7 @@ pub use firsthit_view::explanation;
 
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use clap::{CommandFactory, FromArgMatches};
@@ -67,6 +68,24 @@ where
             Failure::bug(&text).report()
         }
     }
+}
+
+/// What `firsthit info --json` tells of a file; else the exit code and the message.
+///
+/// # Errors
+///
+/// Those of the program: 2 for a file that is neither a 3D file nor an output, 3 for a bad one, 5 where a limit is reached.
+pub fn info(file: &Path) -> Result<String, (u8, String)> {
+    let args = ["firsthit", "info", "--json", "--"].map(OsString::from);
+    let args = args.into_iter().chain([file.into()]).collect();
+    let told = match parse(args) {
+        Ok(Cli {
+            command: Command::Info(args),
+        }) => commands::info::text(&args),
+        Ok(_) => unreachable!("the command is info"),
+        Err(error) => Err(Failure::usage(error)),
+    };
+    told.map_err(Failure::into_parts)
 }
 
 fn parse(args: Vec<OsString>) -> Result<Cli, clap::Error> {

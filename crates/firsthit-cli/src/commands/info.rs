@@ -21,22 +21,26 @@ use crate::hints::{number, span, triple};
 use crate::loading::{self, Loaded, NO_RAYS, has_model_extension, with_all_cores};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let text = match format_of(&args.file) {
+    std::io::stdout()
+        .write_all(text(args)?.as_bytes())
+        .map_err(|error| Failure::stdout(&error))
+}
+
+/// The report as text or as JSON, with a line break at the end.
+pub(crate) fn text(args: &InfoArgs) -> Result<String, Failure> {
+    match format_of(&args.file) {
         // A PLY may be either.
         Ok(format) if !has_model_extension(&args.file) || is_point_cloud(&args.file) => {
-            info_output::text(args, format)?
+            info_output::text(args, format)
         }
-        _ if info_las::is_las(&args.file) => info_las::text(args)?,
+        _ if info_las::is_las(&args.file) => info_las::text(args),
         Err(_) if !has_model_extension(&args.file) => of_model(args).map_err(|failure| {
             let known = FORMATS.iter().flat_map(|format| format.extensions);
             let known: Vec<String> = known.map(|known| format!(".{known}")).collect();
             failure.with(&format!("; or an output: {}, .las, .laz", known.join(", ")))
-        })?,
-        _ => of_model(args)?,
-    };
-    std::io::stdout()
-        .write_all(text.as_bytes())
-        .map_err(|error| Failure::stdout(&error))
+        }),
+        _ => of_model(args),
+    }
 }
 
 fn of_model(args: &InfoArgs) -> Result<String, Failure> {
