@@ -179,7 +179,10 @@ fn impossible_cameras_are_refused_by_their_parameter() {
             "cannot be used with",
         ),
         ("--fov 180", "degrees between 0 and 180"),
-        ("--fov-axis across", "possible values: vertical, horizontal, diagonal"),
+        (
+            "--fov-axis across",
+            "possible values: vertical, horizontal, diagonal",
+        ),
         ("--fov-axis diagonal --viewplane 3x2", "cannot be used with"),
         (
             "--fov-axis diagonal --projection equidistant",

@@ -227,7 +227,11 @@ fn what_cannot_be_asked_is_refused() {
         2,
         "--t-max must be above --t-min",
     );
-    lab.fails("probe squares.obj --pixel 0,5000", 2, "768 rows and 1024 columns");
+    lab.fails(
+        "probe squares.obj --pixel 0,5000",
+        2,
+        "768 rows and 1024 columns",
+    );
     lab.fails("probe none.obj --pixel 0,0", 3, "none.obj");
 }
 

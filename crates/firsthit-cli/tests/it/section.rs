@@ -23,7 +23,10 @@ fn a_cube_is_cut_through_its_middle_across_up() {
     let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
     assert_eq!(report["origin"], json!([-0.5, 0.5, 0.5]));
     assert_eq!(report["normal"], json!([0.0, 0.0, 1.0]));
-    assert_eq!((&report["closed_polylines"], &report["open_polylines"]), (&json!(1), &json!(0)));
+    assert_eq!(
+        (&report["closed_polylines"], &report["open_polylines"]),
+        (&json!(1), &json!(0))
+    );
     assert_eq!(
         (&report["segments"], &report["warnings"]),
         (&json!(8), &json!([]))
