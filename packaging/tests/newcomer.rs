@@ -5,7 +5,7 @@ use std::sync::Arc;
 use firsthit::channel::kind;
 use firsthit::image::Channel;
 use firsthit::render::Picture;
-use firsthit::measure::{By, inside};
+use firsthit::measure::{Grouping, inside};
 use firsthit::nearest::closest_point;
 use firsthit::shoot::{All, Any, Count, Cpu, Engine, First, trace_with};
 use firsthit::{
@@ -66,7 +66,7 @@ fn everything(engine: &dyn Engine, scene: &Scene) -> Result<(Vec<usize>, Vec<Cha
     let near = closest_point(scene, middle)?.expect("there is something");
     assert!(near.distance < 0.31, "{near:?}");
     // The middle of the ball, where that is there; the hills are open.
-    let found = inside(scene, &[middle], By::Object, &())?;
+    let found = inside(scene, &[middle], Grouping::Object, &())?;
     let has_ball = found.is_inside.len() == 2;
     assert_eq!(found.is_inside.last(), Some(&has_ball));
     counts.push(total);

@@ -62,6 +62,7 @@ __all__ = [
     "escaped",
     "explain",
     "idle",
+    "info",
     "inside",
     "instruction_set",
     "is_input",

@@ -279,7 +279,7 @@ fn with_normals(
             normal => normal,
         })
         .collect();
-    mend_in(values, &mut normals, ValueKind::Normals, "NORMAL");
+    sanitize_attribute(values, &mut normals, ValueKind::Normals, "NORMAL");
     Ok(mesh.with_normals(Attribute::per_vertex(normals))?)
 }
 
@@ -293,13 +293,13 @@ fn sanitized<const N: usize>(
 ) -> Checked<Option<Vec<[f32; N]>>> {
     let mut numbers = values.read(name, shape, count)?;
     if let Some(numbers) = &mut numbers {
-        mend_in(values, numbers, kind, name);
+        sanitize_attribute(values, numbers, kind, name);
     }
     Ok(numbers)
 }
 
 /// Replaces unusable values of an attribute.
-fn mend_in<const N: usize>(
+fn sanitize_attribute<const N: usize>(
     values: &mut Values<'_, '_>,
     numbers: &mut [[f32; N]],
     kind: ValueKind,
