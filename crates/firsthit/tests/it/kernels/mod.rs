@@ -6,6 +6,7 @@ mod fans;
 mod leaks;
 mod pixels;
 mod planes;
+mod seams;
 mod shapes;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
