@@ -137,12 +137,12 @@ pub type WalkStack = Vec<(u32, f64)>;
 #[doc(hidden)]
 pub struct Walk<'a> {
     bvh: &'a Bvh,
-    slabs: Slabs,
+    pub(super) slabs: Slabs,
     /// The depth at which the ray begins, or its origin if that comes first.
-    first: f32,
+    pub(super) first: f32,
     /// The depth of the ray's origin, and that of a `t` of 1 from there.
-    depth_of_origin: f64,
-    depth_per_t: f64,
+    pub(super) depth_of_origin: f64,
+    pub(super) depth_per_t: f64,
 }
 
 impl Bvh {
@@ -237,17 +237,28 @@ impl Kernel for Next<'_, '_> {
             let (met, entries) = walk.slabs.boxes(l, node, [walk.first, last]);
             let mut depths = [0.0; LANES];
             l.store(entries, &mut depths);
-            // The farthest first. Hardly ever more than a few are met.
-            let bottom = stack.len();
-            for k in set_bits(met) {
-                let entry = (node.children[k], f64::from(depths[k]));
-                let farther = stack[bottom..]
-                    .iter()
-                    .take_while(|other| other.1 >= entry.1);
-                let place = bottom + farther.count();
-                stack.insert(place, entry);
-            }
+            push_nearest_last(stack, met, &depths, |k| node.children[k]);
         }
+    }
+}
+
+/// Puts the boxes of a node that are met onto the stack, by what stands for each, the farthest
+/// first. Hardly ever more than a few are met.
+#[inline(always)]
+pub(super) fn push_nearest_last(
+    stack: &mut WalkStack,
+    met: u16,
+    depths: &[f32; LANES],
+    name: impl Fn(usize) -> u32,
+) {
+    let bottom = stack.len();
+    for k in set_bits(met) {
+        let entry = (name(k), f64::from(depths[k]));
+        let farther = stack[bottom..]
+            .iter()
+            .take_while(|other| other.1 >= entry.1);
+        let place = bottom + farther.count();
+        stack.insert(place, entry);
     }
 }
 
@@ -256,6 +267,6 @@ impl Kernel for Next<'_, '_> {
     reason = "the caller goes a step further"
 )]
 #[inline(always)]
-fn narrowed(x: f64) -> f32 {
+pub(super) fn narrowed(x: f64) -> f32 {
     x as f32
 }

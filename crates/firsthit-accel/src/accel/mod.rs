@@ -29,6 +29,7 @@ mod meshlet;
 mod nearby;
 mod node;
 mod overlap;
+mod packet_walk;
 mod rays;
 mod space;
 mod stored;
@@ -48,6 +49,8 @@ pub use meshlet::Meshlet;
 pub use nearby::Nearby;
 #[doc(hidden)]
 pub use node::Node;
+#[doc(hidden)]
+pub use packet_walk::PacketWalk;
 #[doc(hidden)]
 pub use rays::enter::product_along;
 #[doc(hidden)]

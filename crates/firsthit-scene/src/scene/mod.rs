@@ -68,7 +68,7 @@ pub use stored::SceneParts;
 #[doc(hidden)]
 pub use terminator::terminator_factor;
 #[doc(hidden)]
-pub use top_tree::{CandidateList, NearbyObjects, ObjectCandidates};
+pub use top_tree::{CandidateList, NearbyObjects, ObjectCandidates, PacketCandidates};
 
 use build::object_trees;
 use top_tree::TopTree;
@@ -76,10 +76,11 @@ use top_tree::TopTree;
 use crate::accel::{InstructionSet, MeshTree, WalkStack};
 use crate::error::{Error, Result};
 use crate::geometry::summary::{Few, summary};
-use crate::geometry::{Beam, Bounds, DVec3, Hit};
+use crate::geometry::{Beam, Bounds, DVec3, Hit, Ray};
 use crate::memory;
 use crate::parallel;
 use crate::shape::Meshes;
+use crate::simd::Lanes;
 
 /// Objects in a world, ready to be shot at from any number of threads.
 ///
@@ -450,6 +451,14 @@ impl Scene {
         self.at_mesh(index).filter(|_| is_plain)
     }
 
+    /// Asks memory for an object and for where its tree is.
+    #[inline(always)]
+    #[doc(hidden)]
+    pub fn prefetch_object<L: Lanes>(&self, l: L, index: u32) {
+        l.prefetch(&self.objects[index as usize]);
+        l.prefetch(&self.trees[index as usize]);
+    }
+
     /// The object that stands for all that rays may meet, if it is one alone.
     #[doc(hidden)]
     pub fn only_object(&self) -> Option<u32> {
@@ -463,8 +472,19 @@ impl Scene {
         self.top.candidates()
     }
 
-    /// The objects that any of some rays may meet; `None` where it is better to ask [for
-    /// each](Self::candidates).
+    /// The objects that the rays of a packet may meet; `None` where it is better to ask
+    /// [for each](Self::candidates).
+    #[doc(hidden)]
+    pub fn packet_candidates<'r>(
+        &self,
+        rays: impl Iterator<Item = &'r Ray>,
+        stack: &mut WalkStack,
+    ) -> Option<PacketCandidates<'_>> {
+        self.top.packet_candidates(rays, stack)
+    }
+
+    /// The objects that any of some rays may meet; `None` where it is better to ask
+    /// [for each](Self::candidates).
     #[doc(hidden)]
     pub fn list_candidates(&self, beam: &Beam) -> Option<CandidateList<'_>> {
         self.top.list_candidates(beam)

@@ -1,5 +1,7 @@
 //! The tree over a scene's objects, and the objects that are in none.
 
+mod packet;
+
 use std::collections::HashMap;
 
 use super::Object;
@@ -8,6 +10,7 @@ use super::joined::ObjectTree;
 use crate::accel::{Bvh, Nearby, Walk, WalkStack};
 use crate::geometry::{Beam, Bounds, DVec3, Ray};
 use crate::simd::Lanes;
+pub use packet::PacketCandidates;
 
 /// The most objects without a tree: the box of each is tested.
 const FEW: usize = 4;
@@ -373,6 +376,15 @@ pub struct ObjectCandidates<'a> {
 }
 
 impl<'a> ObjectCandidates<'a> {
+    /// No objects.
+    pub const NONE: Self = Self {
+        outside: &[],
+        listed: &[],
+        left: 0,
+        tree: None,
+        walk: None,
+    };
+
     /// The candidates of a [list](TopTree::list_candidates), with the lone shapes or without.
     #[inline(always)]
     pub fn among(listed: CandidateList<'a>, with_shapes: bool) -> Self {

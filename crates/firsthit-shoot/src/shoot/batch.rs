@@ -5,10 +5,11 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::filter::{self, Place};
-use super::instances::through_instances;
+use super::instances::walk_on;
 use super::neighbours::Neighbours;
 use super::ray_query::{RayQuery, Sink};
 use super::ray_state::RayState;
+use super::scene_packet::ScenePacket;
 use super::scene_walk::SceneWalk;
 use super::single::SingleRay;
 use super::start::met_at_start;
@@ -124,7 +125,7 @@ impl Memory {
 
     /// Makes room for the mesh filters of `rays` rays.
     #[inline(never)]
-    fn hold_filters(&mut self, rays: usize) {
+    pub(super) fn hold_filters(&mut self, rays: usize) {
         if self.in_meshes.len() < rays {
             self.in_meshes.resize(rays, MeshFilter::NONE);
         }
@@ -267,8 +268,11 @@ impl<S: Sink> Batch<'_, S> {
         // Those that may meet more than lone shapes, and the numbers of their rays.
         let mut walks: Vec<SceneWalk<'_, S::Query>> = Vec::new();
         let mut numbers = Vec::new();
+        // Neighbours that go together, and the rays that go alone and may meet more.
+        let (mut groups, mut left) = (Vec::new(), Vec::new());
         let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
         for start in (0..count).step_by(RAYS) {
+            let first = walks.len();
             let rays = &mut rays[..RAYS.min(count - start)];
             self.rays.read(self.first + start, rays);
             self.prefetch(l, start, rays.len());
@@ -293,31 +297,13 @@ impl<S: Sink> Batch<'_, S> {
                     }
                 }
             }
+            let stack = memory.walk_stacks.get_mut(first);
+            match stack.and_then(|stack| ScenePacket::new(scene, &mut walks, first, stack)) {
+                Some(group) => groups.push(group),
+                None => left.extend(first..walks.len()),
+            }
         }
-        let is_filtered = S::Query::IS_FILTERED;
-        memory.hold_filters(if is_filtered { walks.len() } else { 1 });
-        let mut instances = Vec::with_capacity(walks.len());
-        // The rays that may meet more.
-        let mut left: Vec<usize> = (0..walks.len()).collect();
-        loop {
-            instances.clear();
-            for &index in &left {
-                walks[index].look_ahead(l, scene, &mut memory.walk_stacks[index]);
-            }
-            for index in left.drain(..) {
-                let in_mesh = if S::Query::IS_FILTERED { index } else { 0 };
-                let for_mesh = (&mut memory.scratch, &mut memory.in_meshes[in_mesh]);
-                let scene_and_stack = (scene, &mut memory.walk_stacks[index]);
-                if let Some(next) = walks[index].next(l, for_mesh, scene_and_stack, |_| true) {
-                    instances.push((index, next));
-                }
-            }
-            if instances.is_empty() {
-                break;
-            }
-            through_instances(l, memory, scene, &instances, &mut walks);
-            left.extend(instances.iter().map(|(index, _)| index));
-        }
+        walk_on(l, memory, scene, (groups, left), &mut walks);
         for (number, walk) in numbers.into_iter().zip(&walks) {
             self.sink.put(number, &walk.state.query);
         }

@@ -1,35 +1,96 @@
 //! Rays through the meshes that they have come to, among many objects.
 //!
-//! 1. Rays at one object go into a packet, which may be traversed together. Most rays are alone at their objects where there are
-//!    thousands: sixteen of them share a packet, with a tree for each lane, and are interleaved.
+//! 1. Neighbours that go together are in packets already (`scene_packet.rs`). Others at one object
+//!    go into a packet, which may be traversed together. Most rays are alone at their objects where
+//!    there are thousands: sixteen of them share a packet, with a tree for each lane, and are
+//!    interleaved.
 //! 2. Make all packets ready, and traverse them.
 //! 3. Hand the answers to the rays' walks, which continue with the next objects.
 
 use super::batch::{Memory, MeshAnswer, dispatch};
 use super::ray_query::RayQuery;
+use super::scene_packet::{EnteredMesh, ScenePacket};
 use super::scene_walk::{Instance, SceneWalk};
 use crate::accel::{self, FEWEST, MeshPacket, Packet, RAYS, TreePerRay, Trees};
 use crate::scene::Scene;
 use crate::simd::Lanes;
 
-/// Takes rays through the mesh that each has come to.
+/// The number of rays ahead for which memory is asked for the top of a stack.
+const STACKS_AHEAD: usize = 4;
+
+/// Takes rays from mesh to mesh until none may meet more: packets of neighbours that go together,
+/// and those that go alone.
 #[inline(always)]
-pub(super) fn through_instances<'a, L: Lanes, Q: RayQuery>(
+pub(super) fn walk_on<'a, L: Lanes, Q: RayQuery>(
     l: L,
     memory: &mut Memory,
     scene: &'a Scene,
-    instances: &[(usize, Instance<'a>)],
+    (mut groups, mut left): (Vec<ScenePacket<'a>>, Vec<usize>),
+    walks: &mut [SceneWalk<'a, Q>],
+) {
+    let is_filtered = Q::IS_FILTERED;
+    memory.hold_filters(if is_filtered { walks.len() } else { 1 });
+    memory.hold_packets(groups.len());
+    let mut entered: Vec<EnteredMesh<'_>> = Vec::with_capacity(groups.len());
+    let mut instances = Vec::with_capacity(left.len());
+    loop {
+        entered.clear();
+        instances.clear();
+        for group in &mut groups {
+            let packet = &mut memory.packets[entered.len()];
+            let stack = &mut memory.walk_stacks[group.first()];
+            let found = (&mut entered, &mut left);
+            group.step(l, scene, walks, (packet, stack), found);
+        }
+        groups.retain(|group| !group.is_done);
+        for (k, &index) in left.iter().enumerate() {
+            if let Some(top) = left
+                .get(k + STACKS_AHEAD)
+                .and_then(|&later| memory.walk_stacks[later].last())
+            {
+                l.prefetch(top);
+            }
+            walks[index].look_ahead(l, scene, &mut memory.walk_stacks[index]);
+        }
+        for &index in &left {
+            walks[index].prefetch_tree(l, scene);
+        }
+        for index in left.drain(..) {
+            let in_mesh = if Q::IS_FILTERED { index } else { 0 };
+            let for_mesh = (&mut memory.scratch, &mut memory.in_meshes[in_mesh]);
+            let scene_and_stack = (scene, &mut memory.walk_stacks[index]);
+            if let Some(next) = walks[index].next(l, for_mesh, scene_and_stack, |_| true) {
+                instances.push((index, next));
+            }
+        }
+        if entered.is_empty() && instances.is_empty() && groups.is_empty() {
+            break;
+        }
+        through_instances(l, memory, scene, (&entered, &instances), walks);
+        left.extend(instances.iter().map(|(index, _)| index));
+    }
+}
+
+/// Takes rays through the mesh that each has come to. Packets of neighbours are made ready before,
+/// and are the first ones.
+#[inline(always)]
+fn through_instances<'a, L: Lanes, Q: RayQuery>(
+    l: L,
+    memory: &mut Memory,
+    scene: &'a Scene,
+    (entered, instances): (&[EnteredMesh<'a>], &[(usize, Instance<'a>)]),
     walks: &mut [SceneWalk<'a, Q>],
 ) {
     let packing = Packing::new(instances);
-    memory.hold_packets(packing.packets.len());
+    let ready = entered.len();
+    memory.hold_packets(ready + packing.packets.len());
     let at_mesh = |lane: usize| {
         let Instance { tree, mesh, .. } = instances[packing.order[lane]].1;
         (tree, mesh)
     };
     let mut trees = Vec::with_capacity(packing.packets.len() - packing.together);
     for (number, &(first, length)) in packing.packets.iter().enumerate() {
-        let packet = &mut memory.packets[number];
+        let packet = &mut memory.packets[ready + number];
         for lane in 0..length {
             let (index, instance) = &instances[packing.order[first + lane]];
             packet.put(lane, &instance.ray);
@@ -48,8 +109,12 @@ pub(super) fn through_instances<'a, L: Lanes, Q: RayQuery>(
             trees.push(each);
         }
     }
-    let mut packets = Vec::with_capacity(packing.packets.len());
-    for (number, (packet, &(first, _))) in memory.packets.iter().zip(&packing.packets).enumerate() {
+    let mut packets = Vec::with_capacity(ready + packing.packets.len());
+    for (packet, at) in memory.packets.iter().zip(entered) {
+        packets.push(MeshPacket::new(at.tree, at.mesh, packet));
+    }
+    let others = memory.packets[ready..].iter().zip(&packing.packets);
+    for (number, (packet, &(first, _))) in others.enumerate() {
         packets.push(match number.checked_sub(packing.together) {
             None => {
                 let (tree, mesh) = at_mesh(first);
@@ -60,6 +125,7 @@ pub(super) fn through_instances<'a, L: Lanes, Q: RayQuery>(
     }
     let sink = OfInstances {
         scene,
+        entered,
         instances,
         packing: &packing,
         walks,
@@ -79,6 +145,7 @@ fn prepare<L: Lanes, Q: RayQuery>(l: L, packet: &mut Packet, trees: impl Trees, 
 /// Takes the answers of meshes: the rays continue to the next one.
 struct OfInstances<'r, 'a, Q> {
     scene: &'a Scene,
+    entered: &'r [EnteredMesh<'a>],
     instances: &'r [(usize, Instance<'a>)],
     packing: &'r Packing,
     walks: &'r mut [SceneWalk<'a, Q>],
@@ -87,9 +154,18 @@ struct OfInstances<'r, 'a, Q> {
 impl<Q: RayQuery> accel::Sink<MeshAnswer<Q>> for OfInstances<'_, '_, Q> {
     #[inline(always)]
     fn put(&mut self, packet: usize, lane: usize, found: MeshAnswer<Q>) {
-        let place = self.packing.packets[packet].0 + lane;
-        let (index, _) = self.instances[self.packing.order[place]];
-        self.walks[index].take(self.scene, found);
+        let (index, object) = match packet.checked_sub(self.entered.len()) {
+            None => {
+                let EnteredMesh { first, object, .. } = self.entered[packet];
+                (first + lane, object)
+            }
+            Some(packet) => {
+                let place = self.packing.packets[packet].0 + lane;
+                let (index, instance) = &self.instances[self.packing.order[place]];
+                (*index, instance.object)
+            }
+        };
+        self.walks[index].state.take(self.scene, object, found);
     }
 }
 

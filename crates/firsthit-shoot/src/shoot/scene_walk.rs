@@ -52,15 +52,31 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         }
     }
 
-    /// Finds the next object, and asks memory for it. [`next`](Self::next) comes to it after other rays have done as much.
+    /// Leaves the objects to those with whom the ray goes together.
+    pub(super) fn join(&mut self) {
+        self.objects = ObjectCandidates::NONE;
+    }
+
+    /// Makes an object the next.
+    pub(super) fn come_to(&mut self, object: u32) {
+        self.ahead = Some(object);
+    }
+
+    /// Finds the next object, and asks memory for it. [`prefetch_tree`](Self::prefetch_tree) and
+    /// [`next`](Self::next) come to it after other rays have done as much.
     #[inline(always)]
     pub(super) fn look_ahead<L: Lanes>(&mut self, l: L, scene: &'a Scene, stack: &mut WalkStack) {
         self.ahead = self.next_object(l, scene, stack);
         if let Some(index) = self.ahead {
-            l.prefetch(&scene.objects()[index as usize]);
-            if let Some((_, tree)) = scene.at_mesh(index) {
-                l.prefetch(tree);
-            }
+            scene.prefetch_object(l, index);
+        }
+    }
+
+    /// Asks memory for the tree of the next object.
+    #[inline(always)]
+    pub(super) fn prefetch_tree<L: Lanes>(&self, l: L, scene: &'a Scene) {
+        if let Some((_, tree)) = self.ahead.and_then(|index| scene.at_mesh(index)) {
+            l.prefetch(tree);
         }
     }
 

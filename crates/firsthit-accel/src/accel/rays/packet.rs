@@ -50,8 +50,8 @@ pub struct Packet {
     pub(in crate::accel) filters: Filters,
     /// The rays that leave a triangle.
     pub(in crate::accel) departing: u16,
-    /// The differences between where the rays begin and their origins: see `Shear::with_rest`. Undefined for
-    /// rays without a bit in `with_rest`.
+    /// The differences between where the rays begin and their origins: see `Shear::with_rest`.
+    /// Undefined for rays without a bit in `with_rest`.
     rests: [DVec3; RAYS],
     pub(super) with_rest: u16,
     /// The rays that may meet something.

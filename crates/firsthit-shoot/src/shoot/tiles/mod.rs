@@ -12,6 +12,7 @@ mod tile_rays;
 
 use super::batch::{each_chunk, trace_array};
 use super::hits::HitSlices;
+use super::squares::trace_picture;
 use crate::accel::InstructionSet;
 use crate::error::Result;
 use crate::geometry::{PixelGrid, Ray, RayFilter, Rays};
@@ -45,19 +46,23 @@ pub(super) fn trace_hits(
             None => (0, None, GridSource::Fitted),
         },
     };
-    let pixels = Later { rays, first };
-    let plan = grid.and_then(|grid| Plan::new(scene, &pixels, grid, source));
-    let Some(plan) = &plan else {
+    let Some(grid) = grid else {
         return trace_array(set, scene, rays, hits, watch);
     };
     // An array may begin and end within a row of pixels.
     let (before, later) = hits.split_at(first);
     trace_array(set, scene, rays, before, watch)?;
-    let (tiled, after) = later.split_at(plan.pixels());
-    each_chunk(tiled, plan.band(), watch, |index, out| {
-        simd::run(set, Band { plan, index, out });
-    })?;
-    let first = first + plan.pixels();
+    let count = grid.rows * grid.columns;
+    let (inside, after) = later.split_at(count);
+    let pixels = Later { rays, first };
+    match Plan::new(scene, &pixels, grid, source) {
+        Some(plan) => each_chunk(inside, plan.band(), watch, |index, out| {
+            let plan = &plan;
+            simd::run(set, Band { plan, index, out });
+        })?,
+        None => trace_picture(set, scene, &pixels, grid.columns, inside, watch)?,
+    }
+    let first = first + count;
     trace_array(set, scene, &Later { rays, first }, after, watch)
 }
 

@@ -190,11 +190,6 @@ impl<'a> Plan<'a> {
         });
     }
 
-    /// The number of pixels.
-    pub(super) fn pixels(&self) -> usize {
-        self.grid.rows * self.grid.columns
-    }
-
     /// The number of pixels in a band, but for the last one.
     pub(super) fn band(&self) -> usize {
         self.tiles_down * TILE * self.grid.columns

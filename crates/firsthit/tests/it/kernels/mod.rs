@@ -4,6 +4,7 @@ mod arrays;
 mod curved;
 mod fans;
 mod leaks;
+mod neighbours;
 mod pixels;
 mod planes;
 mod seams;

@@ -67,7 +67,7 @@ fn objects(
 }
 
 /// Rays sixteen by sixteen that nearly agree, from a place that they share or from places side by side, some of them with ends.
-fn beams(places: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
+pub(super) fn beams(places: &[DVec3], scale: f64, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
     let mut rays = Vec::with_capacity(16 * count);
     for k in 0..count {
         let origin = places[numbers.below(places.len())] + 3.0 * scale * numbers.point();

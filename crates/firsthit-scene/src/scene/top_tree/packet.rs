@@ -1,0 +1,47 @@
+//! The objects that neighbouring rays may meet, for all of them at once.
+
+use super::{Candidate, TopTree};
+use crate::accel::{PacketWalk, RAYS, WalkStack};
+use crate::geometry::Ray;
+use crate::simd::Lanes;
+
+impl TopTree {
+    /// The objects that neighbouring rays may meet; `None` where they do not go together, or where
+    /// there is no tree.
+    pub(in crate::scene) fn packet_candidates<'r>(
+        &self,
+        rays: impl Iterator<Item = &'r Ray>,
+        stack: &mut WalkStack,
+    ) -> Option<PacketCandidates<'_>> {
+        (self.listed.is_empty() && self.outside.len() < self.boxes.len()).then_some(())?;
+        Some(PacketCandidates {
+            outside: &self.outside,
+            walk: self.tree.packet_walk(rays, stack)?,
+        })
+    }
+}
+
+/// See [`TopTree::packet_candidates`].
+pub struct PacketCandidates<'a> {
+    outside: &'a [Candidate],
+    walk: PacketWalk<'a>,
+}
+
+impl PacketCandidates<'_> {
+    /// The next object, and the rays that may meet it at a parameter of at most their limit, a bit
+    /// each. Otherwise as [`ObjectCandidates::next`].
+    #[inline(always)]
+    pub fn next<L: Lanes>(
+        &mut self,
+        l: L,
+        limits: &[f64; RAYS],
+        stack: &mut WalkStack,
+    ) -> Option<(u32, u16)> {
+        if let Some((first, rest)) = self.outside.split_first() {
+            self.outside = rest;
+            let is_open = |lane: usize| u16::from(limits[lane] >= 0.0) << lane;
+            return Some((first.object, (0..RAYS).map(is_open).sum()));
+        }
+        self.walk.next(l, limits, stack)
+    }
+}
