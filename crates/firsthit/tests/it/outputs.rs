@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use firsthit::channel::KINDS;
 use firsthit::image::{
-    Channel, Data, Display, Encoding, FORMATS, Far, Format, Frame, Holds, Metadata, Numbers,
+    ArrayValues, Channel, Data, Display, Encoding, FORMATS, Far, Format, Frame, Holds, Metadata,
     WriteSettings, compare, format_named, is_point_cloud, read, write, write_channel,
 };
 use firsthit::scene::DirectionalLight;
@@ -131,14 +131,16 @@ fn files_hold_the_values_and_say_where_they_come_from() {
             for index in 0..channel.data.len() {
                 let exact = channel.data.value(index);
                 let (found, expected) = match &array.numbers {
-                    Numbers::Float64(values) if stored.encoding == Encoding::Steps => {
+                    ArrayValues::Float64(values) if stored.encoding == Encoding::Steps => {
                         let near =
                             exact.is_infinite() || (values[index] - exact).abs() <= 0.050_001;
                         (values[index], if near { values[index] } else { exact })
                     }
-                    Numbers::Float64(values) => (values[index], exact),
-                    Numbers::Float32(values) => (f64::from(values[index]), f64::from(exact as f32)),
-                    Numbers::Integer(values) => (values[index] as f64, exact),
+                    ArrayValues::Float64(values) => (values[index], exact),
+                    ArrayValues::Float32(values) => {
+                        (f64::from(values[index]), f64::from(exact as f32))
+                    }
+                    ArrayValues::Integer(values) => (values[index] as f64, exact),
                 };
                 let same = found == expected || found.is_nan() && expected.is_nan();
                 assert!(
@@ -264,7 +266,7 @@ fn a_far_background_saturates_or_is_a_miss_in_a_png_of_millimetres_as_asked() {
     ] {
         write(Some(far)).unwrap();
         let output = read(&path).unwrap();
-        let Numbers::Float64(z) = &output.arrays[0].numbers else {
+        let ArrayValues::Float64(z) = &output.arrays[0].numbers else {
             panic!("distances");
         };
         let expected = [1.5, 65.535, beyond, beyond, f64::INFINITY];
@@ -294,7 +296,7 @@ fn labels_of_16_bits_are_identifiers_plus_one_and_come_back() {
     };
     write(&[-1, 0, 65_534]).unwrap();
     let output = read(&path).unwrap();
-    assert!(matches!(&output.arrays[0].numbers, Numbers::Integer(v) if v == &[-1, 0, 65_534]));
+    assert!(matches!(&output.arrays[0].numbers, ArrayValues::Integer(v) if v == &[-1, 0, 65_534]));
     let decoder = png::Decoder::new(std::io::Cursor::new(fs::read(&path).unwrap()));
     let mut reader = decoder.read_info().unwrap();
     assert_eq!(

@@ -6,7 +6,7 @@ use std::path::Path;
 use firsthit::channel::{ChannelKind, KINDS};
 use firsthit::geometry::srgb_encode;
 use firsthit::image::{
-    Array, Channel, Data, Display, Frame, Metadata, Numbers, WriteSettings, format_named,
+    Array, ArrayValues, Channel, Data, Display, Frame, Metadata, WriteSettings, format_named,
     is_point_cloud, read, read_bytes,
 };
 use firsthit::{Background, Shader, Shading, example, render};
@@ -288,12 +288,12 @@ fn assert_is_that_of(array: &Array, frame: &Frame) {
     for (index, expected) in expected.into_iter().enumerate() {
         let last = (index + 1) * array.components - 1;
         let (found, expected) = match &array.numbers {
-            Numbers::Float64(values) => (values[last], expected),
-            Numbers::Float32(values) => (f64::from(values[last]), f64::from(expected as f32)),
-            Numbers::Integer(values) if name == "color" => {
+            ArrayValues::Float64(values) => (values[last], expected),
+            ArrayValues::Float32(values) => (f64::from(values[last]), f64::from(expected as f32)),
+            ArrayValues::Integer(values) if name == "color" => {
                 (values[last] as f64, f64::from(srgb(expected)))
             }
-            Numbers::Integer(values) => (values[last] as f64, expected),
+            ArrayValues::Integer(values) => (values[last] as f64, expected),
         };
         assert!(
             found == expected || found.is_nan() && expected.is_nan(),

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use firsthit::image::{
-    Array, Channel, Data, Description, Display, FORMATS, Frame, Holds, Numbers, Points, Unit,
+    Array, ArrayValues, Channel, Data, Description, Display, FORMATS, Frame, Holds, Points, Unit,
     WriteSettings, points_of, read_points,
 };
 
@@ -33,9 +33,9 @@ fn column<'a>(points: &'a Points, name: &str) -> &'a Array {
 
 fn numbers(array: &Array) -> Vec<f64> {
     match &array.numbers {
-        Numbers::Float64(values) => values.clone(),
-        Numbers::Float32(values) => values.iter().map(|&x| x.into()).collect(),
-        Numbers::Integer(values) => values.iter().map(|&x| x as f64).collect(),
+        ArrayValues::Float64(values) => values.clone(),
+        ArrayValues::Float32(values) => values.iter().map(|&x| x.into()).collect(),
+        ArrayValues::Integer(values) => values.iter().map(|&x| x as f64).collect(),
     }
 }
 
