@@ -70,7 +70,7 @@ where
     }
 }
 
-/// What `firsthit info --json` tells of a file; else the exit code and the message.
+/// Describes a file as `firsthit info --json` does; else the exit code and the message.
 ///
 /// # Errors
 ///
