@@ -1,6 +1,7 @@
 //! The rays of a camera, and arrays of rays that are like those of one: tile by tile.
 
 mod band;
+mod cost;
 mod exact;
 mod fit;
 mod pixels;

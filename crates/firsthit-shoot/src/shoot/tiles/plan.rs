@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::cost::costs_more;
 use super::square::SIDE;
 use crate::accel::{TILE, TileCamera};
 use crate::geometry::{Bounds, DMat3, DVec3, PixelGrid, Rays, arrays};
@@ -13,10 +14,6 @@ const MOST_ROUNDING: f64 = 1e-10;
 
 /// The number of pixels from which on results go past the caches.
 const LARGE: usize = 1 << 17;
-
-/// The mean number of meshes in a tile from which on tiles are compared with the tree over the
-/// objects, by [cost](costs_more).
-const MANY_IN_TILE: usize = 8;
 
 /// Tiles down a band, where there are many bands.
 pub(super) const TALL: usize = SIDE / TILE;
@@ -73,28 +70,7 @@ pub(super) struct Placed {
     pub(super) entry: f64,
     /// The sphere around the object, for curved rays: its centre relative to where they start, and
     /// its radius.
-    sphere: (DVec3, f64),
-}
-
-/// Microseconds of processor time: for each mesh in a tile, for each triangle of a mesh, and for a ray through the tree over many objects.
-/// Measured on Zen 4 with AVX2.
-const MESH_IN_TILE: f64 = 0.8;
-const TRIANGLE: f64 = 3.3e-3;
-const RAY_AMONG_MANY: f64 = 0.55;
-
-/// Whether it costs more to bring each mesh into all tiles that it may be seen in than to send the rays through the tree over many objects.
-fn costs_more(scene: &Scene, grid: &PixelGrid, meshes: &[Placed]) -> bool {
-    let tiles = grid.rows.div_ceil(TILE) * grid.columns.div_ceil(TILE);
-    let in_tiles = |placed: &Placed| placed.rows.len() * placed.columns.len();
-    let in_tiles: usize = meshes.iter().map(in_tiles).sum();
-    let triangles = |placed: &Placed| {
-        let (mesh, _) = scene.plain_mesh(placed.object)?;
-        Some(mesh.count())
-    };
-    let triangles: usize = meshes.iter().filter_map(triangles).sum();
-    in_tiles > MANY_IN_TILE * tiles
-        && MESH_IN_TILE * in_tiles as f64 + TRIANGLE * triangles as f64
-            > RAY_AMONG_MANY * (grid.rows * grid.columns) as f64
+    pub(super) sphere: (DVec3, f64),
 }
 
 impl<'a> Plan<'a> {
@@ -136,8 +112,7 @@ impl<'a> Plan<'a> {
             1..=MOST_SHAPES if are_shapes => Rest::Shapes(shapes),
             _ => Rest::Any,
         };
-        // Curved rays know their tiles only later.
-        if source != GridSource::Curved && costs_more(scene, &grid, &meshes) {
+        if costs_more(scene, (rays, &grid, source), &meshes) {
             return None;
         }
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
