@@ -259,12 +259,8 @@ impl Camera {
             columns,
             ..Description::default()
         };
-        let (columns, rows) = sized.size();
         let up = DVec3::from(up);
-        run(py, 0, |_| {
-            framing_camera(&scene.0, up, view, [rows, columns])
-        })
-        .map(Self)
+        run(py, 0, |_| framing_camera(&scene.0, up, view, sized.size())).map(Self)
     }
 
     /// The view that the camera is made from.

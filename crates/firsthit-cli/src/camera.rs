@@ -45,8 +45,8 @@ pub(crate) fn camera(
     let base = &match known {
         Some(camera) if !overrides(args) => {
             let camera = match args.size {
-                Some((columns, rows)) => {
-                    check_size("--size", (columns, rows))?;
+                Some([rows, columns]) => {
+                    check_size("--size", [rows, columns])?;
                     camera.resize(rows, columns)?
                 }
                 None => camera,
@@ -340,7 +340,7 @@ pub(crate) fn check(args: &CameraArgs) -> Result<(), Failure> {
 }
 
 /// Refuses what no picture is that large; `what` says who asks for it.
-pub(crate) fn check_size(what: &str, (columns, rows): (usize, usize)) -> Result<(), Failure> {
+pub(crate) fn check_size(what: &str, [rows, columns]: [usize; 2]) -> Result<(), Failure> {
     if rows.saturating_mul(columns) > MOST_PIXELS {
         return Err(Failure::limit(format!(
             "{what}: {columns}x{rows} is over the limit of {MOST_PIXELS} pixels"
@@ -384,8 +384,8 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
             .or(base.ray_start.filter(|_| has_viewplane)),
         aperture: args.aperture.or(base.aperture.filter(|_| has_lens)),
         focus: args.focus.or(base.focus.filter(|_| has_lens)),
-        columns: args.size.map_or(base.columns, |(columns, _)| Some(columns)),
-        rows: args.size.map_or(base.rows, |(_, rows)| Some(rows)),
+        rows: args.size.map_or(base.rows, |[rows, _]| Some(rows)),
+        columns: args.size.map_or(base.columns, |[_, columns]| Some(columns)),
     };
     let described = match &args.pose {
         Some(path) => posed(&described, path, convention(args))?,
@@ -480,11 +480,11 @@ fn lens(args: &CameraArgs, projection: Projection) -> Result<Option<Opening>, Fa
             focal_length: args.focal_length,
         }),
         projection: Some(projection),
-        columns: args.size.map(|(columns, _)| columns),
-        rows: args.size.map(|(_, rows)| rows),
+        rows: args.size.map(|[rows, _]| rows),
+        columns: args.size.map(|[_, columns]| columns),
         ..Description::default()
     };
-    let (columns, rows) = described.size();
+    let [rows, columns] = described.size();
     let size = [rows, columns];
     if let Some(matrix) = args.intrinsics {
         let matrix = convention(args).pixel_matrix(matrix);

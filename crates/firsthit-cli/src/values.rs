@@ -292,12 +292,12 @@ pub(crate) fn light(text: &str) -> Result<LightArg, String> {
     Ok(LightArg::Light(light))
 }
 
-/// `COLUMNSxROWS`.
-pub(crate) fn pixels(text: &str) -> Result<(usize, usize), String> {
+/// `COLUMNSxROWS`, to rows and columns.
+pub(crate) fn pixels(text: &str) -> Result<[usize; 2], String> {
     let parse = |part: &str| part.trim().parse::<usize>().ok().filter(|&n| n >= 1);
     let both = text
         .split_once('x')
-        .and_then(|(w, h)| Some((parse(w)?, parse(h)?)));
+        .and_then(|(columns, rows)| Some([parse(rows)?, parse(columns)?]));
     both.ok_or_else(|| "expected columns and rows, at least 1 of each, such as 720x480".into())
 }
 
@@ -501,7 +501,7 @@ mod tests {
 
     #[test]
     fn sizes_are_columns_times_rows() {
-        assert_eq!(pixels("720x480"), Ok((720, 480)));
+        assert_eq!(pixels("720x480"), Ok([480, 720]));
         for bad in ["720", "0x1", "-1x5", "1x1.5", "axb"] {
             assert!(pixels(bad).is_err(), "{bad}");
         }

@@ -326,7 +326,7 @@ class Scene(Traceable):
         return self._cameras
 
     def camera(
-        self, name: str | int = 0, *, columns: int | None = None, rows: int | None = None
+        self, name: str | int = 0, *, rows: int | None = None, columns: int | None = None
     ) -> Camera:
         """Return a camera of the file that the scene was read from.
 
@@ -334,8 +334,8 @@ class Scene(Traceable):
         ----------
         name : str or int
             Its name, or its index in `cameras`.
-        columns, rows : int, optional
-            Pixels across and down; both must be given if the file has no size.
+        rows, columns : int, optional
+            Pixels down and across; both must be given if the file has no size.
 
         Returns
         -------
@@ -349,7 +349,7 @@ class Scene(Traceable):
         ValueError
             For a size that is incomplete or missing.
         """
-        return find(self._cameras, name).at(columns=columns, rows=rows)
+        return find(self._cameras, name).at(rows=rows, columns=columns)
 
     @property
     def up(self) -> Vector:

@@ -34,13 +34,13 @@ class NamedCamera:
     camera: Camera
     has_size: bool
 
-    def at(self, *, columns: int | None = None, rows: int | None = None) -> Camera:
+    def at(self, *, rows: int | None = None, columns: int | None = None) -> Camera:
         """Make the camera at a size.
 
         Parameters
         ----------
-        columns, rows : int, optional
-            Pixels across and down: both, or neither for those of the file.
+        rows, columns : int, optional
+            Pixels down and across: both, or neither for those of the file.
 
         Returns
         -------

@@ -124,7 +124,7 @@ impl Description {
         support: &dyn Fn(DVec3) -> f64,
         up: DVec3,
     ) -> Result<Camera> {
-        let (columns, rows) = self.size();
+        let [rows, columns] = self.size();
         let up = self.up.unwrap_or(up);
         let lens = self.lens([rows, columns])?;
         let view = View {
@@ -200,13 +200,12 @@ impl Description {
         }
     }
 
-    /// Columns and rows of pixels.
-    pub fn size(&self) -> (usize, usize) {
+    /// Rows and columns of pixels.
+    pub fn size(&self) -> [usize; 2] {
         if let (None, None, Some(Opening::Lens { size, .. })) =
             (self.columns, self.rows, self.opening)
         {
-            let [rows, columns] = size;
-            return (columns, rows);
+            return size;
         }
         let aspect = match self.opening {
             Some(Opening::Viewplane { width, height, .. }) => width / height,
@@ -229,11 +228,11 @@ impl Description {
         )]
         let pixels = |count: f64| count.round().clamp(1.0, 16_384.0) as usize;
         match (self.columns, self.rows) {
-            (Some(columns), Some(rows)) => (columns, rows),
-            (None, None) if self.projection == Some(Projection::CubeMap) => (1026, 684),
-            (Some(columns), None) => (columns, pixels(columns as f64 / aspect)),
-            (None, Some(rows)) => (pixels(rows as f64 * aspect), rows),
-            (None, None) => (1024, pixels(1024.0 / aspect)),
+            (Some(columns), Some(rows)) => [rows, columns],
+            (None, None) if self.projection == Some(Projection::CubeMap) => [684, 1026],
+            (Some(columns), None) => [pixels(columns as f64 / aspect), columns],
+            (None, Some(rows)) => [rows, pixels(rows as f64 * aspect)],
+            (None, None) => [pixels(1024.0 / aspect), 1024],
         }
     }
 

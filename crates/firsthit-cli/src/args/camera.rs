@@ -101,7 +101,7 @@ pub(crate) struct CameraArgs {
     /// Columns and rows of pixels [default: 1024x768; with --viewplane as many rows as make square pixels; 1024x512 of a
     /// panorama]
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::pixels, allow_hyphen_values = true)]
-    pub(crate) size: Option<(usize, usize)>,
+    pub(crate) size: Option<[usize; 2]>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -131,7 +131,7 @@ pub(crate) struct DisplayArgs {
 pub(crate) struct DemoArgs {
     /// Columns and rows of pixels
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::pixels, default_value = "1024x640", allow_hyphen_values = true)]
-    pub(crate) size: (usize, usize),
+    pub(crate) size: [usize; 2],
     /// Where to write: .png (one channel), .npy (one), .exr or .npz (all), .ply or .pcd (a point cloud); may be given
     /// several times. {channel} in the name makes a file of each channel [default: demo.png]
     #[arg(short, long, value_name = "FILE")]

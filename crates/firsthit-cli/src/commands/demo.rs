@@ -33,7 +33,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     let settings = settings(&args.files, (&args.display, usual), &orders);
     with_threads(&args.run, || {
         let scene = example::scene()?;
-        let (columns, rows) = args.size;
+        let [rows, columns] = args.size;
         let camera = example::camera(rows, columns)?;
         let shade = Shading {
             background: example::background(),

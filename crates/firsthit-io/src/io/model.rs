@@ -49,11 +49,11 @@ impl NamedCamera {
     /// The camera as a description, for a picture of `size` columns and rows. `None`: as many as the camera asks for,
     /// or as the shape of its viewplane does. Where the file gives no size, the viewplane keeps its height, and its
     /// width follows from square pixels.
-    pub fn described(&self, size: Option<(usize, usize)>) -> Description {
+    pub fn described(&self, size: Option<[usize; 2]>) -> Description {
         let whole = || Description::of(&self.view);
         let mut described = self.description.unwrap_or_else(whole);
-        if let Some((columns, rows)) = size {
-            (described.columns, described.rows) = (Some(columns), Some(rows));
+        if let Some([rows, columns]) = size {
+            (described.rows, described.columns) = (Some(rows), Some(columns));
         }
         if !self.has_size
             && let Some(Opening::Viewplane { width, height, .. }) = &mut described.opening

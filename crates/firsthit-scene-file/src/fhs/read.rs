@@ -69,7 +69,7 @@ fn check_cameras(world: &World) -> Result<()> {
     for camera in &world.cameras {
         Camera::new(camera.view)?;
         let described = camera.described(None);
-        let (columns, rows) = described.size();
+        let [rows, columns] = described.size();
         for (name, pixels) in [
             ("columns", camera.view.columns),
             ("rows", camera.view.rows),

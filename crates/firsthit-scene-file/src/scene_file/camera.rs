@@ -362,7 +362,7 @@ fn opening(
             rows: size[0],
             ..Description::default()
         };
-        let (columns, rows) = whole.size();
+        let [rows, columns] = whole.size();
         let size = [rows, columns];
         return Ok(Some(Opening::Lens { lens, size }));
     }

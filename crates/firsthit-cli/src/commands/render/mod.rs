@@ -74,7 +74,7 @@ fn rays(args: &RenderArgs, model: &World, asked: Option<&[Order]>) -> Option<u64
     if args.picture.noise.is_some() || kinds.any(|kind| kind.name.starts_with("ao")) {
         return None;
     }
-    let (columns, rows) = match args.camera.size {
+    let [rows, columns] = match args.camera.size {
         Some(size) => size,
         None if args.camera.colmap.is_some() => return None,
         None => of_file(&args.camera, model).ok()?.size(),

@@ -76,7 +76,7 @@ fn describe(view: View) -> Description {
         opening: Some(whole),
         ..Description::default()
     };
-    let (columns, rows) = described.size();
+    let [rows, columns] = described.size();
     Description {
         opening: Some(if lens.parallel {
             whole

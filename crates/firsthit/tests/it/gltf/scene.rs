@@ -116,7 +116,7 @@ fn cameras_are_where_their_nodes_are() {
     assert_eq!((own.columns(), own.rows()), (1024, 512));
     for camera in &cameras {
         let square = camera
-            .described(Some((300, 300)))
+            .described(Some([300; 2]))
             .camera(bounds, support, DVec3::Y)
             .unwrap();
         let view = square.view();
