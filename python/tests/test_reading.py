@@ -66,9 +66,9 @@ def test_names_from_python_are_escaped_in_warnings() -> None:
 
 
 def test_a_file_that_is_not_there_is_a_file_not_found_error(tmp_path):
-    missing = tmp_path / "none.ply"
     readers = (fh.load, fh.open, fh.lint, fh.info, fh.Frame.load, fh.read_points, fh.read_metadata)
     for read in readers:
+        missing = tmp_path / f"none.{'npz' if read == fh.Frame.load else 'ply'}"
         with pytest.raises(FileNotFoundError, match="none") as raised:
             read(missing)
         assert isinstance(raised.value, fh.FileReadError)

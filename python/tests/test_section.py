@@ -58,7 +58,8 @@ def test_points_are_on_the_plane_and_in_its_coordinates():
 def test_a_section_is_its_curves_and_true_without_any():
     cut = bumps().section((0, 0, 0.1), (0, 0, 1))
     assert list(cut) == list(cut.polylines)
-    nothing = bumps().section((0, 0, 9), (0, 0, 1))
+    with pytest.warns(fh.FirsthitWarning, match="the plane cuts nothing"):
+        nothing = bumps().section((0, 0, 9), (0, 0, 1))
     assert (len(nothing), list(nothing), bool(nothing)) == (0, [], True)
 
 

@@ -1418,7 +1418,7 @@ class Scene(Traceable):
         Warns
         -----
         FirsthitWarning
-            For objects that are left out, since they are no meshes.
+            For objects that are left out, since they are no meshes, and a plane that cuts nothing.
 
         Examples
         --------
