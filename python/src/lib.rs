@@ -108,7 +108,7 @@ mod _firsthit {
             .map_err(|error| crate::errors::raise(py, &error))
     }
 
-    /// What the program's command info tells of a file, as JSON; else the exit code and the message.
+    /// The answer of the program's command info about a file, as JSON.
     #[pyfunction]
     fn info(py: Python<'_>, path: std::path::PathBuf) -> Result<String, PyErr> {
         let told = py.detach(|| firsthit_cli::info(&path));

@@ -70,7 +70,7 @@ where
     }
 }
 
-/// Describes a file as `firsthit info --json` does; else the exit code and the message.
+/// The answer of `firsthit info --json` about a file; else the exit code and the message.
 ///
 /// # Errors
 ///

@@ -224,7 +224,7 @@ def _fill(scene: Scene, model: _firsthit._Model) -> None:
 
 
 @overload
-def lint(
+def lint(  # type: ignore[overload-overlap] # A text is one path.
     path: str | os.PathLike[str],
     *,
     ignore: Iterable[str] = ...,

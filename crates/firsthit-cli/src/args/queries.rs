@@ -296,8 +296,8 @@ pub(crate) struct ProbeArgs {
     /// that of firsthit render with the same options
     #[arg(long, value_name = "ROW,COLUMN", value_parser = values::pixel, allow_hyphen_values = true)]
     pub(crate) pixel: Option<[usize; 2]>,
-    /// The ray itself: its origin and its direction, of any length
-    #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", value_parser = values::ray, allow_hyphen_values = true,
+    /// The ray itself, OX,OY,OZ,DX,DY,DZ: its origin and its direction, of any length
+    #[arg(long, value_name = "RAY", value_parser = values::ray, allow_hyphen_values = true,
         conflicts_with_all = ["camera", "colmap", "image", "view", "position", "aim", "look_at", "up", "fov", "fov_axis", "focal_length",
         "viewplane", "aperture", "focus", "intrinsics", "pose", "convention", "projection", "parameters", "orthographic",
         "ray_start", "size"])]

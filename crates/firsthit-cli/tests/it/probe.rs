@@ -204,11 +204,7 @@ fn many_objects_are_counted_and_all_are_listed_if_asked() {
 #[test]
 fn what_cannot_be_asked_is_refused() {
     let lab = lab();
-    lab.fails(
-        "probe squares.obj",
-        2,
-        "<--pixel <ROW,COLUMN>|--ray <OX,OY,OZ,DX,DY,DZ>>",
-    );
+    lab.fails("probe squares.obj", 2, "<--pixel <ROW,COLUMN>|--ray <RAY>>");
     lab.fails(
         "probe squares.obj --pixel 1,1 --ray 0,0,1,0,0,1",
         2,
