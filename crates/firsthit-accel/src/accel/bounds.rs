@@ -38,7 +38,6 @@
 //!   `soups_of_every_scale_and_place`, among others, at 0.
 //! - `SHARE`, of rays in twice the digits (`traverse/distant.rs`). Too small: no test, not even at 0.
 //! - The pad of a triangle's bounding box in a tile (`tile/raster.rs`). Too small: no test, not even at 0.
-//! - `VAGUE`, where every triangle is asked (`traverse/each.rs`). Too large: not tried.
 //! - 4 errors of a depth: the triangles of a leaf that begins nearer have no bounding boxes in a tile
 //!   (`tile/raster.rs`). Too small: not tried.
 //! - The size of coordinates across a ray, for the error of a side: 2.1 times their error in `filter.rs`, 4.2 times and
@@ -68,9 +67,8 @@ pub(super) const DISTANT: f64 = (1_u64 << 27) as f64;
 
 // Every ray.
 
-/// The rounding of float64 when it makes a ray ready, as a share of the coordinates: a ray's blur.
-/// It is nine roundings; one is that of the origin on the way to the object, which the exact test
-/// makes up for. Where float32 does not hold the vertices, `U` is added, and is mostly larger.
+/// The rounding of float64 when it makes a ray ready, as a share of the coordinates: a ray's blur. Where float32 does
+/// not hold the vertices, `U` is added, and is mostly larger.
 ///
 /// Used in `rays/prepare.rs` and `tile/frustum.rs`. Too small: no test, not even at 0.
 pub(super) const BLUR: f64 = 1e-15;

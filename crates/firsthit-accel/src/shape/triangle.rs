@@ -35,7 +35,6 @@ mod departure;
 mod fan;
 mod filter;
 mod place;
-mod rest;
 
 #[doc(hidden)]
 pub use departure::DeparturePoint;
@@ -62,8 +61,6 @@ pub struct Shear {
     /// The axis along which the direction is longest, and the two others.
     axes: [usize; 3],
     slope: DVec2,
-    /// The difference between where the ray begins and `origin`.
-    rest: DVec3,
 }
 
 /// Whether a ray at an edge or corner meets a triangle.
@@ -127,7 +124,6 @@ impl Shear {
                 quotient_by_inverse(Scalar, d[x], d[z], scale),
                 quotient_by_inverse(Scalar, d[y], d[z], scale),
             ),
-            rest: DVec3::ZERO,
         }
     }
 
@@ -151,10 +147,9 @@ impl Shear {
         let (a, a_largest) = self.sheared(corners[0]);
         let (b, b_largest) = self.sheared(corners[1]);
         let (c, c_largest) = self.sheared(corners[2]);
-        let largest = a_largest.max(b_largest).max(c_largest);
         RoundedSides {
             sides: [area(c, b), area(a, c), area(b, a)],
-            largest: self.largest_with_rest(largest),
+            largest: a_largest.max(b_largest).max(c_largest),
             across: a.abs().max(b.abs()).max(c.abs()).max_element(),
         }
     }
@@ -195,7 +190,6 @@ impl Shear {
         }
         settle(Doubtful {
             meeting,
-            rest: self.rest,
             is_met,
             edges,
         })
@@ -245,7 +239,6 @@ pub(crate) fn locate(
         Some(place) => Some(TriangleHit::new(place)),
         None => settle(Doubtful {
             meeting,
-            rest: DVec3::ZERO,
             is_met: true,
             edges: EdgeRule::Closed,
         }),
@@ -272,8 +265,6 @@ pub fn clear_of(t: f64) -> f64 {
 #[doc(hidden)]
 pub struct Doubtful {
     meeting: Meeting<f64>,
-    /// The difference between where the ray begins and its origin.
-    rest: DVec3,
     /// Whether the ray is known to meet the triangle, and only where it does is left to be computed.
     is_met: bool,
     edges: EdgeRule,
@@ -320,16 +311,14 @@ impl Doubtful {
             return false;
         }
         let d = arrays::map(self.meeting.direction, |high| Double { high, low: 0.0 });
-        let sides = if self.rest != DVec3::ZERO {
-            self.meeting.sides_from(self.rest)
-        } else if let Some([a, b, c]) = along_axis(&d, &corners) {
+        let sides = if let Some([a, b, c]) = along_axis(&d, &corners) {
             [side(c, b), side(a, c), side(b, a)]
         } else {
             exact_sides(&Scaled::new(&d), &corners)
         };
         let [u, v, w] = sides;
         if self.edges == EdgeRule::Once && (u == 0.0 || v == 0.0 || w == 0.0) {
-            return self.meeting.is_crossed(self.rest);
+            return self.meeting.is_crossed();
         }
         let is_front = u >= 0.0 && v >= 0.0 && w >= 0.0;
         let is_back = u <= 0.0 && v <= 0.0 && w <= 0.0;

@@ -1,6 +1,4 @@
-use super::arithmetic::Scalar;
-use super::double::between;
-use super::{DAffine3, DMat3, DVec3, Ray, arrays, unit};
+use super::{DAffine3, DMat3, DVec3, Ray, unit};
 use crate::error::{Error, Result};
 
 /// The place of an object in the world: any affine map that can be undone, mirrored ones included.
@@ -25,9 +23,6 @@ pub struct Transform {
     object_from_world: DAffine3,
     rounding: f64,
     is_identity: bool,
-    /// Whether the matrix takes axes to axes, mirrored or scaled by powers of two: then it rounds
-    /// nothing.
-    has_exact_matrix: bool,
 }
 
 impl Transform {
@@ -37,7 +32,6 @@ impl Transform {
         object_from_world: DAffine3::IDENTITY,
         rounding: f64::EPSILON,
         is_identity: true,
-        has_exact_matrix: true,
     };
 
     /// The transform that takes object space to the world.
@@ -65,7 +59,6 @@ impl Transform {
             object_from_world,
             rounding: left + f64::EPSILON * norm(there) * norm(back),
             is_identity: world_from_object == DAffine3::IDENTITY,
-            has_exact_matrix: left == 0.0 && rounds_nothing(there),
         })
     }
 
@@ -135,26 +128,6 @@ impl Transform {
         }
     }
 
-    /// Whether [`rest_of_origin`](Self::rest_of_origin) may be other than zero.
-    #[inline(always)]
-    #[doc(hidden)]
-    pub fn has_rests(&self) -> bool {
-        self.has_exact_matrix && !self.is_identity
-    }
-
-    /// The part of an origin that [`ray_in_object`](Self::ray_in_object) rounds off, in object
-    /// space: both together are exactly the world's origin. Zero where the matrix rounds too.
-    #[inline(always)]
-    #[doc(hidden)]
-    pub fn rest_of_origin(&self, origin: DVec3) -> DVec3 {
-        if !self.has_rests() {
-            return DVec3::ZERO;
-        }
-        let translation = self.world_from_object.translation.to_array();
-        let moved = between(Scalar, &origin.to_array(), &translation);
-        self.object_from_world.matrix3 * DVec3::from(arrays::map(moved, |part| part.low))
-    }
-
     /// An object-space point in the world.
     #[inline(always)]
     pub fn point_in_world(&self, point: DVec3) -> DVec3 {
@@ -174,16 +147,6 @@ impl Transform {
         }
         unit(self.object_from_world.matrix3.transpose() * normal)
     }
-}
-
-/// Whether every product with the matrix is one with a power of two.
-fn rounds_nothing(m: DMat3) -> bool {
-    const FRACTION: u64 = (1 << 52) - 1;
-    let is_power = |x: f64| x.is_normal() && x.to_bits() & FRACTION == 0;
-    m.to_cols_array_2d().iter().all(|column| {
-        let mut parts = column.iter().filter(|&&x| x != 0.0);
-        parts.next().is_some_and(|&x| is_power(x)) && parts.next().is_none()
-    })
 }
 
 /// The largest growth of the largest coordinate by the map.

@@ -345,7 +345,6 @@ fn set_filters(
         }
         if let Some(start) = start {
             packet.set_origin(lane, start);
-            packet.set_rest(lane, DVec3::ZERO);
         }
         easy |= u16::from(is_easy) << lane;
     }

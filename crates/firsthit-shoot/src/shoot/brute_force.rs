@@ -125,7 +125,7 @@ fn all_crossings<Q: MeshQuery>(
     met_at_start(scene, filter, (Place::Object(index), &ray, &of_mesh))
         .into_iter()
         .for_each(&mut accept);
-    let shear = Shear::new(&ray).with_rest(scaled.rest_in(object, &of_mesh));
+    let shear = Shear::new(&ray);
     for triangle in 0..u32::try_from(mesh.triangles().len()).unwrap_or(u32::MAX) {
         let how = (Q::EDGES, &of_mesh);
         let crossing =

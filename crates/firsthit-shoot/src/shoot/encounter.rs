@@ -135,9 +135,11 @@ impl<'a> Encounters<'a> {
                 {
                     touched.accept(crossing);
                 }
-                let rest = self.scaled.rest_in(object, &touched.mesh_filter);
-                let off = touched.mesh_filter.off(rest);
-                let (shear, line) = (Shear::new(&touched.line).with_rest(rest), touched.line);
+                let off = touched
+                    .mesh_filter
+                    .departure()
+                    .map_or(0.0, |point| point.off);
+                let (shear, line) = (Shear::new(&touched.line), touched.line);
                 let each = EachCandidate {
                     scratch: &mut self.scratch,
                     at_mesh: (tree, meshes),

@@ -94,7 +94,6 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
         for lane in 0..length {
             let (index, instance) = &instances[packing.order[first + lane]];
             packet.put(lane, &instance.ray);
-            packet.set_rest(lane, instance.rest);
             if Q::IS_FILTERED {
                 packet.set_filter(lane, &memory.in_meshes[*index]);
             }

@@ -1,9 +1,8 @@
 //! A ray whose direction is scaled by a power of two, so that its square is in float64's range.
 
-use crate::geometry::{DVec3, Hit, Ray, RayFilter, SurfaceId, moderation};
+use crate::geometry::{Hit, Ray, RayFilter, SurfaceId, moderation};
 use crate::scene::Object;
 use crate::shape::Crossing;
-use crate::shape::triangle::MeshFilter;
 
 /// See [the module](self). It goes into objects, and what it meets there becomes hits of the original.
 pub(super) struct ScaledRay {
@@ -57,16 +56,6 @@ impl ScaledRay {
         let ray = self.ray.up_to(t_max.min(self.ray.t_max));
         let ray = object.transform().ray_in_object(&ray);
         (ray.is_valid() && !object.is_out_of_range()).then_some(ray)
-    }
-
-    /// The exact difference between where that ray begins and its origin; of a ray that leaves a
-    /// triangle in that space the filter knows.
-    #[inline(always)]
-    pub(super) fn rest_in(&self, object: &Object, filter: &MeshFilter) -> DVec3 {
-        if filter.departure().is_some() {
-            return DVec3::ZERO;
-        }
-        object.transform().rest_of_origin(self.ray.origin)
     }
 
     /// Whether a crossing is between the ends of the ray that the caller has.

@@ -11,7 +11,7 @@ use super::ray_state::RayState;
 use super::scaled_ray::ScaledRay;
 use super::start::met_at_start;
 use crate::accel::{END, EachCandidate, MeshQuery, MeshTree, Scratch, WalkStack};
-use crate::geometry::{DVec3, Hit, Ray};
+use crate::geometry::{Hit, Ray};
 use crate::scene::{ObjectCandidates, Scene};
 use crate::shape::triangle::{MeshFilter, Shear};
 use crate::shape::{Meshes, Surface};
@@ -24,8 +24,6 @@ pub(super) struct Instance<'a> {
     pub(super) tree: &'a MeshTree,
     pub(super) mesh: Meshes<'a>,
     pub(super) ray: Ray,
-    /// The difference between where the ray begins and its origin.
-    pub(super) rest: DVec3,
 }
 
 /// A ray, and the objects that are still to come.
@@ -117,12 +115,6 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             self.object = index;
             match scene.at_mesh(index) {
                 Some((mesh, tree)) => {
-                    let own = if Q::IS_FILTERED {
-                        &*in_mesh
-                    } else {
-                        &MeshFilter::NONE
-                    };
-                    let rest = scaled.rest_in(object, own);
                     let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
                     if Q::IS_FILTERED
                         && let Some(met) = met_at_start(scene, filter, (place, &ray, &*in_mesh))
@@ -140,7 +132,6 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                             tree,
                             mesh,
                             ray,
-                            rest,
                         });
                     }
                     TriangleByTriangle {
@@ -148,7 +139,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                         scratch,
                         scene,
                         at_mesh: (index, tree, mesh),
-                        ray: (&ray, rest),
+                        ray: &ray,
                         in_mesh,
                     }
                     .run(l);
@@ -225,7 +216,7 @@ struct TriangleByTriangle<'r, Q> {
     scratch: &'r mut Scratch,
     scene: &'r Scene,
     at_mesh: (u32, &'r MeshTree, Meshes<'r>),
-    ray: (&'r Ray, DVec3),
+    ray: &'r Ray,
     /// The filter of the ray at the mesh; without meaning for rays without a filter.
     in_mesh: &'r MeshFilter,
 }
@@ -238,7 +229,7 @@ impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
             scratch,
             scene,
             at_mesh: (index, tree, mesh),
-            ray: (ray, rest),
+            ray,
             in_mesh,
         } = self;
         let filter = if Q::IS_FILTERED {
@@ -246,12 +237,12 @@ impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
         } else {
             &MeshFilter::NONE
         };
-        let shear = Shear::new(ray).with_rest(rest);
+        let shear = Shear::new(ray);
         l.call(EachCandidate {
             scratch,
             at_mesh: (tree, mesh),
             ray,
-            off: filter.off(rest),
+            off: filter.departure().map_or(0.0, |point| point.off),
             with_copies: Q::ALL || !filter.meets_everything(),
             // Behind the pointer nothing is compiled for the instruction set but what is called as a kernel.
             visit: &mut |triangle, t_max| {

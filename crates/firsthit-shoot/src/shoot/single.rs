@@ -82,17 +82,13 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
         while let Some(instance) = walk.next(l, (scratch, &mut in_mesh), (scene, stack), is_wanted)
         {
             let Instance {
-                tree,
-                mesh,
-                ray,
-                rest,
-                ..
+                tree, mesh, ray, ..
             } = instance;
             let found = if Q::IS_FILTERED {
-                let filtered = (&ray, rest, &in_mesh);
+                let filtered = (&ray, &in_mesh);
                 accel::query_mesh_filtered::<L, Q::InMesh>(l, scratch, (tree, mesh), filtered)
             } else {
-                accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), (&ray, rest))
+                accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray)
             };
             walk.take(scene, found);
         }

@@ -10,7 +10,7 @@
     reason = "for chains of iterators the compiler copies registers to memory"
 )]
 
-use super::packet::{Packet, RAYS, largest_of, of, of_mut, vector};
+use super::packet::{Packet, largest_of, of, of_mut, vector};
 use crate::geometry::{DMat3, Ray, Transform};
 use crate::simd::Lanes;
 
@@ -19,12 +19,6 @@ impl Packet {
     /// origins, and with a direction that can be squared. The others are undefined afterwards.
     #[inline(always)]
     pub fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u16 {
-        self.with_rest = 0;
-        if transform.has_rests() {
-            for lane in 0..RAYS {
-                self.set_rest(lane, transform.rest_of_origin(self.ray(lane).origin));
-            }
-        }
         u16::from_le_bytes([
             self.enter_half(l, transform, 0),
             self.enter_half(l, transform, 1),

@@ -8,7 +8,7 @@ use std::ops::Index;
 use super::slabs::Slabs;
 use super::tree_ray::TreeRay;
 use crate::geometry::{DVec3, Ray, arrays};
-use crate::shape::triangle::{MeshFilter, Shear};
+use crate::shape::triangle::MeshFilter;
 use crate::simd::{LANES, Lanes, WIDE};
 
 /// The number of rays in a packet.
@@ -50,10 +50,6 @@ pub struct Packet {
     pub(in crate::accel) filters: Filters,
     /// The rays that leave a triangle.
     pub(in crate::accel) departing: u16,
-    /// The differences between where the rays begin and their origins: see `Shear::with_rest`.
-    /// Undefined for rays without a bit in `with_rest`.
-    rests: [DVec3; RAYS],
-    pub(super) with_rest: u16,
     /// The rays that may meet something.
     pub alive: u16,
     /// The rays that start too far away for float64; see `traverse/distant.rs`.
@@ -101,34 +97,6 @@ impl Packet {
         }
         self.t_min[lane] = ray.t_min;
         self.t_max[lane] = ray.t_max;
-    }
-
-    /// Sets the rest of the ray in a lane, the difference between where it begins and its origin.
-    #[inline(always)]
-    pub fn set_rest(&mut self, lane: usize, rest: DVec3) {
-        let bit = 1 << (lane % RAYS);
-        self.with_rest &= !bit;
-        if rest != DVec3::ZERO {
-            self.rests[lane % RAYS] = rest;
-            self.with_rest |= bit;
-        }
-    }
-
-    /// The ray in a lane made ready for triangles.
-    #[inline(always)]
-    pub(in crate::accel) fn shear(&self, lane: usize, ray: &Ray) -> Shear {
-        let shear = Shear::new(ray);
-        if self.has_rest(lane) {
-            shear.with_rest(self.rests[lane % RAYS])
-        } else {
-            shear
-        }
-    }
-
-    /// Whether the ray in a lane begins elsewhere than at its origin.
-    #[inline(always)]
-    pub(in crate::accel) fn has_rest(&self, lane: usize) -> bool {
-        self.with_rest >> (lane % RAYS) & 1 == 1
     }
 
     /// Moves the start of the ray in a lane.

@@ -20,10 +20,6 @@ use crate::simd::{Kernel, Lanes, set_bits};
 #[doc(hidden)]
 pub const END: f64 = f64::NEG_INFINITY;
 
-/// Where a ray may be off by more, in units of the tree, every triangle is asked. No bound: any
-/// number is safe that is less than what the sphere around the tree has to spare (`distant.rs`).
-const VAGUE: f64 = 1e-3;
-
 /// A function of a triangle and a `t_max` that returns the `t_max` to continue with: not larger
 /// than before, or [`END`].
 pub(crate) type Visit<'a> = dyn FnMut(u32, f64) -> f64 + Send + 'a;
@@ -60,7 +56,7 @@ impl Kernel for EachCandidate<'_> {
         // In units of the tree.
         let unsure = off * tree.space.scale;
         let at_mesh = (tree, mesh);
-        let approach = if !tree.has_nodes() || unsure > VAGUE {
+        let approach = if !tree.has_nodes() {
             Approach::Somewhere
         } else if tree.is_distant(ray.origin) || ray.t_min == f64::NEG_INFINITY {
             Approach::new(&tree.space, ray)

@@ -6,7 +6,7 @@ use crate::accel::rays::limits::Limits;
 use crate::accel::rays::packet::{Packet, RAYS};
 use crate::accel::rays::trees::TreePerRay;
 use crate::geometry::Ray;
-use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, TriangleHit};
+use crate::shape::triangle::{self, Doubtful, EdgeRule, MeshFilter, Shear, TriangleHit};
 use crate::shape::{Crossing, Meshes};
 use crate::simd::{Kernel, Lanes};
 
@@ -93,8 +93,7 @@ impl MeshRay<'_> {
         let corners = self.tree.corners(self.mesh, leaf, lane);
         let ray = self.packet.ray(self.lane);
         let settle = |doubtful| settle_within(l, &ray, doubtful);
-        let shear = self.packet.shear(self.lane, &ray);
-        let hit = shear.intersect_by(edges, corners, settle)?;
+        let hit = Shear::new(&ray).intersect_by(edges, corners, settle)?;
         ray.holds(hit.t).then(|| self.crossing(leaf, lane, hit))
     }
 
@@ -115,7 +114,7 @@ impl MeshRay<'_> {
         let corners = self.mesh.corners(triangle);
         let ray = self.packet.ray(self.lane);
         let settle = |doubtful| settle_within(l, &ray, doubtful);
-        let ray_and_shear = (&ray, &self.packet.shear(self.lane, &ray));
+        let ray_and_shear = (&ray, &Shear::new(&ray));
         let hit = self
             .filter()
             .intersect(ray_and_shear, edges, (triangle, corners), settle)?;
@@ -162,11 +161,7 @@ impl MeshRay<'_> {
         if old < new && self.mesh.are_in_one_plane(old, new) {
             return true;
         }
-        // Where the ray begins elsewhere, its origin's `t` may be at a height beside the triangle.
-        let crowds = self
-            .mesh
-            .crowds()
-            .filter(|_| !self.packet.has_rest(self.lane));
+        let crowds = self.mesh.crowds();
         crowds.is_some_and(|crowds| crowds.are_together(new, old))
             && l.call(IsAfter(self.mesh, &self.packet.ray(self.lane), [new, old]))
     }

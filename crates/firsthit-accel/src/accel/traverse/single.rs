@@ -16,7 +16,7 @@ use crate::accel::filter::filter;
 use crate::accel::mesh_tree::MeshTree;
 use crate::accel::node::LEAF;
 use crate::accel::rays::packet::Packet;
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::Ray;
 use crate::shape::Meshes;
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{Aligned, LANES, Lanes, set_bits};
@@ -38,18 +38,16 @@ impl Default for Scratch {
     }
 }
 
-/// The answer of a query for a ray, which begins at its origin and a rest, and `mesh`, in the
-/// mesh's space. The tree has nodes, and the ray is valid.
+/// The answer of a query for `ray` and `mesh`, in the mesh's space. The tree has nodes, and the ray is valid.
 #[inline(always)]
 #[doc(hidden)]
 pub fn query_mesh<L: Lanes, Q: MeshQuery>(
     l: L,
     scratch: &mut Scratch,
     (tree, mesh): (&MeshTree, Meshes<'_>),
-    (ray, rest): (&Ray, DVec3),
+    ray: &Ray,
 ) -> Q::Found {
     scratch.packet.put(0, ray);
-    scratch.packet.set_rest(0, rest);
     scratch.packet.prepare(l, tree, 1);
     query_prepared::<L, Q>(l, scratch, (tree, mesh))
 }
@@ -61,10 +59,9 @@ pub fn query_mesh_filtered<L: Lanes, Q: MeshQuery>(
     l: L,
     scratch: &mut Scratch,
     (tree, mesh): (&MeshTree, Meshes<'_>),
-    (ray, rest, filter): (&Ray, DVec3, &MeshFilter),
+    (ray, filter): (&Ray, &MeshFilter),
 ) -> Q::Found {
     scratch.packet.put(0, ray);
-    scratch.packet.set_rest(0, rest);
     scratch.packet.set_filter(0, filter);
     scratch.packet.prepare_filtered(l, tree, 1);
     query_prepared::<L, Q>(l, scratch, (tree, mesh))

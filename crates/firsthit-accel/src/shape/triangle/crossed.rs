@@ -19,7 +19,6 @@ use std::cmp::Ordering;
 
 use super::exact_sides;
 use super::place::Meeting;
-use crate::geometry::DVec3;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::{Double, between};
 use crate::geometry::exact::{Expansion, Scaled, determinant};
@@ -37,15 +36,11 @@ fn unit(axis: usize) -> Scaled {
 }
 
 impl Meeting<f64> {
-    /// Whether the perturbed ray, which begins at the origin and a `rest`, crosses the triangle.
+    /// Whether the perturbed ray crosses the triangle.
     #[cold]
-    pub(super) fn is_crossed(&self, rest: DVec3) -> bool {
+    pub(super) fn is_crossed(&self) -> bool {
         let d = scaled(&self.direction);
-        let [u, v, w] = if rest == DVec3::ZERO {
-            exact_sides(&d, &self.relative())
-        } else {
-            self.sides_from(rest)
-        };
+        let [u, v, w] = exact_sides(&d, &self.relative());
         let most = u.max(v).max(w);
         let least = u.min(v).min(w);
         if (least < 0.0 && most > 0.0) || (least == 0.0 && most == 0.0) {

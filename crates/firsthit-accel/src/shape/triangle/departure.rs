@@ -164,7 +164,6 @@ impl DeparturePoint {
         let is_met = least > doubt || most < -doubt;
         let doubtful = Doubtful {
             meeting,
-            rest: DVec3::ZERO,
             is_met: true,
             edges,
         };

@@ -166,14 +166,6 @@ impl MeshFilter {
         self.is_departing
     }
 
-    /// The largest distance between the ray's origin and its start along an axis: the start is a
-    /// point of a triangle that it leaves, or the origin and a `rest`.
-    #[doc(hidden)]
-    pub fn off(&self, rest: DVec3) -> f64 {
-        let of_rest = rest.abs().max_element();
-        self.departure().map_or(of_rest, |point| point.off)
-    }
-
     /// The ray's start, if it leaves a triangle.
     #[inline]
     pub fn departure(&self) -> Option<&DeparturePoint> {

@@ -4,9 +4,9 @@ use std::cmp::Ordering;
 
 use super::tile::TileTask;
 use crate::accel::{ExactTest, IsAfter, SettleExactly, TriangleId};
-use crate::geometry::{DVec3, Hit, Ray};
+use crate::geometry::{Hit, Ray};
 use crate::scene::{Object, Scene};
-use crate::shape::triangle::{EdgeRule, MeshFilter, Shear, are_close};
+use crate::shape::triangle::{EdgeRule, Shear, are_close};
 use crate::shoot::scaled_ray::ScaledRay;
 use crate::simd::{Kernel, Lanes};
 
@@ -34,9 +34,7 @@ impl Kernel for Decision<'_> {
         let object = &self.scene.objects()[index as usize];
         let ray = scaled.in_object(object, scaled.ray.t_max)?;
         let corners = tree.corners_at(mesh, leaf_lane);
-        let rest = scaled.rest_in(object, &MeshFilter::NONE);
-        let shear = Shear::new(&ray).with_rest(rest);
-        let hit = shear.intersect_by(EdgeRule::Closed, corners, |doubtful| {
+        let hit = Shear::new(&ray).intersect_by(EdgeRule::Closed, corners, |doubtful| {
             l.call(SettleExactly(doubtful))
         })?;
         let primitive = tree.triangle_at(leaf_lane).cast_signed();
@@ -96,11 +94,8 @@ impl TileTask<'_> {
         let scaled = ScaledRay::new(&self.ray(pixel.0, pixel.1))?;
         let object = &self.plan.scene.objects()[index as usize];
         let ray = scaled.in_object(object, scaled.ray.t_max)?;
-        // Not where numbers leave float64, nor where the ray begins elsewhere: its origin's `t` may
-        // be at a height beside the triangle.
-        let is_plain =
-            scaled.t_scale == 1.0 && scaled.rest_in(object, &MeshFilter::NONE) == DVec3::ZERO;
-        let is_after = is_plain && l.call(IsAfter(mesh, &ray, [new, old]));
+        // Not where numbers leave float64.
+        let is_after = scaled.t_scale == 1.0 && l.call(IsAfter(mesh, &ray, [new, old]));
         is_after.then_some(Ordering::Less)
     }
 

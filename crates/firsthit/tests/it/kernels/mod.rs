@@ -7,7 +7,6 @@ mod leaks;
 mod neighbours;
 mod pixels;
 mod planes;
-mod seams;
 mod shapes;
 
 use std::hash::{DefaultHasher, Hash, Hasher};
