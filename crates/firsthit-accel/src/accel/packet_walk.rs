@@ -104,7 +104,9 @@ impl PacketWalk<'_> {
         let is_narrow = |axis: usize| {
             let [low, high] = self.inverses[axis];
             let [first, last] = self.outermost[axis];
-            low.is_sign_negative() == high.is_sign_negative()
+            // Of the same sign, and close enough that the differences of slabs are worth something.
+            let ratio = low / high;
+            (0.5..2.0).contains(&ratio)
                 && (1.0 / low - 1.0 / high).abs() < SPREAD
                 && (last - first) / low.abs().max(high.abs()) < SPREAD
         };

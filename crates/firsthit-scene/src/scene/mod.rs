@@ -80,7 +80,6 @@ use crate::geometry::{Beam, Bounds, DVec3, Hit, Ray};
 use crate::memory;
 use crate::parallel;
 use crate::shape::Meshes;
-use crate::simd::Lanes;
 
 /// Objects in a world, ready to be shot at from any number of threads.
 ///
@@ -449,14 +448,6 @@ impl Scene {
         let (_, tree) = self.at_mesh(index)?;
         let is_plain = tree.has_nodes() && !object.has_cutouts() && !object.is_hidden();
         self.at_mesh(index).filter(|_| is_plain)
-    }
-
-    /// Asks memory for an object and for where its tree is.
-    #[inline(always)]
-    #[doc(hidden)]
-    pub fn prefetch_object<L: Lanes>(&self, l: L, index: u32) {
-        l.prefetch(&self.objects[index as usize]);
-        l.prefetch(&self.trees[index as usize]);
     }
 
     /// The object that stands for all that rays may meet, if it is one alone.

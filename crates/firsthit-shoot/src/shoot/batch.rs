@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::filter::{self, Place};
-use super::instances::walk_on;
+use super::instances::through_objects;
 use super::neighbours::Neighbours;
 use super::ray_query::{RayQuery, Sink};
 use super::ray_state::RayState;
@@ -269,7 +269,7 @@ impl<S: Sink> Batch<'_, S> {
         let mut walks: Vec<SceneWalk<'_, S::Query>> = Vec::new();
         let mut numbers = Vec::new();
         // Neighbours that go together, and the rays that go alone and may meet more.
-        let (mut groups, mut left) = (Vec::new(), Vec::new());
+        let (mut together, mut left) = (Vec::new(), Vec::new());
         let mut rays = [Ray::new(DVec3::ZERO, DVec3::ZERO); RAYS];
         for start in (0..count).step_by(RAYS) {
             let first = walks.len();
@@ -297,13 +297,17 @@ impl<S: Sink> Batch<'_, S> {
                     }
                 }
             }
-            let stack = memory.walk_stacks.get_mut(first);
+            // With a list there is no tree to walk.
+            let stack = memory
+                .walk_stacks
+                .get_mut(first)
+                .filter(|_| listed.is_none());
             match stack.and_then(|stack| ScenePacket::new(scene, &mut walks, first, stack)) {
-                Some(group) => groups.push(group),
+                Some(packet) => together.push(packet),
                 None => left.extend(first..walks.len()),
             }
         }
-        walk_on(l, memory, scene, (groups, left), &mut walks);
+        through_objects(l, memory, scene, (together, left), &mut walks);
         for (number, walk) in numbers.into_iter().zip(&walks) {
             self.sink.put(number, &walk.state.query);
         }

@@ -4,7 +4,7 @@
 //!    go into a packet, which may be traversed together. Most rays are alone at their objects where
 //!    there are thousands: sixteen of them share a packet, with a tree for each lane, and are
 //!    interleaved.
-//! 2. Make all packets ready, and traverse them.
+//! 2. Make the others ready too, and traverse them.
 //! 3. Hand the answers to the rays' walks, which continue with the next objects.
 
 use super::batch::{Memory, MeshAnswer, dispatch};
@@ -15,45 +15,33 @@ use crate::accel::{self, FEWEST, MeshPacket, Packet, RAYS, TreePerRay, Trees};
 use crate::scene::Scene;
 use crate::simd::Lanes;
 
-/// The number of rays ahead for which memory is asked for the top of a stack.
-const STACKS_AHEAD: usize = 4;
-
 /// Takes rays from mesh to mesh until none may meet more: packets of neighbours that go together,
 /// and those that go alone.
 #[inline(always)]
-pub(super) fn walk_on<'a, L: Lanes, Q: RayQuery>(
+pub(super) fn through_objects<'a, L: Lanes, Q: RayQuery>(
     l: L,
     memory: &mut Memory,
     scene: &'a Scene,
-    (mut groups, mut left): (Vec<ScenePacket<'a>>, Vec<usize>),
+    (mut together, mut left): (Vec<ScenePacket<'a>>, Vec<usize>),
     walks: &mut [SceneWalk<'a, Q>],
 ) {
     let is_filtered = Q::IS_FILTERED;
     memory.hold_filters(if is_filtered { walks.len() } else { 1 });
-    memory.hold_packets(groups.len());
-    let mut entered: Vec<EnteredMesh<'_>> = Vec::with_capacity(groups.len());
+    memory.hold_packets(together.len());
+    let mut entered: Vec<EnteredMesh<'_>> = Vec::with_capacity(together.len());
     let mut instances = Vec::with_capacity(left.len());
     loop {
         entered.clear();
         instances.clear();
-        for group in &mut groups {
+        together.retain_mut(|rays| {
             let packet = &mut memory.packets[entered.len()];
-            let stack = &mut memory.walk_stacks[group.first()];
+            // No ray of a packet that walks alone has objects of its own, so it needs no stack.
+            let stack = &mut memory.walk_stacks[rays.first()];
             let found = (&mut entered, &mut left);
-            group.step(l, scene, walks, (packet, stack), found);
-        }
-        groups.retain(|group| !group.is_done);
-        for (k, &index) in left.iter().enumerate() {
-            if let Some(top) = left
-                .get(k + STACKS_AHEAD)
-                .and_then(|&later| memory.walk_stacks[later].last())
-            {
-                l.prefetch(top);
-            }
-            walks[index].look_ahead(l, scene, &mut memory.walk_stacks[index]);
-        }
+            rays.step(l, scene, walks, (packet, stack), found)
+        });
         for &index in &left {
-            walks[index].prefetch_tree(l, scene);
+            walks[index].look_ahead(l, scene, &mut memory.walk_stacks[index]);
         }
         for index in left.drain(..) {
             let in_mesh = if Q::IS_FILTERED { index } else { 0 };
@@ -63,7 +51,7 @@ pub(super) fn walk_on<'a, L: Lanes, Q: RayQuery>(
                 instances.push((index, next));
             }
         }
-        if entered.is_empty() && instances.is_empty() && groups.is_empty() {
+        if entered.is_empty() && instances.is_empty() && together.is_empty() {
             break;
         }
         through_instances(l, memory, scene, (&entered, &instances), walks);

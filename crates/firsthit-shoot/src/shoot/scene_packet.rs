@@ -19,8 +19,6 @@ pub(super) struct ScenePacket<'a> {
     /// The numbers of the rays' walks.
     walks: Range<usize>,
     objects: PacketCandidates<'a>,
-    /// Whether no object is left.
-    pub(super) is_done: bool,
 }
 
 /// A mesh that rays of a group have come to.
@@ -61,7 +59,6 @@ impl<'a> ScenePacket<'a> {
         Some(Self {
             walks: first..end,
             objects,
-            is_done: false,
         })
     }
 
@@ -70,8 +67,9 @@ impl<'a> ScenePacket<'a> {
         self.walks.start
     }
 
-    /// Comes to the next object. Rays that enter a mesh go into `packet`, and `entered` says so;
-    /// the numbers of those that come to it one by one go to `alone`.
+    /// Comes to the next object; `false` where none is left. Rays that enter a mesh go into
+    /// `packet`, and `entered` says so; the numbers of those that come to it one by one go to
+    /// `alone`.
     #[inline(always)]
     pub(super) fn step<L: Lanes, Q: RayQuery>(
         &mut self,
@@ -80,7 +78,7 @@ impl<'a> ScenePacket<'a> {
         walks: &mut [SceneWalk<'a, Q>],
         (packet, stack): (&mut Packet, &mut WalkStack),
         (entered, alone): (&mut Vec<EnteredMesh<'a>>, &mut Vec<usize>),
-    ) {
+    ) -> bool {
         let first = self.walks.start;
         let walks = &mut walks[self.walks.clone()];
         let mut limits = [-1.0; RAYS];
@@ -94,7 +92,7 @@ impl<'a> ScenePacket<'a> {
             if let Some((mesh, tree)) = plain.filter(|_| !object.is_out_of_range()) {
                 for lane in set_bits(met) {
                     if let Some(ray) = walks[lane].state.ray() {
-                        packet.put(lane, &ray.up_to(limits[lane]));
+                        packet.put(lane, &ray.up_to(limits[lane].min(ray.t_max)));
                     }
                 }
                 let enter = Enter {
@@ -119,10 +117,10 @@ impl<'a> ScenePacket<'a> {
                 alone.push(first + lane);
             }
             if has_entered || met != easy {
-                return;
+                return true;
             }
         }
-        self.is_done = true;
+        false
     }
 }
 

@@ -30,8 +30,7 @@ pub(super) struct Instance<'a> {
 pub(super) struct SceneWalk<'a, Q> {
     pub(super) state: RayState<Q>,
     objects: ObjectCandidates<'a>,
-    /// The last object, and those in the same place that are still to come.
-    object: u32,
+    /// The objects in the last one's place that are still to come.
     duplicates: &'a [u32],
     /// The next object, where it is [known](Self::look_ahead).
     ahead: Option<u32>,
@@ -44,7 +43,6 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         Self {
             state,
             objects,
-            object: 0,
             duplicates: &[],
             ahead: None,
         }
@@ -60,21 +58,16 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         self.ahead = Some(object);
     }
 
-    /// Finds the next object, and asks memory for it. [`prefetch_tree`](Self::prefetch_tree) and
-    /// [`next`](Self::next) come to it after other rays have done as much.
+    /// Finds the next object, and asks memory for it. [`next`](Self::next) comes to it after other
+    /// rays have done as much.
     #[inline(always)]
     pub(super) fn look_ahead<L: Lanes>(&mut self, l: L, scene: &'a Scene, stack: &mut WalkStack) {
         self.ahead = self.next_object(l, scene, stack);
         if let Some(index) = self.ahead {
-            scene.prefetch_object(l, index);
-        }
-    }
-
-    /// Asks memory for the tree of the next object.
-    #[inline(always)]
-    pub(super) fn prefetch_tree<L: Lanes>(&self, l: L, scene: &'a Scene) {
-        if let Some((_, tree)) = self.ahead.and_then(|index| scene.at_mesh(index)) {
-            l.prefetch(tree);
+            l.prefetch(&scene.objects()[index as usize]);
+            if let Some((_, tree)) = scene.at_mesh(index) {
+                l.prefetch(tree);
+            }
         }
     }
 
@@ -112,7 +105,6 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             let Some(ray) = ray else {
                 continue;
             };
-            self.object = index;
             match scene.at_mesh(index) {
                 Some((mesh, tree)) => {
                     let is_plain = scaled.t_scale == 1.0 && !object.has_cutouts();
@@ -173,12 +165,6 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
             self.duplicates = scene.duplicates().of(index);
         }
         Some(index)
-    }
-
-    /// Takes what the last mesh was found to do to the ray.
-    #[inline(always)]
-    pub(super) fn take(&mut self, scene: &Scene, found: <Q::InMesh as MeshQuery>::Found) {
-        self.state.take(scene, self.object, found);
     }
 }
 

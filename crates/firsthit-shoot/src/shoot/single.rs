@@ -82,7 +82,10 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
         while let Some(instance) = walk.next(l, (scratch, &mut in_mesh), (scene, stack), is_wanted)
         {
             let Instance {
-                tree, mesh, ray, ..
+                object,
+                tree,
+                mesh,
+                ray,
             } = instance;
             let found = if Q::IS_FILTERED {
                 let filtered = (&ray, &in_mesh);
@@ -90,7 +93,7 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
             } else {
                 accel::query_mesh::<L, Q::InMesh>(l, scratch, (tree, mesh), &ray)
             };
-            walk.take(scene, found);
+            walk.state.take(scene, object, found);
         }
         walk.state.query
     }

@@ -1,6 +1,5 @@
-//! A picture's rays that go through the tree over many objects, in squares of the picture: so those
-//! of a packet are neighbours on all sides, and what rays have brought into the cache the next ones
-//! need.
+//! A picture's rays that tiles do not serve, in squares of the picture: so those of a packet are
+//! neighbours on all sides, and what rays have brought into the cache the next ones need.
 
 use super::batch::{BATCH, each_chunk, fill_batch};
 use super::hits::{HitSlices, Hits};
@@ -10,9 +9,8 @@ use crate::geometry::{DVec2, Ray, Rays};
 use crate::scene::Scene;
 use crate::watch::Watch;
 
-/// Rows and columns of a square: a batch of rays.
+/// Rows of a square, which is a batch of rays, where there are many squares down the picture.
 const TALL: usize = 16;
-const WIDE: usize = BATCH / TALL;
 
 /// Rows and columns of a block: the rays of a packet.
 const BLOCK: usize = 4;
@@ -26,20 +24,24 @@ pub(super) fn trace_picture(
     hits: HitSlices<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
-    each_chunk(hits, TALL * columns, watch, |band, mut out| {
+    // Enough bands for all threads; fewer, and one of them would be waited for.
+    let is_tall = hits.t.len() / columns >= 8 * rayon::current_num_threads() * TALL;
+    let tall = if is_tall { TALL } else { BLOCK };
+    let wide = columns.min(BATCH / tall);
+    each_chunk(hits, tall * columns, watch, |band, mut out| {
         let mut found = Hits {
-            t: vec![0.0; BATCH],
-            object: vec![0; BATCH],
-            primitive: vec![0; BATCH],
-            barycentric: vec![DVec2::ZERO; BATCH],
+            t: vec![0.0; tall * wide],
+            object: vec![0; tall * wide],
+            primitive: vec![0; tall * wide],
+            barycentric: vec![DVec2::ZERO; tall * wide],
         };
         let rows = out.t.len() / columns;
-        for left in (0..columns).step_by(WIDE) {
+        for left in (0..columns).step_by(wide) {
             let square = Square {
                 rays,
-                first: band * TALL * columns + left,
+                first: band * tall * columns + left,
                 stride: columns,
-                size: [rows, WIDE.min(columns - left)],
+                size: [rows, wide.min(columns - left)],
             };
             let (slices, _) = found.slices().split_at(square.len());
             fill_batch(set, scene, &square, 0, slices);

@@ -13,7 +13,7 @@ impl TopTree {
         rays: impl Iterator<Item = &'r Ray>,
         stack: &mut WalkStack,
     ) -> Option<PacketCandidates<'_>> {
-        (self.listed.is_empty() && self.outside.len() < self.boxes.len()).then_some(())?;
+        (self.outside.len() < self.boxes.len()).then_some(())?;
         Some(PacketCandidates {
             outside: &self.outside,
             walk: self.tree.packet_walk(rays, stack)?,
