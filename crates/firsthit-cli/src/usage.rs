@@ -77,7 +77,8 @@ fn elsewhere(error: &Error) -> Option<String> {
     let is_bar = ["--color-bar", "--colour-bar", "--colorbar", "--colourbar"].contains(&&**option);
     let is_unknown = error.kind() == ErrorKind::UnknownArgument;
     (is_bar && is_unknown).then(|| {
-        format!("unexpected argument '{option}': plot() of the Python package draws a bar of colours, a file has none")
+        let instead = "plot() of the Python package draws a bar of colours, a file has none";
+        format!("unexpected argument '{option}': {instead}")
     })
 }
 
