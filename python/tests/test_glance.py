@@ -91,7 +91,9 @@ def test_a_section_is_drawn_with_its_open_curves_apart(scene):
 
 
 def test_a_section_of_nothing_has_no_drawing(scene):
-    assert "<svg" not in scene.section((0, 0, 9), (0, 0, 1))._repr_html_()
+    with pytest.warns(fh.FirsthitWarning, match="cuts nothing"):
+        nothing = scene.section((0, 0, 9), (0, 0, 1))
+    assert "<svg" not in nothing._repr_html_()
 
 
 def test_lint_tells_kinds_and_first_places(scene):

@@ -236,16 +236,22 @@ impl Description {
         }
     }
 
+    /// Refuses an axis where no angle is measured along one.
+    fn check_fov_axis(&self, projection: Projection) -> Result<()> {
+        let Some(axis) = self.fov_axis else {
+            return Ok(());
+        };
+        let has_fov = matches!(self.opening, None | Some(Opening::Fov(_)));
+        let is_fine = has_fov && projection == Projection::Perspective;
+        let expected =
+            "left out of a camera that is not perspective, with an angle for its field of view";
+        require("fov_axis", expected, is_fine, axis.name())
+    }
+
     /// The lens: a viewplane by its own size or by an angle, or another one.
     fn lens(&self, [rows, columns]: [usize; 2]) -> Result<Lens> {
         let projection = self.projection.unwrap_or_default();
-        if let Some(axis) = self.fov_axis {
-            let has_fov = matches!(self.opening, None | Some(Opening::Fov(_)));
-            let expected =
-                "left out of a camera that is not perspective, with an angle for its field of view";
-            let is_fine = has_fov && projection == Projection::Perspective;
-            require("fov_axis", expected, is_fine, axis.name())?;
-        }
+        self.check_fov_axis(projection)?;
         if let Some(Opening::Lens { lens, size }) = self.opening {
             let factors = [
                 rows as f64 / size[0].max(1) as f64,
