@@ -204,6 +204,24 @@ pub(crate) fn idle(
     Ok(settings.into_iter().filter_map(idle).collect())
 }
 
+/// Pairs each of some settings that do nothing for files, each a format and a channel, with the
+/// files that it needs, in words.
+#[pyfunction]
+pub(crate) fn idle_in_files(
+    py: Python<'_>,
+    settings: Vec<String>,
+    files: Vec<(String, String)>,
+) -> PyResult<Vec<(String, &'static str)>> {
+    let (formats, channels): (Vec<_>, Vec<_>) = files.into_iter().unzip();
+    let kinds = kinds(py, &channels)?;
+    let idle = |setting: String| {
+        let files = formats.iter().map(String::as_str).zip(&kinds);
+        firsthit::render::idle_in_files(&setting, files.map(|(format, kind)| (format, &**kind)))
+            .map(|needed| (setting, needed))
+    };
+    Ok(settings.into_iter().filter_map(idle).collect())
+}
+
 /// The channels of a frame as flat arrays, not copied.
 fn arrays(py: Python<'_>, frame: Frame) -> Vec<Bound<'_, PyAny>> {
     let channels = frame.into_channels().into_iter();

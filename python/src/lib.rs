@@ -56,8 +56,8 @@ mod _firsthit {
     use crate::filters::visible;
     #[pymodule_export]
     use crate::frame::{
-        Accumulated, begin_run, check_samples, defaults, idle, is_input, matte_id, metadata,
-        note_input, origin, png, read, read_points, render, render_more, render_work, sampling,
+        Accumulated, begin_run, check_samples, defaults, idle, idle_in_files, is_input, matte_id,
+        metadata, note_input, origin, png, read, read_points, render, render_more, render_work, sampling,
         write, write_bytes,
     };
     #[pymodule_export]

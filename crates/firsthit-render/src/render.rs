@@ -13,7 +13,7 @@ mod slab;
 mod state;
 
 pub use appearance::{Appearance, Resolved, default_shader, world_up};
-pub use idle::idle;
+pub use idle::{idle, idle_in_files};
 pub use region::Region;
 pub use sample::{Sample, check_samples};
 pub use settings::{Look, Render};

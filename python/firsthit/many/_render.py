@@ -306,8 +306,9 @@ def _shown(
     shown = Display()._but(exposure, tone_map)
     given = {"exposure": exposure, "tone_map": tone_map}
     made = {name: getattr(shown, name) for name, value in given.items() if value is not None}
-    if made and (".png" not in extensions or "color" not in channels):
-        raise ValueError(f"{next(iter(made))} does nothing without color in .png; leave it out")
+    saved = [(extension[1:], name) for extension in extensions for name in channels]
+    for name, needed in _firsthit.idle_in_files([*made], saved):
+        raise ValueError(f"{name} does nothing without {needed}; leave it out")
     return made
 
 

@@ -7,8 +7,5 @@ mod write;
 
 pub(crate) use channels::{ChannelSource, has, kinds};
 pub(crate) use paths::{check_files, check_orders, check_other, check_paths};
-pub(crate) use targets::{
-    Order, Target, check_all_go_somewhere, clouds, names, orders, packs, shows_colors,
-    takes_labels, takes_scale, targets,
-};
+pub(crate) use targets::{Order, Target, check_all_go_somewhere, clouds, names, orders, targets};
 pub(crate) use write::{as_json, say_legends, stream, write};

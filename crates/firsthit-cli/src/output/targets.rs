@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use firsthit::channel::{ChannelKind, PLACEHOLDER};
 use firsthit::error::escaped;
-use firsthit::image::{Display, Format, Holds};
+use firsthit::image::{Format, Holds};
 
 use super::channels::{ChannelSource, has, kinds};
 use super::paths::{check_orders, check_paths, is_folder};
@@ -217,34 +217,19 @@ pub(crate) fn check_all_go_somewhere(
     }
 }
 
-/// Whether some of the files can hold distances in steps of a scale.
-pub(crate) fn takes_scale(Order { kinds, targets }: &Order) -> bool {
-    has_png_of(Display::Distance, kinds, targets)
-}
-
-/// Whether some of the files can hold identifiers as labels.
-pub(crate) fn takes_labels(Order { kinds, targets }: &Order) -> bool {
-    has_png_of(Display::Identifier, kinds, targets)
-}
-
-/// Whether some of the files can be packed.
-pub(crate) fn packs(Order { targets, .. }: &Order) -> bool {
-    let mut formats = targets.iter().filter_map(|target| target.format);
-    formats.any(|format| format.name == "npz")
-}
-
-/// Whether some of the files show colours.
-pub(crate) fn shows_colors(Order { kinds, targets }: &Order) -> bool {
-    has_png_of(Display::Color, kinds, targets)
-}
-
-/// Whether one of the files is a PNG of a channel that is shown so.
-fn has_png_of(display: Display, kinds: &[&ChannelKind], targets: &[Target]) -> bool {
-    let is_shown_so = |name: &str| {
-        let kind = kinds.iter().find(|kind| kind.name == name);
-        kind.is_some_and(|kind| kind.display == display)
-    };
-    (targets.iter()).any(|target| is_png(target) && target.channel.is_some_and(is_shown_so))
+impl Order {
+    /// The channels in files, each with the name of the file's format.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, &'static ChannelKind)> {
+        let formats = self
+            .targets
+            .iter()
+            .filter_map(|target| Some((target.format?, target)));
+        formats.flat_map(|(format, target)| {
+            let kinds = self.kinds.iter().copied();
+            let in_it = kinds.filter(|kind| target.channel.is_none_or(|name| kind.name == name));
+            in_it.map(|kind| (format.name, kind))
+        })
+    }
 }
 
 pub(super) fn is_png(target: &Target) -> bool {

@@ -3,7 +3,7 @@
 use firsthit::channel::ChannelKind;
 use firsthit::edge::{EdgeKind, Edges};
 use firsthit::geometry::meant_as_levels;
-use firsthit::render::{Resolved, idle};
+use firsthit::render::{Resolved, idle, idle_in_files};
 use firsthit::{Background, Color};
 
 use super::job::needs_shade;
@@ -60,13 +60,28 @@ pub(crate) fn without_channels(
 ) -> Vec<String> {
     let kinds = orders.iter().flat_map(|order| &order.kinds);
     let kinds: Vec<&ChannelKind> = kinds.copied().collect();
+    without(options, " among the --channels", |name| idle(name, &kinds))
+}
+
+/// Says of those options that are given that they do nothing without other files.
+pub(super) fn without_files(
+    options: impl IntoIterator<Item = (&'static str, bool)>,
+    orders: &[Order],
+) -> Vec<String> {
+    let needed = |name: &str| idle_in_files(name, orders.iter().flat_map(Order::files));
+    without(options, "", needed)
+}
+
+fn without(
+    options: impl IntoIterator<Item = (&'static str, bool)>,
+    place: &str,
+    needed: impl Fn(&str) -> Option<&'static str>,
+) -> Vec<String> {
     let given = options.into_iter().filter(|(_, is_given)| *is_given);
     let idle = given.filter_map(|(option, _)| {
         let name = option.trim_start_matches("--").trim_start_matches("no-");
-        let needed = idle(&name.replace('-', "_"), &kinds)?;
-        Some(format!(
-            "{option} does nothing without {needed} among the --channels"
-        ))
+        let needed = needed(&name.replace('-', "_"))?;
+        Some(format!("{option} does nothing without {needed}{place}"))
     });
     idle.collect()
 }

@@ -11,7 +11,7 @@ use firsthit::render::{Picture, work};
 use firsthit::{Camera, DisplayTransform, Scene, Shading, Side};
 use serde_json::{Value, json};
 
-use super::idle::do_nothing;
+use super::idle::without_files;
 use crate::args::{DisplayArgs, FileArgs, RunArgs};
 use crate::console::{counted, end_report, say, warn};
 use crate::failure::Failure;
@@ -49,28 +49,14 @@ pub(crate) fn settings(
     (args, of_file): (&DisplayArgs, DisplayTransform),
     orders: &[Order],
 ) -> WriteSettings {
-    if !orders.iter().any(output::takes_scale) {
-        let scale = [("--png-scale", files.png_scale.is_some())];
-        warn(&do_nothing(scale, "without t, range or z in a .png"));
-    }
-    if !orders.iter().any(output::takes_labels) {
-        let labels = [("--png-labels", files.png_labels)];
-        warn(&do_nothing(
-            labels,
-            "without an identifier, such as object, in a .png",
-        ));
-    }
-    if !orders.iter().any(output::packs) {
-        let compress = [("--compress", files.compress)];
-        warn(&do_nothing(compress, "without a .npz"));
-    }
-    let for_color = [
+    let options = [
+        ("--png-scale", files.png_scale.is_some()),
+        ("--png-labels", files.png_labels),
+        ("--compress", files.compress),
         ("--exposure", args.exposure.is_some()),
         ("--tone-map", args.tone_map.is_some()),
     ];
-    if !orders.iter().any(output::shows_colors) {
-        warn(&do_nothing(for_color, "without color in a .png"));
-    }
+    warn(&without_files(options, orders));
     let display = DisplayTransform {
         exposure: args.exposure.unwrap_or(of_file.exposure),
         tone_map: args.tone_map.unwrap_or(of_file.tone_map),
