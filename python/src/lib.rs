@@ -21,6 +21,7 @@ mod load;
 mod material;
 mod measure;
 mod nearest;
+mod plan;
 mod run;
 mod scene;
 mod section;
@@ -57,8 +58,8 @@ mod _firsthit {
     #[pymodule_export]
     use crate::frame::{
         Accumulated, begin_run, check_samples, defaults, idle, idle_in_files, is_input, matte_id,
-        metadata, note_input, origin, png, read, read_points, render, render_more, render_work, sampling,
-        write, write_bytes,
+        metadata, note_input, origin, png, read, read_points, render, render_more, render_work,
+        sampling, write, write_bytes,
     };
     #[pymodule_export]
     use crate::lint::{Lint, lint_kinds};
@@ -70,6 +71,8 @@ mod _firsthit {
     use crate::measure::{inside, path_lengths, rules, thickness};
     #[pymodule_export]
     use crate::nearest::{closest_points, signed_distances};
+    #[pymodule_export]
+    use crate::plan::{place_in_plan, read_plan};
     #[pymodule_export]
     use crate::run::all_threads;
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 import copy
 import datetime
+import json
 import re
 import sys
 from typing import get_args
@@ -49,28 +50,43 @@ def test_a_good_plan_is_read(folder):
 @pytest.mark.parametrize(
     ("before", "after", "line", "words"),
     [
-        ("columns", "colums", 6, "sensors[0]: unknown key `colums`, did you mean `columns`?"),
-        ("rows = 30\n", "", 4, "sensors[0]: missing key `rows`"),
+        ("columns", "colums", 6, "unknown key `colums`, did you mean `columns`?"),
+        ("rows = 30\n", "", 4, 'projection = "perspective" needs `rows`: a whole'),
         ("rows = 30", "rows = -1", 7, "`rows` must be a whole number from 1 to"),
-        ("rows = 30", "rows = 3.5", 7, "a whole number from 1 to 2147483648, got 3.5"),
+        ("rows = 30", "rows = 3.5", 7, "a whole number from 1 to 268435456, got 3.5"),
         ("rows = 30", "rows = true", 7, "`rows` must be a whole number"),
         ("rows = 30", f"rows = {10**30}", 7, "`rows` must be a whole number"),
-        ("count = 3", f"count = {'9' * 5000}", None, "Exceeds the limit"),
+        ("count = 3", f"count = {'9' * 5000}", 11, "got a number of very many digits"),
         ("count = 3", "count = 0", 11, "`count` must be a whole number from 1 to 1000000000"),
         ("count = 3", "count = 10_000_000_000", 11, "`count` must be a whole number from 1"),
-        ("[0, 0, 1]", "[0, nan, 1]", 12, "`center` must be an array of 3 finite numbers"),
-        ("[0, 0, 1]", "[0, 1]", 12, "`center` must be an array of 3 finite numbers, got [0, 1]"),
-        ("[0, 0, 1]", '"here"', 12, "`center` must be an array of 3 finite numbers, got 'here'"),
-        ("    4,", "    inf,", 13, "poses: `radius` must be a number, or two"),
-        ("    4,", "    1,", 13, "poses: `radius` must be a number, or two that do not decrease"),
-        ('"sphere"', '"spere"', 10, "got 'spere', did you mean 'sphere'?"),
-        ('"sphere"', "3", 10, "`kind` must be one of sphere, inside, path, list, got 3"),
-        ("[poses]", "[[poses]]", 9, "poses must be a table, got [{"),
-        ("[[scenes]]", "[scenes]", 1, "`scenes` must be one table [[scenes]] or several"),
-        ('file = "yard.toml"', "", 1, "scenes[0]: missing key `file`"),
-        ("count = 3", "count = 3\nyaw = [0, 90]", 12, "poses: unknown key `yaw`"),
+        (
+            "[0, 0, 1]",
+            "[0, nan, 1]",
+            12,
+            "`center` must be three finite numbers, [x, y, z], got nan",
+        ),
+        ("[0, 0, 1]", "[0, 1]", 12, "`center` must be three finite numbers, [x, y, z], got [0, 1]"),
+        ("[0, 0, 1]", '"here"', 12, '`center` must be three finite numbers, [x, y, z], got "here"'),
+        ("    4,", "    inf,", 13, "`radius` must be a positive, finite number, or two that do"),
+        ("    4,", "    1,", 13, "or two that do not decrease, got [2, 1]"),
+        ('"sphere"', '"spere"', 10, 'unknown kind "spere", did you mean "sphere"?'),
+        ('"sphere"', "3", 10, '`kind` must be one of "sphere", "inside", "path", "list", got 3'),
+        ("[poses]", "[[poses]]", 9, "`poses` must be a table, got an array of 1"),
+        (
+            "[[scenes]]",
+            "[scenes]",
+            1,
+            "`scenes` must be an array of tables, [[scenes]], got a table",
+        ),
+        ('file = "yard.toml"', "", 1, "this table needs `file`: the name of a file"),
+        ("count = 3", "count = 3\nyaw = [0, 90]", 12, 'unknown key `yaw`; kind = "sphere" takes '),
         ("[poses]", "[pose]", 9, "unknown key `pose`, did you mean `poses`?"),
-        ("[[scenes]]", "version = 2\n[[scenes]]", 1, "`version` must be 1, got 2"),
+        (
+            "[[scenes]]",
+            "version = 2\n[[scenes]]",
+            1,
+            "`version` must be a whole number from 1 to 1, got 2",
+        ),
         ("[[scenes]]", "speed = 2\n[[scenes]]", 1, "unknown key `speed`"),
     ],
 )
@@ -83,8 +99,8 @@ def test_mistakes_are_told_with_their_line(folder, before, after, line, words):
     said = str(caught.value)
     assert words in said
     if line is not None:
-        assert said.startswith(f"{path}:{line}: ")
-        assert caught.value.place == f"line {line}"
+        assert said.startswith(f"{path}:{line}:")
+        assert caught.value.place.startswith(f"line {line}, column ")
     assert "\n" not in said
     assert len(said) < 400
 
@@ -92,15 +108,15 @@ def test_mistakes_are_told_with_their_line(folder, before, after, line, words):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "missing key `scenes`"),
-        (b"\xff\xfe", "byte 0: not UTF-8"),
-        (b"[[scenes]\n", "plan.toml: "),
-        (b"a = 1\na = 2\n", "plan.toml: "),
-        (b"scenes = " + b"[" * 100_000, "plan.toml: "),
+        (b"", "plan.toml:1:1: this table needs `scenes`"),
+        (b"\xff\xfe", "plan.toml:1:1: the text is not UTF-8"),
+        (b"[[scenes]\n", "plan.toml:1:10: this is not TOML"),
+        (b"a = 1\na = 2\n", "plan.toml:2:1: this is not TOML: duplicate key"),
+        (b"scenes = " + b"[" * 100_000, "plan.toml:1:90: this is not TOML"),
         (b"#" * ((16 << 20) + 1), "a plan may have 16 MiB at most"),
-        ("schl\u00fcssel = 1".encode(), "plan.toml: "),
-        ('"schl\u00fc\u202essel" = 1'.encode(), "missing key `scenes`"),
-        (b"scenes = [1]\nposes = 1", "scenes[0] must be a table, got 1"),
+        ("schl\u00fcssel = 1".encode(), "plan.toml:1:5: this is not TOML"),
+        ('"schl\u00fc\u202essel" = 1'.encode(), "unknown key `schl\u00fc\\u{202e}ssel`"),
+        (b"scenes = [1]\nposes = 1", "`scenes` must be an array of tables, [[scenes]], got 1"),
     ],
 )
 def test_files_that_are_no_plans_are_refused(folder, content, words):
@@ -135,11 +151,11 @@ def test_nothing_outside_the_plan_s_folder_is_opened(folder):
         ("x/../../yard.toml", r"the path has \.\."),
         (str(folder / "yard.toml"), "the path is absolute"),
         ("linked.toml", "it leads outside the plan's folder"),
-        ("", "the name is empty"),
+        ("", "`file` must be the name of a file"),
         ("file:yard.toml", "has a scheme or a drive"),
         ("a\\yard.toml", "has a backslash"),
         ("yard.toml\0", "has a control character"),
-        ("\ud800.toml", "has a control character"),
+        ("\ud800.toml", "surrogates not allowed"),
         ("folder.toml", "a folder, not a file"),
         ("none.toml", "No such file"),
         ("n" * 5000, "File name too long"),
@@ -188,53 +204,68 @@ DRIVE = {"body": "forwards-left-up", "times": [0, 1], "positions": [[0, 0, 0], [
         (lambda made: made["sensors"].append({"name": "eye", "rows": 1, "columns": 1}), "two sens"),
         (lambda made: made["scenes"].append({"file": "yard.toml"}), "two scenes have the name"),
         (lambda made: made["scenes"][0].update(classes={"*": False}), "must name a class"),
-        (lambda made: made["scenes"][0].update(classes={"*": ""}), "a class must have a name"),
-        (lambda made: made["scenes"][0].update(classes={"*": 3}), "`*` must be a text, got 3"),
-        (lambda made: made["scenes"][0].update(by="name"), "`by` must be one of object, node"),
-        (lambda made: made["scenes"][0].update(up=[0, 0, 0]), "`up` must not be zero"),
-        (lambda made: made["scenes"][0].update(up="z"), "`up` must be an array of 3 finite"),
+        (
+            lambda made: made["scenes"][0].update(classes={"*": ""}),
+            "`*` must be a text, not empty, or true or false",
+        ),
+        (lambda made: made["scenes"][0].update(classes={"*": 3}), "or true or false, got 3"),
+        (lambda made: made["scenes"][0].update(by="name"), '`by` must be one of "object", "node"'),
+        (
+            lambda made: made["scenes"][0].update(up=[0, 0, 0]),
+            "[x, y, z], not all zero, got [0, 0, 0]",
+        ),
+        (lambda made: made["scenes"][0].update(up="z"), "`up` must be three finite numbers"),
         (in_camera(name="../x"), "`name` must be letters, digits"),
         (in_camera(name="x" * 65), "`name` must be letters, digits"),
-        (in_camera(kind="kamera"), "did you mean 'camera'?"),
+        (in_camera(kind="kamera"), 'did you mean "camera"?'),
         (in_camera(fov=180), "sensors[0]: "),
-        (in_camera(fov=float("nan")), "`fov` must be a finite number, got nan"),
+        (in_camera(fov=float("nan")), "`fov` must be a number between 0 and 180, got nan"),
         (in_camera(k1=0.1), "sensors[0]: "),
         (in_camera(projection="opencv"), "sensors[0]: "),
-        (in_camera(fx=5.0), "missing key `convention`"),
+        (in_camera(fx=5.0), "`fov` and `fx` exclude each other"),
         (in_camera(convention="opencv"), "`convention` is for `pose` and for `fx`"),
-        (in_camera(pose=[[1, 0, 0, 0]] * 3), "`pose` needs `convention`"),
+        (in_camera(pose=[[1, 0, 0, 0]] * 3), "`pose` needs `convention` beside it"),
         (in_camera(pose=[[1, 0, 0, 0]] * 3, convention="opencv"), "sensors[0]: "),
         (in_camera(aim=[1, 0, 0], look_at=[1, 1, 1]), "exclude each other"),
         (in_camera(aim=[0, 0, 0]), "sensors[0]: "),
-        (in_camera(focal_length=1, width=1, height=1), "`fov` excludes"),
+        (
+            in_camera(focal_length=1, width=1, height=1),
+            "`fov` and `focal_length` exclude each other",
+        ),
         (in_camera(rows=2**31 + 1), "sensors[0]: "),
         (in_camera(readout=0.1), "unknown key `readout`"),
-        (in_lidar(model="vlp-16"), "a lidar has one of `model`, `pattern` and `file`"),
-        (in_lidar(elevations=[]), "`elevations` must be an array of n finite numbers"),
+        (in_lidar(model="vlp-16"), "unknown key `pattern`; this table takes"),
+        (in_lidar(elevations=[]), "`elevations` must be an array of at least 1, each item a fi"),
         (in_lidar(elevations=[95]), "sensors[1]: "),
         (in_lidar(dropout=2), "dropout must be from 0 to 1"),
-        (in_lidar(returns="some"), "`returns` must be one of first, last, strongest, all"),
+        (in_lidar(returns="some"), '`returns` must be one of "first", "last", "strongest", "all"'),
         (in_lidar(position=[0, 0, 0], pose=[[1, 0, 0, 0]] * 3), "exclude each other"),
         (in_lidar(moving=True), 'moves while it sees: `kind` must be "path"'),
         (in_poses(seed=-1), "`seed` must be a whole number from 0 to"),
         (in_poses(seed=2**63), "`seed` must be a whole number from 0 to"),
-        (in_poses(radius=0), "`radius` must be a number, or two that do not decrease, above 0"),
-        (in_poses(elevation=[-91, 0]), "within -90 and 90"),
-        (in_poses(up=[0, 0, 0]), "a direction must not be zero"),
-        (in_poses(clearance=-1), "`clearance` must be a finite number from 0 on"),
+        (in_poses(radius=0), "`radius` must be a positive, finite number, or two that do"),
+        (in_poses(elevation=[-91, 0]), "a number from -90 to 90, or two that do not decrease"),
+        (in_poses(up=[0, 0, 0]), "not all zero, got [0, 0, 0]"),
+        (in_poses(clearance=-1), "`clearance` must be zero or a positive, finite number"),
         (in_poses(tries=0), "`tries` must be a whole number from 1"),
-        (lambda made: made.update(poses={"kind": "inside", "count": 1, "low": [0, 0, 0]}), "both"),
-        (lambda made: made.update(poses={"kind": "list", "matrices": [[[1]]]}), "missing key `bo"),
+        (
+            lambda made: made.update(poses={"kind": "inside", "count": 1, "low": [0, 0, 0]}),
+            "needs `hi",
+        ),
+        (lambda made: made.update(poses={"kind": "list"}), "needs `body`: one of "),
         (
             lambda made: made.update(
-                poses={"kind": "list", "body": "forwards-left-up", "matrices": [[[2, 0, 0, 0]] * 4]}
+                poses={"kind": "list", "body": "forwards-left-up", "matrices": [[[2, 0, 0, 0]] * 3]}
             ),
-            "pose 0: pose must be a finite 4 x 4 matrix",
+            "pose 0: pose must be a rotation and a translation",
         ),
-        (lambda made: made.update(poses={"kind": "path"}), "missing key `trajectory`"),
+        (
+            lambda made: made.update(poses={"kind": "path"}),
+            'kind = "path" needs `trajectory`: a table',
+        ),
         (
             lambda made: made.update(poses={"kind": "path", "trajectory": DRIVE, "end": 2}),
-            "unknown key `end`",
+            "`end` needs `rate` or `count` beside it",
         ),
         (
             lambda made: made.update(
@@ -252,29 +283,29 @@ DRIVE = {"body": "forwards-left-up", "times": [0, 1], "positions": [[0, 0, 0], [
             lambda made: made.update(poses={"kind": "path", "trajectory": DRIVE, "rate": 1e300}),
             "makes more than 1000000000 frames",
         ),
-        (in_output(channels=["colour"]), "got 'colour'"),
+        (in_output(channels=["colour"]), 'unknown channels "colour", did you mean "color"?'),
         (in_output(channels=[]), "one or more"),
         (in_output(pictures=["normal"]), "'normal' is not among `channels`"),
         (in_output(frames=[]), "nothing is written of 'object'"),
-        (in_output(frames=["png"]), "`frames` must be texts among npz, exr"),
-        (in_output(pictures=["color"]), "`pictures` has no distance"),
+        (in_output(frames=["png"]), '`frames` must be one of "npz", "exr", or an array of them'),
+        (in_output(pictures=["color"]), "there is not t, range or z in a .png"),
         (in_output(clouds=[]), "one format or several"),
-        (in_output(clouds=["obj"]), "`clouds` must be texts among"),
+        (in_output(clouds=["obj"]), '`clouds` must be one of "npz", "ply", '),
         (in_output(samples=0), "`samples` must be a whole number from 1 to 65536"),
         (in_output(shade="toon"), "`shade` must be one of"),
-        (in_output(background="bluee"), "did you mean 'blue'"),
-        (in_output(masks=["all"]), "`masks` must be texts among visible, amodal"),
+        (in_output(background="bluee"), 'did you mean "blue"'),
+        (in_output(masks=["all"]), '`masks` must be one of "visible", "amodal", or an array'),
         (in_output(coco={"masks": "both"}), "output.coco: `masks` must be one of"),
-        (in_output(coco=True), "output.coco must be a table, got True"),
-        (in_output(bop={}), "output.bop: missing key `unit`"),
+        (in_output(coco=True), "output: `coco` must be a table, got true"),
+        (in_output(bop={}), "output.bop: this table needs `unit`"),
         (in_output(bop={"unit": "feet"}), "output.bop: unit must be"),
         (in_output(kitti={"unit": "m", "up": "-x"}), "different axes"),
         (in_output(kitti={"unit": "m", "occlusion": [0.1, 0.2]}), "the larger one first"),
-        (in_output(yolo={"validation": 1.5}), "`validation` must be a finite number"),
+        (in_output(yolo={"validation": 1.5}), "`validation` must be a number from 0 to 1"),
         (in_output(when=datetime.date(2026, 1, 1)), "unknown key `when`"),
         (only_lidar, "`channels` does nothing here: no sensor makes pictures"),
         (lambda made: made["sensors"].pop(1), "`clouds` does nothing here: no sensor is a lidar"),
-        (lambda made: made["sensors"][0].update(kind="pushbroom"), "missing key `lines`"),
+        (lambda made: made["sensors"][0].update(kind="pushbroom"), "unknown key `rows`"),
     ],
 )
 def test_hostile_and_mistaken_plans_are_refused_whole(change, words):
@@ -420,7 +451,7 @@ def test_a_plan_is_refused_where_its_last_frame_cannot_be_made_and_only_there(se
 
 def test_a_key_of_very_many_parts_is_refused_at_once(folder):
     (folder / "plan.toml").write_text("a" + ".a" * 100_000 + " = 1")
-    with pytest.raises(fh.FileFormatError, match="more than 64 parts"):
+    with pytest.raises(fh.FileFormatError, match="this is not TOML: recursion limit"):
         fh.Plan.load(folder / "plan.toml")
 
 
@@ -461,8 +492,8 @@ def test_what_does_not_fit_a_scene_is_told_before_anything_is_made(tmp_path, cha
 
 
 def test_a_huge_picture_is_a_limit_and_not_a_crash(tmp_path):
-    made = fh.Plan.from_dict(plan(in_camera(rows=2**30, columns=2**30, fov=1)), PLANS)
-    assert made.cost().rays > 2**60
+    made = fh.Plan.from_dict(plan(in_camera(rows=2**28, columns=2**28, fov=1)), PLANS)
+    assert made.cost().rays > 2**58
     with pytest.raises(MemoryError):
         fh.dataset(made, tmp_path / "out")
 
@@ -514,40 +545,23 @@ def test_a_plan_s_camera_has_its_numbers_and_its_thin_lens():
     made = fh.Plan.from_dict(plan(lambda made: with_lens(made, more)), PLANS)
     parameters = made._sensors[0].camera.parameters
     assert {name: parameters[name] for name in more} == more
-    with pytest.raises(ValueError, match="missing key `focus`"):
+    with pytest.raises(ValueError, match="`aperture` needs `focus` beside it"):
         fh.Plan.from_dict(plan(lambda made: with_lens(made, {"aperture": 0.3})), PLANS)
-    with pytest.raises(ValueError, match="unknown key `focus`"):
+    with pytest.raises(ValueError, match="`focus` needs `aperture` beside it"):
         fh.Plan.from_dict(plan(lambda made: with_lens(made, {"focus": 5.0})), PLANS)
 
 
-#: The modules that read keys of plans.
-READERS = (
-    "_cameras",
-    "_chance",
-    "_environment",
-    "_given",
-    "_lidars",
-    "_look",
-    "_output",
-    "_output_formats",
-    "_plan",
-)
-
-
 def keys_of_plans():
-    """Every key that the code reads from a plan."""
-    reads = r"\.(?:number|whole|texts?|flag|numbers|span|tables?|pairs)\(\s*\"([a-z_0-9]+)\""
-    found = set()
-    for name in (*READERS, "_scenes", "_sensors"):
-        text = (ROOT / "python" / "firsthit" / "datasets" / f"{name}.py").read_text()
-        found |= set(re.findall(reads, text))
-        for listed in re.findall(r"for key in \((\"[^)]*)\)", text):
-            found |= set(re.findall(r"\"([a-z_]+)\"", listed))
-    return found
+    """Every key that the schema says a plan may have."""
+    schema = json.loads((ROOT / "docs" / "plan.schema.json").read_text())
+    records = [schema, *schema["$defs"].values()]
+    forms = [form for record in records for form in record.get("oneOf", [record])]
+    return {key for form in forms for key in form.get("properties", {})}
 
 
 def test_every_key_is_in_the_document():
-    keys, text = keys_of_plans(), (ROOT / "docs" / "datasets.md").read_text()
-    assert len(keys) > 90
-    assert {"clearance", "dropout", "png_scale", "tilt_degrees", "line_rate"} <= keys
+    keys, pages = keys_of_plans(), ("datasets.md", "scene.md")
+    text = "".join((ROOT / "docs" / page).read_text() for page in pages)
+    assert len(keys) > 150
+    assert {"clearance", "dropout", "png_scale", "tilt_degrees", "line_rate", "k6"} <= keys
     assert [key for key in sorted(keys) if f"`{key}`" not in text] == []

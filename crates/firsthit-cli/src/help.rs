@@ -237,6 +237,7 @@ Examples:
 pub(crate) const SCHEMA_EXAMPLES: &str = "\
 Examples:
   firsthit schema > scene.schema.json
+  firsthit schema --plan > plan.schema.json
 
 With the line #:schema scene.schema.json at the top of a scene file, editors that know Taplo (Even Better TOML) \
 complete and check it.";

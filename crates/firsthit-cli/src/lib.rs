@@ -115,7 +115,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Parts(_) => commands::in_python::run("parts"),
         Command::Pack(_) => commands::in_python::run("pack"),
         Command::Demo(args) => commands::demo::run(&args, &interrupted),
-        Command::Schema => commands::schema::run(),
+        Command::Schema { plan } => commands::schema::run(plan),
         Command::Completions { shell } => commands::completions::run(shell),
     }
 }

@@ -23,12 +23,14 @@ pub mod world;
 
 pub(crate) use firsthit_accel::{accel, shape};
 pub(crate) use firsthit_camera::camera;
+#[cfg(feature = "scene-file")]
+pub(crate) use firsthit_camera::trajectory;
 pub(crate) use firsthit_geometry::{error, geometry, parallel, watch};
 #[cfg(any(feature = "fhs", feature = "scene-file"))]
 pub(crate) use firsthit_image::image;
 pub(crate) use firsthit_io::io;
 #[cfg(feature = "scene-file")]
-pub(crate) use firsthit_render::channel;
+pub(crate) use firsthit_render::{channel, sensor};
 pub(crate) use firsthit_scene::scene;
 pub(crate) use firsthit_shade::{edge, shade};
 pub(crate) use firsthit_simd::memory;

@@ -19,7 +19,6 @@ from ._sampling import (
     rolled,
     sine_between,
     turn,
-    unit,
 )
 
 if TYPE_CHECKING:
@@ -30,11 +29,10 @@ if TYPE_CHECKING:
 
     from firsthit._scene.scene import Scene
 
+    from ._document import Table
     from ._sampling import Axes, Vector
-    from ._table import Table
 
 _Span = tuple[float, float]
-_MOST_FRAMES = 10**9
 
 
 class _Free(NamedTuple):
@@ -47,9 +45,9 @@ class _Free(NamedTuple):
     @classmethod
     def read(cls, table: Table) -> _Free:
         return cls(
-            table.number("clearance", 0.0, least=0.0),
-            table.flag("outside_objects", default=False),
-            table.whole("tries", 100, least=1, most=1_000_000),
+            table.number("clearance", 0.0),
+            table.get("outside_objects", False),
+            table.get("tries", 100),
         )
 
     def first(self, scene: Scene, draw: Callable[[], Pose]) -> Place:
@@ -95,13 +93,13 @@ class Sphere:
     def read(cls, table: Table) -> Sphere:
         """Return what a table of a plan asks for."""
         return cls(
-            table.whole("count", least=1, most=_MOST_FRAMES),
+            table["count"],
             _vector(table, "center"),
-            table.span("radius", above=0.0),
-            table.span("azimuth", (-180.0, 180.0), least=-360.0, most=360.0),
-            table.span("elevation", (-90.0, 90.0), least=-90.0, most=90.0),
-            table.span("roll", (0.0, 0.0), least=-360.0, most=360.0),
-            _up(table),
+            table.span("radius"),
+            table.span("azimuth", (-180.0, 180.0)),
+            table.span("elevation", (-90.0, 90.0)),
+            table.span("roll"),
+            _vector(table, "up"),
             _Free.read(table),
         )
 
@@ -145,18 +143,16 @@ class Inside:
     def read(cls, table: Table) -> Inside:
         """Return what a table of a plan asks for."""
         low, high = _vector(table, "low"), _vector(table, "high")
-        if (low is None) != (high is None):
-            raise table.refused(None, "`low` and `high` are given both or neither")
         box = None if low is None or high is None else (low, high)
         if box is not None and any(a > b for a, b in zip(*box, strict=True)):
             raise table.refused("low", f"`low` must not be above `high`, got {box[0]} and {box[1]}")
         return cls(
-            table.whole("count", least=1, most=_MOST_FRAMES),
+            table["count"],
             box,
-            table.span("yaw", (-180.0, 180.0), least=-360.0, most=360.0),
-            table.span("pitch", (0.0, 0.0), least=-90.0, most=90.0),
-            table.span("roll", (0.0, 0.0), least=-360.0, most=360.0),
-            _up(table),
+            table.span("yaw", (-180.0, 180.0)),
+            table.span("pitch"),
+            table.span("roll"),
+            _vector(table, "up"),
             _Free.read(table),
         )
 
@@ -180,16 +176,8 @@ class Inside:
 
 
 def _vector(table: Table, key: str) -> Vector | None:
-    given: Any = table.numbers(key, None)
+    given: Any = table.numbers(key)
     return None if given is None else (given[0], given[1], given[2])
-
-
-def _up(table: Table) -> Vector | None:
-    up = _vector(table, "up")
-    if up is not None:
-        with table.blaming("up"):
-            unit(up)
-    return up
 
 
 def _bounds(scene: Scene) -> tuple[Vector, Vector]:

@@ -1,32 +1,22 @@
-"""The source of a plan: its folder, and the lines of its keys."""
+"""The source of a plan: its text, its values, and the places of its mistakes."""
 
 from __future__ import annotations
 
+import datetime
+import json
 import os
-import re
-import tomllib
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
-from firsthit._base.errors import FileFormatError, FileReadError, blaming
+from firsthit._base.errors import FileError, FileFormatError, FileReadError, blaming
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
 #: The largest plan that is read. Poses of more belong into files of their own.
 MOST_BYTES = 16 << 20
-
-#: What may be a key, with its dots and blanks; and how many parts a key may have.
-_KEY = re.compile(r"""[A-Za-z0-9_\-."' \t]+""")
-_DOT = re.compile(r"""[A-Za-z0-9_\-"'][ \t]*\.(?=[ \t]*[A-Za-z0-9_\-"'])""")
-_MOST_PARTS = 64
-
-#: How many bytes are parsed again at most to find the line of a mistake.
-_MOST_PARSED = 4 << 20
-
-#: The way to a value: keys, and indices of arrays.
-Way = tuple[str | int, ...]
 
 
 class Document(NamedTuple):
@@ -34,20 +24,17 @@ class Document(NamedTuple):
 
     Attributes
     ----------
-    data : mapping
-        What it says.
+    text : bytes
+        The plan as TOML.
     folder : Path
         Where the files are that it names.
-    path : str
-        The plan's file; empty for a plan that is a dict.
-    text : str
-        The file's content; empty for a dict.
+    path : Path or None
+        The plan's file; ``None`` for a plan that is a dict.
     """
 
-    data: Mapping[str, Any]
+    text: bytes
     folder: Path
-    path: str = ""
-    text: str = ""
+    path: Path | None = None
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Document:
@@ -65,71 +52,126 @@ class Document(NamedTuple):
             raise FileReadError(f"{name!r}: {error}", name) from error
         if len(content) > MOST_BYTES:
             raise FileFormatError(f"{name}: a plan may have {MOST_BYTES >> 20} MiB at most", name)
+        return cls(content, file.parent, file)
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any], folder: Path) -> Document:
+        """Return a plan that is a dict."""
+        if not isinstance(data, dict):
+            raise ValueError(f"plan: it must be a table, got {data!r}")
         try:
-            text = content.decode()
-            _check_keys(text)
-            data = tomllib.loads(text)
-        except UnicodeDecodeError as error:
-            place = f"byte {error.start}"
-            raise FileFormatError(f"{name}: {place}: not UTF-8", name, place) from None
-        except ValueError as error:  # also of an integer with thousands of digits
-            raise FileFormatError(f"{name}: {error}", name) from None
+            lines = [f"{_key(key)} = {_toml(value)}\n" for key, value in data.items()]
         except RecursionError:
-            why = "tables and arrays are nested too deeply"
-            raise FileFormatError(f"{name}: {why}", name) from None
-        return cls(data, file.parent, name, text)
+            raise ValueError("plan: tables and arrays are nested too deeply") from None
+        return cls("".join(lines).encode(), folder)
 
-    def refused(self, way: Way, message: str) -> ValueError:
-        """Return the error about a value, with its line if there is one."""
-        if not self.path:
-            return ValueError(f"plan: {message}")
-        line = self._line(way)
-        place = "" if line is None else f"line {line}"
-        at = self.path if line is None else f"{self.path}:{line}"
-        return FileFormatError(f"{at}: {message}", self.path, place)
+    def table(self) -> Table:
+        """Return what it says, checked."""
+        return Table(self, (), json.loads(_firsthit.read_plan(self.text, self.path)))
 
-    def _line(self, way: Way) -> int | None:
-        """Return the line at which the statement begins that gives a value.
-
-        Of all beginnings of the file that are TOML, the longest without the value ends before it.
-        They are searched by halving: one beginning of the file is part of the next.
-        """
-        lines = self.text.splitlines(keepends=True)
-        left, first, last = _MOST_PARSED, 1, len(lines)
-        while first < last:
-            middle = end = (first + last) // 2
-            while True:
-                piece = "".join(lines[:end])
-                left -= len(piece)
-                if left < 0:
-                    return None
-                try:
-                    holds = _holds(tomllib.loads(piece), way)
-                    break
-                except ValueError:
-                    # Within a statement of several lines.
-                    end += 1
-                    if end > last:
-                        holds = True
-                        break
-            if holds:
-                last = middle
-            else:
-                first = end + 1
-        return first
+    def refused(self, way: tuple[str, ...], message: str) -> ValueError:
+        """Return the error about a value, with its place if there is one."""
+        place = self.path and _firsthit.place_in_plan(self.text, way)
+        if not place:
+            parts = (f"[{part}]" if part.isdigit() else f".{part}" for part in way)
+            said = "".join(parts).removeprefix(".")
+            return ValueError(f"plan: {said}: {message}" if said else f"plan: {message}")
+        line, column = place
+        words = f"line {line}, column {column}"
+        return FileFormatError(f"{self.path}:{line}:{column}: {message}", str(self.path), words)
 
 
-def _check_keys(text: str) -> None:
-    """Refuse keys of very many parts: `tomllib` takes the square of their number."""
-    for found in _KEY.finditer(text):
-        if len(_DOT.findall(found[0])) > _MOST_PARTS:
-            raise ValueError(f"a key has more than {_MOST_PARTS} parts")
+class Table(dict[str, Any]):
+    """A table of a plan, whose keys and values have the form that they must have."""
 
+    def __init__(self, document: Document, way: tuple[str, ...], data: dict[str, Any]) -> None:
+        super().__init__(data)
+        self._document, self._way = document, way
 
-def _holds(data: Any, way: Way) -> bool:
-    for key in way:
+    def refused(self, key: str | None, message: str) -> ValueError:
+        """Return an error about a key, or about the whole table."""
+        way = self._way
+        if key is not None and key in self and self._document.path is not None:
+            way = (*way, key)
+        return self._document.refused(way, message)
+
+    @contextmanager
+    def blaming(self, key: str | None = None) -> Iterator[None]:
+        """Say where in the plan something is that other code refuses."""
         try:
-            data = data[key]
-        except (KeyError, IndexError, TypeError):
-            return False
-    return True
+            yield
+        except FileError:
+            raise
+        except (ValueError, TypeError) as error:
+            raise self.refused(key, str(error)) from None
+
+    def need(self, key: str, why: str) -> None:
+        """Refuse a table without a key that others need."""
+        if key not in self:
+            raise self.refused(None, f"missing key `{key}`: {why}")
+
+    def number(self, key: str, default: float | None = None) -> Any:
+        """Return a number as float."""
+        value = self.get(key, default)
+        return None if value is None else float(value)
+
+    def numbers(self, key: str, default: Any = None) -> Any:
+        """Return an array of numbers, or of arrays of them, as lists of float."""
+        return _floats(self.get(key, default))
+
+    def span(self, key: str, default: float | tuple[float, float] = 0.0) -> tuple[float, float]:
+        """Return the two ends of a range; one number stands for a range without a length."""
+        ends = _floats(self.get(key, default))
+        return (ends[0], ends[1]) if isinstance(ends, list) else (ends, ends)
+
+    def texts(self, key: str, default: Any = ()) -> list[str]:
+        """Return several texts, each once; one alone need not be in an array."""
+        value = self.get(key, default)
+        given = [value] if isinstance(value, str) else list(value)
+        if len(set(given)) != len(given):
+            raise self.refused(key, f"`{key}` must be different texts, got {given}")
+        return given
+
+    def table(self, key: str) -> Table:
+        """Return a table within this one; an empty one if it is left out."""
+        return Table(self._document, (*self._way, key), self.get(key, {}))
+
+    def tables(self, key: str) -> list[Table]:
+        """Return the tables of an array."""
+        way = (*self._way, key)
+        if not self[key]:
+            raise self.refused(key, f"`{key}` must be one table [[{key}]] or several, got none")
+        return [Table(self._document, (*way, str(k)), each) for k, each in enumerate(self[key])]
+
+
+def _floats(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return [_floats(each) for each in value]
+    return None if value is None else float(value)
+
+
+def _toml(value: Any) -> str:
+    """Return a value as TOML."""
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case str():
+            return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        case int():
+            return int.__repr__(value)
+        case float():
+            return float.__repr__(value)
+        case datetime.date() | datetime.time():
+            return value.isoformat()
+        case list() | tuple():
+            return f"[{', '.join(map(_toml, value))}]"
+        case dict():
+            entries = (f"{_key(key)} = {_toml(each)}" for key, each in value.items())
+            return f"{{{', '.join(entries)}}}"
+    raise ValueError(f"plan: a value must be one of TOML's, got {value!r:.80}")
+
+
+def _key(key: Any) -> str:
+    if not isinstance(key, str):
+        raise ValueError(f"plan: keys must be texts, got {key!r}")
+    return _toml(key)

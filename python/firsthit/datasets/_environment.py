@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -13,43 +14,35 @@ from ._paths import inside
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from ._table import Table
-
-#: What there may be, by the key that says it.
-_KINDS = ("file", "color", "above", "horizon", "daylight")
+    from ._document import Table
 
 
 def environment(table: Table, folder: Path) -> tuple[Environment | None, tuple[Path, ...]]:
     """Return what a table of a plan asks for, and the files that were read for it."""
-    given = table.table("environment", None)
-    if given is None:
+    if "environment" not in table:
         return None, ()
-    kinds = [key for key in _KINDS if key in given]
-    if len(kinds) != 1:
-        wanted = ", ".join(f"`{key}`" for key in _KINDS)
-        got = " and ".join(f"`{key}`" for key in kinds) or "none"
-        raise given.refused(None, f"there must be one of {wanted}, got {got}")
-    (kind,) = kinds
+    given = table.table("environment")
     common: dict[str, Any] = {
-        "strength": given.number("strength", 1.0, least=0.0),
-        "seen": given.flag("seen", default=True),
+        "strength": given.number("strength", 1.0),
+        "seen": given.get("seen", True),
     }
-    if kind != "color":
-        up = given.numbers("up", None)
-        common["up"] = None if up is None else tuple(up)
-    if kind == "file":
-        with given.blaming("file"):
-            path = inside(folder, given.text("file"))
-        turn = _turn(given)
-        given.finish()
-        with given.blaming():
-            return _read(path, of_file(path), turn, tuple(common.items())), (path,)
-    if kind == "daylight":
-        made = _daylight(given.table("daylight"), common)
-    else:
-        made = _of_colors(given, kind, common)
-    given.finish()
-    return made, ()
+    day = given.table("daylight")
+    if not day.pop("sun", True):
+        raise day.refused(None, "the sun of a plan's daylight always shines: leave out `sun`")
+    with given.blaming():
+        if "color" in given:
+            return Environment.uniform(given["color"], **common), ()
+        common["up"] = tuple(given.numbers("up")) if "up" in given else None
+        if "above" in given:
+            return Environment.hemispheres(given["above"], given["below"], **common), ()
+        if "horizon" in given:
+            return Environment.gradient(given["horizon"], given["zenith"], **common), ()
+        if "daylight" in given:
+            return Environment.daylight(**day, **common), ()
+    with given.blaming("file"):
+        path = inside(folder, given["file"])
+    with given.blaming():
+        return _read(path, of_file(path), _turn(given), tuple(common.items())), (path,)
 
 
 @lru_cache(maxsize=2)
@@ -60,38 +53,12 @@ def _read(path: Path, sha256: str, turn: Any, common: tuple[tuple[str, Any], ...
 
 def _turn(table: Table) -> Any:
     """Return degrees, or an axis and degrees."""
-    if not table.is_table("rotate"):
+    if not isinstance(table.get("rotate"), dict):
         return table.number("rotate", 0.0)
     given = table.table("rotate")
-    turn = tuple(given.numbers("axis")), given.number("degrees")
-    given.finish()
-    return turn
-
-
-def _of_colors(table: Table, kind: str, common: dict[str, Any]) -> Environment:
-    def color(key: str) -> Any:
-        return table.text(key) if table.is_text(key) else table.numbers(key)
-
-    if kind == "color":
-        light = color("color")
-        with table.blaming():
-            return Environment.uniform(light, **common)
-    if kind == "above":
-        above, below = color("above"), color("below")
-        with table.blaming():
-            return Environment.hemispheres(above, below, **common)
-    horizon, zenith = color("horizon"), color("zenith")
-    with table.blaming():
-        return Environment.gradient(horizon, zenith, **common)
-
-
-def _daylight(table: Table, common: dict[str, Any]) -> Environment:
-    elevation = table.number("elevation")
-    angles: dict[str, Any] = {"azimuth": table.number("azimuth", 0.0)}
-    angles["turbidity"] = table.number("turbidity", 3.0)
-    if "ground" in table:
-        is_text = table.is_text("ground")
-        angles["ground"] = table.text("ground") if is_text else table.numbers("ground")
-    table.finish()
-    with table.blaming():
-        return Environment.daylight(elevation, **angles, **common)
+    if "axis" in given:
+        return tuple(given.numbers("axis")), given.number("degrees")
+    *axis, w = given.numbers("quaternion")
+    if not any(axis):
+        return 0.0
+    return tuple(axis), math.degrees(2.0 * math.atan2(math.hypot(*axis), w))

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.types import BodyName, Extrapolation, Interpolation, TrajectoryFormat
 from firsthit._sensors.conventions import rigid
 from firsthit._sensors.trajectory import Trajectory
 
@@ -22,10 +21,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from firsthit._base.types import BodyName
     from firsthit._scene.scene import Scene
 
+    from ._document import Table
     from ._sensors import PlannedSensor
-    from ._table import Table
 
 #: Which ways the rig's axes point.
 RIG: BodyName = "forwards-left-up"
@@ -52,19 +52,17 @@ class Path:
     @classmethod
     def read(cls, table: Table, folder: FilePath) -> Path:
         """Return what a table of a plan asks for."""
-        given = table.table("trajectory")
-        trajectory, files = _trajectory(given, folder)
-        given.finish()
+        trajectory, files = _trajectory(table.table("trajectory"), folder)
         trajectory = trajectory.in_axes(RIG)
-        ways = [key for key in ("rate", "times", "count") if key in table]
-        if len(ways) > 1:
-            raise table.refused(ways[1], f"`{ways[0]}` and `{ways[1]}` exclude each other")
-        if ways == ["times"]:
-            times = tuple(table.numbers("times", shape=(None,)))
+        if "times" in table:
+            times = tuple(table.numbers("times"))
             with table.blaming("times"):
                 trajectory.at(times)
             return cls(trajectory, times, 0.0, 0.0, len(times), files)
-        if not ways:
+        if "rate" not in table and "count" not in table:
+            for key in ("start", "end"):
+                if key in table:
+                    raise table.refused(key, f"`{key}` needs `rate` or `count` beside it")
             times = tuple(trajectory.times.tolist())
             return cls(trajectory, times, 0.0, 0.0, len(times), files)
         start = table.number("start", trajectory.start)
@@ -73,15 +71,15 @@ class Path:
             raise table.refused("end", f"`end` must not be before `start`, got {start} and {end}")
         with table.blaming():
             trajectory.at([start, end])
-        if ways == ["rate"]:
-            rate = table.number("rate", above=0.0)
+        if "rate" in table:
+            rate = table.number("rate")
             steps = (end - start) * rate
             if not steps < _MOST_FRAMES:
                 raise table.refused("rate", f"`rate` makes more than {_MOST_FRAMES} frames")
             # A whole number of steps is one, however its product was rounded.
             number = math.floor(steps * (1.0 + 2.0**-50)) + 1
             return cls(trajectory, None, start, 1.0 / rate, number, files)
-        number = table.whole("count", least=1, most=_MOST_FRAMES)
+        number = table["count"]
         step = (end - start) / (number - 1) if number > 1 else 0.0
         return cls(trajectory, None, start, step, number, files)
 
@@ -147,28 +145,22 @@ class Path:
 
 
 def _trajectory(table: Table, folder: FilePath) -> tuple[Trajectory, tuple[FilePath, ...]]:
-    body = table.text("body", among=get_args(BodyName))
-    how: dict[str, Any] = {
-        "interpolation": table.text("interpolation", "linear", get_args(Interpolation)),
-        "extrapolation": table.text("extrapolation", "refuse", get_args(Extrapolation)),
-        "body": body,
-    }
+    names = ("body", "interpolation", "extrapolation")
+    how = {name: table[name] for name in names if name in table}
     if "file" in table:
         files = []
         with table.blaming("file"):
-            files.append(inside(folder, table.text("file")))
-        form = table.text("format", "csv", get_args(TrajectoryFormat))
+            files.append(inside(folder, table["file"]))
+        form = table.get("format", "csv")
         if "times_file" in table:
             with table.blaming("times_file"):
-                files.append(inside(folder, table.text("times_file")))
+                files.append(inside(folder, table["times_file"]))
         with table.blaming():
             times = files[1] if len(files) > 1 else None
             return Trajectory.load(files[0], form, times=times, **how), tuple(files)
-    times = table.numbers("times", shape=(None,))
-    positions = table.numbers("positions", shape=(None, 3))
-    rotations = table.numbers("rotations", None, shape=(None, 4))
+    given = (table.numbers(name) for name in ("times", "positions", "rotations"))
     with table.blaming():
-        return Trajectory(times, positions, rotations, **how), ()
+        return Trajectory(*given, **how), ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,14 +178,14 @@ class Listed:
     @classmethod
     def read(cls, table: Table, folder: FilePath) -> Listed:
         """Return what a table of a plan asks for."""
-        body = table.text("body", among=get_args(BodyName))
+        body = table["body"]
         files: tuple[FilePath, ...] = ()
         if "file" in table:
             with table.blaming("file"):
-                files = (inside(folder, table.text("file")),)
+                files = (inside(folder, table["file"]),)
                 given = _array(files[0])
         else:
-            given = _matrices(table)
+            given = np.array([rows[:3] for rows in table.numbers("matrices")])
         key = "file" if files else "matrices"
         with table.blaming(key):
             if given.ndim != 3 or given.shape[1:] not in ((4, 4), (3, 4)) or not len(given):
@@ -209,16 +201,6 @@ class Listed:
         """Return where the matrices have it."""
         places: npt.NDArray[np.float64] = self.matrices[:, :3, 3]
         return places, 0.0
-
-
-def _matrices(table: Table) -> npt.NDArray[np.float64]:
-    for side in (4, 3):
-        try:
-            return np.array(table.numbers("matrices", shape=(None, side, 4)))
-        except ValueError:
-            if side == 3:
-                raise
-    raise AssertionError
 
 
 def _array(path: FilePath) -> npt.NDArray[np.float64]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit._base.types import Returns, Rings, Turn
-from firsthit._lidar.lidar import MODELS, Lidar
+from firsthit._lidar.lidar import Lidar
 from firsthit._lidar.scan import ScanSettings
 
 from ._cameras import matrix
@@ -18,11 +17,8 @@ if TYPE_CHECKING:
     from firsthit._lidar.lidar_scan import LidarScan
     from firsthit._scene.scene import Scene
 
+    from ._document import Table
     from ._place import Place
-    from ._table import Table
-
-#: What `kind = "lidar"` takes one of.
-_PATTERNS = ("spinning", "raster", "rosette", "lissajous")
 
 
 class LidarSensor(NamedTuple):
@@ -62,32 +58,21 @@ class LidarSensor(NamedTuple):
 def lidar(table: Table, name: str, folder: Path) -> LidarSensor:
     """Return the scanner of a table."""
     options = _scan_options(table)
-    moving = table.flag("moving", default=False)
-    pose = matrix(table, "pose") if "pose" in table else _at(table)
-    if "pose" in table and "position" in table:
-        raise table.refused("position", "`position` and `pose` exclude each other")
-    ways = [key for key in ("model", "pattern", "file") if key in table]
-    if len(ways) != 1:
-        raise table.refused(None, "a lidar has one of `model`, `pattern` and `file`")
+    pose = matrix(table) if "pose" in table else _at(table)
     file = None
-    if ways == ["model"]:
+    if "model" in table:
         make = _named(table)
-    elif ways == ["file"]:
+    elif "file" in table:
         with table.blaming("file"):
-            file = inside(folder, table.text("file"))
-        if moving:
-            why = "`moving` is for patterns: a table of beams has times of its own"
-            raise table.refused("moving", why)
+            file = inside(folder, table["file"])
         make = _table_of(file)
     else:
-        kinds = {"spinning": _spinning, "raster": _raster}
-        kind = table.text("pattern", among=_PATTERNS)
-        make = kinds[kind](table) if kind in kinds else _points(table, kind)
+        make = _PATTERNS[table["pattern"]](table)
     with table.blaming():
         # What is wrong with it is said before anything is made.
         beams = make(0.0, {"pose": pose}).shape
         Lidar([0.0], [0.0]).moved(pose)
-    return LidarSensor(name, make, pose, moving, options, beams, file)
+    return LidarSensor(name, make, pose, table.get("moving", False), options, beams, file)
 
 
 def _at(table: Table) -> list[list[float]]:
@@ -97,28 +82,13 @@ def _at(table: Table) -> list[list[float]]:
 
 def _scan_options(table: Table) -> dict[str, Any]:
     """Return what `Lidar.scan` takes, checked."""
-    made: dict[str, Any] = {}
-    if "returns" in table:
-        made["returns"] = table.text("returns", among=get_args(Returns))
-    for key in ("divergence", "range_gate", "min_range", "max_range", "dropout"):
-        if key in table:
-            made[key] = table.number(key)
-    for key in ("subrays", "max_returns"):
-        if key in table:
-            made[key] = table.whole(key, least=1)
-    if "rings" in table:
-        made["rings"] = table.text("rings", among=get_args(Rings))
-    if "classes" in table:
-        given = table.table("classes")
-        made["classes"] = {name: given.whole(name, least=0, most=255) for name in given.keys()}  # noqa: SIM118
-        given.finish()
-    if "intensity" in table:
-        made["intensity"] = table.flag("intensity")
+    words = ("returns", "subrays", "max_returns", "rings", "classes", "intensity")
+    made: dict[str, Any] = {key: table[key] for key in words if key in table}
+    lengths = ("divergence", "range_gate", "min_range", "max_range", "dropout")
+    made |= {key: table.number(key) for key in lengths if key in table}
     if "noise" in table:
-        try:
-            made["noise"] = table.number("noise")
-        except ValueError:
-            made["noise"] = tuple(table.numbers("noise", shape=(2,)))
+        noise = table.numbers("noise")
+        made["noise"] = tuple(noise) if isinstance(noise, list) else noise
     with table.blaming():
         ScanSettings.of(
             returns=made.get("returns", "first"),
@@ -136,9 +106,7 @@ def _scan_options(table: Table) -> dict[str, Any]:
 
 
 def _named(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
-    model = table.text("model", among=MODELS, in_any_case=True)
-    rate = table.number("rate", 10.0, above=0.0)
-    columns = table.whole("columns", None, least=1)
+    model, rate, columns = table["model"], table.number("rate", 10.0), table.get("columns")
     return lambda start, where: Lidar.named(model, rate, columns, start=start, **where)
 
 
@@ -149,15 +117,15 @@ def _table_of(file: Path) -> Callable[[float, dict[str, Any]], Lidar]:
 
 
 def _spinning(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
-    elevations = table.numbers("elevations", shape=(None,))
+    elevations = table.numbers("elevations")
     options: dict[str, Any] = {
-        "columns": table.whole("columns", 1024, least=1),
+        "columns": table.get("columns", 1024),
         "azimuth_start": table.number("azimuth_start", 180.0),
         "azimuth_end": table.number("azimuth_end", -180.0),
-        "direction": table.text("direction", "clockwise", get_args(Turn)),
-        "rate": table.number("rate", 10.0, above=0.0),
-        "azimuth_offsets": table.numbers("azimuth_offsets", None, shape=(None,)),
-        "firing_offsets": table.numbers("firing_offsets", None, shape=(None,)),
+        "direction": table.get("direction", "clockwise"),
+        "rate": table.number("rate", 10.0),
+        "azimuth_offsets": table.numbers("azimuth_offsets"),
+        "firing_offsets": table.numbers("firing_offsets"),
     }
     return lambda start, where: Lidar.spinning(elevations, **options, start=start, **where)
 
@@ -166,26 +134,37 @@ def _raster(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
     options = {
         "horizontal_fov": table.number("horizontal_fov"),
         "vertical_fov": table.number("vertical_fov"),
-        "rows": table.whole("rows", least=1),
-        "columns": table.whole("columns", least=1),
-        "rate": table.number("rate", 10.0, above=0.0),
-        "serpentine": table.flag("serpentine", default=False),
+        "rows": table["rows"],
+        "columns": table["columns"],
+        "rate": table.number("rate", 10.0),
+        "serpentine": table.get("serpentine", False),
     }
     return lambda start, where: Lidar.raster(**options, start=start, **where)
 
 
-def _points(table: Table, kind: str) -> Callable[[float, dict[str, Any]], Lidar]:
-    options: dict[str, Any] = {
-        "frequencies": tuple(table.numbers("frequencies", shape=(2,))),
-        "points": table.whole("points", least=1),
-        "point_rate": table.number("point_rate", above=0.0),
+def _points(table: Table) -> dict[str, Any]:
+    return {
+        "frequencies": tuple(table.numbers("frequencies")),
+        "points": table["points"],
+        "point_rate": table.number("point_rate"),
     }
-    if kind == "rosette":
-        options |= {"fov": table.number("fov"), "share": table.number("share", 0.5)}
-        return lambda start, where: Lidar.rosette(**options, start=start, **where)
-    options |= {
-        "horizontal_fov": table.number("horizontal_fov"),
-        "vertical_fov": table.number("vertical_fov"),
-        "phase": table.number("phase", 90.0),
-    }
+
+
+def _rosette(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
+    options = _points(table) | {"fov": table.number("fov"), "share": table.number("share", 0.5)}
+    return lambda start, where: Lidar.rosette(**options, start=start, **where)
+
+
+def _lissajous(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
+    fovs = {key: table.number(key) for key in ("horizontal_fov", "vertical_fov")}
+    options = _points(table) | fovs | {"phase": table.number("phase", 90.0)}
     return lambda start, where: Lidar.lissajous(**options, start=start, **where)
+
+
+#: What `kind = "lidar"` takes one of.
+_PATTERNS = {
+    "spinning": _spinning,
+    "raster": _raster,
+    "rosette": _rosette,
+    "lissajous": _lissajous,
+}

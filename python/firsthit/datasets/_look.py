@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from firsthit import _firsthit
-from firsthit._base.types import ColorMapName, EdgeKind, LightName, ShaderName, ToneMapName
 from firsthit._looks.colors import Colors
 from firsthit._looks.edges import Edges
-from firsthit._looks.lights import background_native
 from firsthit._looks.shading import Shader, shader_of
 
 from ._environment import environment
@@ -18,16 +16,15 @@ from ._sensors import CameraSensor
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from firsthit._base.types import ShaderName
+
+    from ._document import Table
     from ._sensors import PlannedSensor
-    from ._table import Table
 
-#: What is about how PNGs show colours.
-_DISPLAY = ("exposure", "tone_map")
-
-#: All keys.
+#: The keys of what is rendered.
 LOOK = (
     *("samples", "background", "environment", "light", "ground", "ambient", "shadows", "shade"),
-    *("color_by", "color_map", "color_range", "edges", *_DISPLAY),
+    *("color_by", "color_map", "color_range", "edges"),
 )
 
 
@@ -56,56 +53,41 @@ NO_LOOK = Look({}, display={"exposure": None, "tone_map": None}, files=())
 def look(
     table: Table,
     channels: list[str],
-    pictures: list[str],
     sensors: tuple[PlannedSensor, ...],
     folder: Path,
 ) -> Look:
     """Return what a table of a plan says of colours.
 
-    Keys that would do nothing for its channels, its pictures and its sensors are refused.
+    Keys that would do nothing for its channels and its sensors are refused.
     """
-    _refuse_idle(table, channels, pictures, sensors)
+    _refuse_idle(table, channels, sensors)
     around, files = environment(table, folder)
-    made: dict[str, Any] = {
-        "samples": table.whole("samples", None, least=1, most=65_536),
-        "shade": _shade(table),
-        "background": _color(table, "background"),
-        "environment": around,
-        "light": table.text("light", None, get_args(LightName)),
-        "ground": table.flag("ground", None),
-        "ambient": _color(table, "ambient"),
-        "shadows": table.flag("shadows", None),
-        "edges": _edges(table),
-        "color_by": _color_by(table),
-        "color_map": table.text("color_map", None, get_args(ColorMapName)),
-        "color_range": _range(table, "color_range"),
-    }
-    if around is not None and made["light"] is not None:
-        raise table.refused("light", "`environment` and `light` exclude each other")
+    names = ("samples", "background", "light", "ground", "ambient", "shadows", "color_map")
+    given: dict[str, Any] = {name: table[name] for name in names if name in table}
+    if around is not None:
+        given["environment"] = around
+    if "color_range" in table:
+        given["color_range"] = tuple(table.numbers("color_range"))
     with table.blaming():
-        if made["background"] is not None:
-            background_native(made["background"])
+        if "shade" in table:
+            given["shade"] = _shade(table)
+        if "color_by" in table:
+            given["color_by"] = _color_by(table)
+        if "edges" in table:
+            given["edges"] = _edges(table)
         # Without them the scene says which shader it is.
-        if made["shade"] is not None or made["ambient"] is not None:
-            settings = {"ambient": made["ambient"], "shadows": made["shadows"]}
-            shader_of(made["shade"], settings)
-    display = {
-        "exposure": table.number("exposure", None),
-        "tone_map": table.text("tone_map", None, get_args(ToneMapName)),
-    }
-    given = {name: value for name, value in made.items() if value is not None}
+        if "shade" in given or "ambient" in given:
+            settings = {"ambient": given.get("ambient"), "shadows": given.get("shadows")}
+            shader_of(given.get("shade"), settings)
+    display = {"exposure": table.number("exposure"), "tone_map": table.get("tone_map")}
     return Look(given, display, files)
 
 
-def _refuse_idle(
-    table: Table, channels: list[str], pictures: list[str], sensors: tuple[PlannedSensor, ...]
-) -> None:
+def _refuse_idle(table: Table, channels: list[str], sensors: tuple[PlannedSensor, ...]) -> None:
     with table.blaming("channels"):
         idle = _firsthit.idle(LOOK, channels)
     for key, needed in idle:
         refuse(table, (key,), f"`channels` has no {needed}")
-    if "color" not in pictures:
-        refuse(table, _DISPLAY, "`pictures` has no color")
     moving = [one.name for one in sensors if not isinstance(one, CameraSensor | LidarSensor)]
     if "edges" in table and moving:
         why = f"sensor {moving[0]!r} moves while it sees, and lines are of cameras that do not"
@@ -119,71 +101,21 @@ def refuse(table: Table, keys: tuple[str, ...], why: str) -> None:
             raise table.refused(key, f"`{key}` does nothing here: {why}")
 
 
-def _shade(table: Table) -> ShaderName | Shader | None:
-    if not table.is_table("shade"):
-        named: ShaderName | None = table.text("shade", None, get_args(ShaderName))
-        return named
-    given = table.table("shade")
-    name = given.text("name", among=get_args(ShaderName))
-    settings = {}
-    for setting, domain in _firsthit.shader_settings(name):
-        if setting not in given:
-            continue
-        if domain == "flag":
-            settings[setting] = given.flag(setting)
-        elif domain == "number":
-            settings[setting] = given.number(setting)
-        else:
-            settings[setting] = _color(given, setting)
-    given.finish()
-    with given.blaming():
-        return Shader(name, **settings)
+def _shade(table: Table) -> ShaderName | Shader:
+    shade: Any = table["shade"]
+    if isinstance(shade, str):
+        return cast("ShaderName", shade)
+    settings = dict(shade)
+    return Shader(settings.pop("name"), **settings)
 
 
-def _color_by(table: Table) -> Colors | None:
-    if not table.is_table("color_by"):
-        if "color_by" not in table:
-            return None
-        given = _by(table, "color_by")
-        with table.blaming("color_by"):
-            return Colors(given)
-    settings = table.table("color_by")
-    by, ends = _by(settings, "by"), _range(settings, "range")
-    colors = {name: _color(settings, name) for name in ("below", "above", "missing")}
-    name = settings.text("map", "viridis", get_args(ColorMapName))
-    settings.finish()
-    with settings.blaming():
-        return Colors(by, map=name, range=ends, **colors)
+def _color_by(table: Table) -> Colors:
+    if not isinstance(table["color_by"], dict):
+        return Colors(table["color_by"])
+    settings = dict(table["color_by"])
+    return Colors(settings.pop("by"), **settings)
 
 
-def _by(table: Table, key: str) -> Any:
-    return table.text(key) if table.is_text(key) else table.numbers(key, shape=(None,))
-
-
-def _range(table: Table, key: str) -> tuple[float, float] | None:
-    ends = table.numbers(key, None, shape=(2,))
-    if ends is not None and not ends[0] < ends[1]:
-        raise table.refused(key, f"`{key}` must be two numbers that rise, got {ends}")
-    return None if ends is None else (ends[0], ends[1])
-
-
-def _edges(table: Table) -> Edges | None:
-    if not table.is_table("edges"):
-        width = table.number("edges", None)
-        with table.blaming("edges"):
-            return Edges._of(width)
-    given = table.table("edges")
-    settings = {"width": given.number("width", None), "angle": given.number("angle", None)}
-    settings |= {"kinds": given.texts("kinds", None, get_args(EdgeKind))}
-    settings |= {"color": _color(given, "color")}
-    if given.is_flag("hidden"):
-        settings["hidden"] = given.flag("hidden")
-    else:
-        settings["hidden"] = given.numbers("hidden", None, shape=(2,))
-    given.finish()
-    with given.blaming():
-        return Edges(**{name: value for name, value in settings.items() if value is not None})
-
-
-def _color(table: Table, key: str) -> Any:
-    return table.text(key, None) if table.is_text(key) else table.numbers(key, None)
+def _edges(table: Table) -> Edges:
+    given = table["edges"]
+    return Edges(**given) if isinstance(given, dict) else Edges(float(given))

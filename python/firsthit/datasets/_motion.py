@@ -16,14 +16,11 @@ if TYPE_CHECKING:
 
     from firsthit._scene.scene import Scene
 
+    from ._document import Table
     from ._place import Place
     from ._sensors import PictureSensor, PlannedSensor
-    from ._table import Table
 
     Arrays = dict[str, npt.NDArray[np.generic]]
-
-#: The formats of flow and of disparity.
-_FLOWS, _DISPARITIES = ("flo", "png"), ("png", "pfm")
 
 
 class Motion(NamedTuple):
@@ -70,16 +67,19 @@ class Motion(NamedTuple):
 
 def motion(table: Table, sensors: tuple[PlannedSensor, ...]) -> Motion:
     """Return what a plan's output asks for."""
-    flows = table.texts("flow", [], _FLOWS)
-    given = table.table("disparity", None)
-    if given is None:
-        return Motion(tuple(flows))
+    flows = tuple(table.texts("flow"))
+    if "disparity" not in table:
+        return Motion(flows)
+    given = table.table("disparity")
     cameras = {one.name: one for one in sensors if isinstance(one, CameraSensor)}
-    left, right = (cameras[given.text(side, among=tuple(cameras))] for side in ("left", "right"))
-    formats = given.texts("formats", ["png"], _DISPARITIES)
+    for side in ("left", "right"):
+        if given[side] not in cameras:
+            known, got = ", ".join(cameras), given[side]
+            raise given.refused(side, f"`{side}` must be one of {known}, got {got!r}")
+    left, right = cameras[given["left"]], cameras[given["right"]]
+    formats = given.texts("formats", ["png"])
     if not formats:
         raise given.refused("formats", "`formats` must be one format or several, got none")
     with given.blaming():
         _check_pair(left.camera, right.camera)
-    given.finish()
-    return Motion(tuple(flows), (left, right), tuple(formats))
+    return Motion(flows, (left, right), tuple(formats))

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, get_args
+from typing import TYPE_CHECKING, NamedTuple
 
 from firsthit import _firsthit
-from firsthit._base.channel_hints import hint
-from firsthit._base.types import Far, IdentifierName
-from firsthit._files.channels import DISTANCES, attribute_of, in_path
-from firsthit._lidar.lidar_scan import LidarScan
+from firsthit._files.channels import DISTANCES, in_path
 from firsthit._sensors.project import plane
 
 from ._lidars import LidarSensor
@@ -20,15 +17,13 @@ from ._sensors import CameraSensor
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from ._sensors import PictureSensor, PlannedSensor
-    from ._table import Table
+    from firsthit._base.types import Far
 
-#: The formats of a picture's channels, and of a scan's returns.
-FRAMES = ("npz", "exr")
-CLOUDS = tuple(extension.removeprefix(".") for extension in LidarScan.EXTENSIONS)
+    from ._document import Table
+    from ._sensors import PictureSensor, PlannedSensor
 
 #: How files hold numbers.
-_STORED = ("far", "png_labels", "dtype", "compress")
+_STORED = ("png_scale", "far", "png_labels", "compress", "exposure", "tone_map")
 
 
 class Output(NamedTuple):
@@ -91,8 +86,8 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
         "channels",
         "frames",
         "pictures",
-        "png_scale",
         *_STORED,
+        "dtype",
         "flow",
         "disparity",
         *LOOK,
@@ -106,18 +101,21 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
         scale, shown = None, NO_LOOK
     else:
         channels, frames, pictures, scale = _pictures(table, sensors)
-        _refuse_idle(table, frames, pictures)
-        shown = look(table, channels, pictures, sensors, folder)
+        files = [("png", name) for name in pictures]
+        files += [(form, name) for form in frames for name in channels]
+        for key, needed in _firsthit.idle_in_files(_STORED, files):
+            refuse(table, (key,), f"there is not {needed}")
+        shown = look(table, channels, sensors, folder)
         moved = motion(table, sensors)
     if not lidars:
         refuse(table, ("clouds",), "no sensor is a lidar")
-    clouds = table.texts("clouds", ["npz"], CLOUDS) if lidars else []
+    clouds = table.texts("clouds", ["npz"]) if lidars else []
     if lidars and not clouds:
         raise table.refused("clouds", "`clouds` must be one format or several, got none")
     if not _annotated(sensors):
         why = 'annotations are of sensors with kind = "camera", or with `annotate = true`'
         refuse(table, ("masks", *KINDS), why)
-    masks = table.texts("masks", [], ("visible", "amodal"))
+    masks = table.texts("masks")
     joined = merged(table)
     if joined.kinds and not (pictures or frames):
         raise table.refused(None, "annotations need `pictures` or `frames` that they are of")
@@ -127,10 +125,10 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
         tuple(frames),
         tuple(pictures),
         scale,
-        table.text("far", None, get_args(Far)),
-        table.flag("png_labels", default=False),
-        table.text("dtype", "float64", ("float32", "float64")),
-        table.flag("compress", default=False),
+        table.get("far"),
+        table.get("png_labels", False),
+        table.get("dtype", "float64"),
+        table.get("compress", False),
         shown,
         tuple(clouds),
         tuple(masks),
@@ -141,18 +139,7 @@ def output(table: Table, sensors: tuple[PlannedSensor, ...], folder: Path) -> Ou
         if not (isinstance(one, LidarSensor) or one.annotate is None or made.annotates):
             why = f"`annotate` of sensor {one.name!r} does nothing here: no annotations are written"
             raise table.refused(None, why)
-    table.finish()
     return made
-
-
-def _refuse_idle(table: Table, frames: list[str], pictures: list[str]) -> None:
-    """Refuse keys about how files hold numbers where no file does."""
-    if not any(name in DISTANCES for name in pictures):
-        refuse(table, ("far",), "`pictures` has no distance (t, range or z)")
-    if not any(name in get_args(IdentifierName) for name in pictures):
-        refuse(table, ("png_labels",), "`pictures` has no identifier, such as object")
-    if "npz" not in frames:
-        refuse(table, ("compress",), "`frames` has no npz")
 
 
 def _annotated(sensors: tuple[PlannedSensor, ...]) -> list[PictureSensor]:
@@ -181,10 +168,8 @@ def _refuse_lenses(table: Table, sensors: tuple[PlannedSensor, ...], joined: Mer
 def _pictures(
     table: Table, sensors: tuple[PlannedSensor, ...]
 ) -> tuple[list[str], list[str], list[str], float | None]:
-    known = [name for name, _ in _firsthit.channel_names()]
-    pictures = _channels(table, "pictures", [], known)
-    frames = table.texts("frames", ["npz"], FRAMES)
-    channels = _channels(table, "channels", pictures or ["color"], known)
+    pictures, frames = table.texts("pictures"), table.texts("frames", ["npz"])
+    channels = table.texts("channels", pictures or ["color"])
     if not frames and not pictures:
         raise table.refused("frames", "`frames` or `pictures` must name something to write")
     if not channels:
@@ -201,19 +186,6 @@ def _pictures(
         for one in sensors:
             if isinstance(one, CameraSensor) and not one.camera.has_aim:
                 raise table.refused("channels", f"z: sensor {one.name!r} has no aim")
-    needs_scale = any(name in DISTANCES for name in pictures)
-    if needs_scale and "png_scale" not in table:
+    if any(name in DISTANCES for name in pictures) and "png_scale" not in table:
         raise table.refused("pictures", "pictures of distances need `png_scale`, their step")
-    if not needs_scale:
-        refuse(table, ("png_scale",), "`pictures` has no distance (t, range or z)")
-    return channels, frames, pictures, table.number("png_scale", None, above=0.0)
-
-
-def _channels(table: Table, key: str, default: list[str], known: list[str]) -> list[str]:
-    names: list[str] = table.texts(key, default)
-    for name in names:
-        if name not in known and attribute_of(name) is None:
-            there = f"{', '.join(known)}, attribute:NAME"
-            meant = hint(name, known)
-            raise table.refused(key, f"`{key}` must be among {there}, got {name!r}{meant}")
-    return names
+    return channels, frames, pictures, table.number("png_scale")

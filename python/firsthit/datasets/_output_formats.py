@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from firsthit.annotations._coco import MaskForm, MaskKind
 from firsthit.annotations._files import meters
-from firsthit.annotations._kitti import Axis
-from firsthit.annotations._yolo import Task
 
 if TYPE_CHECKING:
-    from ._table import Table
+    from ._document import Table
 
 #: The formats: each is a table of the output.
 KINDS = ("coco", "bop", "kitti", "yolo", "jsonl")
@@ -42,52 +39,42 @@ class Merged(NamedTuple):
 def merged(table: Table) -> Merged:
     """Return the formats of annotations in a plan's output."""
     readers = {"coco": _coco, "bop": _bop, "kitti": _kitti, "yolo": _yolo, "jsonl": _jsonl}
-    made: dict[str, dict[str, Any] | None] = {}
-    for name, read in readers.items():
-        given = table.table(name, None)
-        made[name] = None if given is None else read(given)
-        if given is not None:
-            given.finish()
-    return Merged(**made)
+    made = {name: read(table.table(name)) for name, read in readers.items() if name in table}
+    return Merged(**dict.fromkeys(KINDS) | made)
 
 
 def _coco(table: Table) -> dict[str, Any]:
-    return {
-        "masks": table.text("masks", "visible", get_args(MaskKind)),
-        "form": table.text("form", "polygon", get_args(MaskForm)),
-    }
+    return {"masks": table.get("masks", "visible"), "form": table.get("form", "polygon")}
 
 
 def _bop(table: Table) -> dict[str, Any]:
-    given = table.table("object_ids", None)
-    numbers = None if given is None else {key: given.whole(key, least=1) for key in given.keys()}  # noqa: SIM118
-    return {"unit": _unit(table), "object_ids": numbers}
+    return {"unit": _unit(table), "object_ids": table.get("object_ids")}
 
 
 def _kitti(table: Table) -> dict[str, Any]:
-    forward = table.text("forward", "+x", get_args(Axis))
-    up = table.text("up", "+z", get_args(Axis))
+    forward, up = table.get("forward", "+x"), table.get("up", "+z")
     if forward[1] == up[1]:
         raise table.refused(None, f"`forward` and `up` must be different axes, got {forward}, {up}")
-    occlusion = table.numbers("occlusion", [0.9, 0.5], shape=(2,))
-    if not 0.0 <= occlusion[1] <= occlusion[0] <= 1.0:
-        why = f"`occlusion` must be two shares, the larger one first, got {occlusion}"
+    first, second = table.numbers("occlusion", [0.9, 0.5])
+    if not 0.0 <= second <= first <= 1.0:
+        got = [first, second]
+        why = f"`occlusion` must be two shares, the larger one first, got {got}"
         raise table.refused("occlusion", why)
     return {
         "unit": _unit(table),
         "forward": forward,
         "up": up,
-        "box": table.text("box", "amodal", get_args(MaskKind)),
-        "occlusion": (occlusion[0], occlusion[1]),
-        "tilt_degrees": table.number("tilt_degrees", 1e-3, least=0.0),
+        "box": table.get("box", "amodal"),
+        "occlusion": (first, second),
+        "tilt_degrees": table.number("tilt_degrees", 1e-3),
     }
 
 
 def _yolo(table: Table) -> dict[str, Any]:
     return {
-        "task": table.text("task", "detect", get_args(Task)),
-        "masks": table.text("masks", "visible", get_args(MaskKind)),
-        "validation": table.number("validation", 0.0, least=0.0, most=1.0),
+        "task": table.get("task", "detect"),
+        "masks": table.get("masks", "visible"),
+        "validation": table.number("validation", 0.0),
     }
 
 
@@ -97,7 +84,7 @@ def _jsonl(_: Table) -> dict[str, Any]:
 
 
 def _unit(table: Table) -> Any:
-    unit = table.text("unit") if table.is_text("unit") else table.number("unit", above=0.0)
+    unit = table["unit"] if isinstance(table["unit"], str) else table.number("unit")
     with table.blaming("unit"):
         meters(unit)
     return unit

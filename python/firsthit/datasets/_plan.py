@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import hashlib
 import json
 import pathlib
@@ -16,41 +15,28 @@ from ._lidars import LidarSensor
 from ._output import output
 from ._scenes import scenes
 from ._sensors import sensors
-from ._table import Table
 
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
 
+    from ._document import Table
     from ._output import Output
     from ._place import Poses
     from ._scenes import PlannedScene
     from ._sensors import PlannedSensor
 
 
-#: The kinds of poses.
-KINDS = ("sphere", "inside", "path", "list")
-
-
-def poses(table: Table, folder: pathlib.Path) -> tuple[Poses, int]:
-    """Return the poses of a plan, and the seed."""
-    kind = table.text("kind", among=KINDS)
-    seed = table.whole("seed", 0, most=2**63 - 1)
-    made: Poses
-    if kind == "sphere":
-        made = Sphere.read(table)
-    elif kind == "inside":
-        made = Inside.read(table)
-    elif kind == "path":
-        made = Path.read(table, folder)
-    else:
-        made = Listed.read(table, folder)
-    table.finish()
-    return made, seed
-
-
-#: The version of this form of plan.
-VERSION = 1
+def poses(table: Table, folder: pathlib.Path) -> Poses:
+    """Return the poses of a plan."""
+    match table["kind"]:
+        case "sphere":
+            return Sphere.read(table)
+        case "inside":
+            return Inside.read(table)
+        case "path":
+            return Path.read(table, folder)
+    return Listed.read(table, folder)
 
 
 class Plan:
@@ -134,41 +120,32 @@ class Plan:
         ValueError
             For a plan that is not as it must be.
         """
-        try:
-            copied = copy.deepcopy(data)
-        except RecursionError:
-            raise ValueError("plan: tables and arrays are nested too deeply") from None
-        return cls._of(Document(copied, pathlib.Path(folder)))
+        return cls._of(Document.of(data, pathlib.Path(folder)))
 
     @classmethod
     def _of(cls, document: Document) -> Plan:
-        plan, table = cls.__new__(cls), Table(document)
+        plan, table = cls.__new__(cls), document.table()
         plan._document = document
-        version = table.whole("version", VERSION)
-        if version != VERSION:
-            raise table.refused("version", f"`version` must be {VERSION}, got {version}")
         plan._scenes = scenes(table.tables("scenes"), document.folder)
         plan._sensors = sensors(table.tables("sensors"), document.folder)
         given = table.table("poses")
-        plan._poses, plan._seed = poses(given, document.folder)
+        plan._poses, plan._seed = poses(given, document.folder), given.get("seed", 0)
         for one in plan._sensors:
             if one.needs_path and not hasattr(plan._poses, "trajectory"):
                 why = f'sensor {one.name!r} moves while it sees: `kind` must be "path"'
                 raise given.refused("kind", why)
         if isinstance(plan._poses, Path):
             plan._poses.refuse_beyond(given, plan._sensors)
-        written = table.table("output", Table(document, ("output",), {}))
-        plan._output = output(written, plan._sensors, document.folder)
-        table.finish()
-        plan._digest = plan._digested(document)
+        plan._output = output(table.table("output"), plan._sensors, document.folder)
+        plan._digest = plan._digested(table)
         return plan
 
-    def _digested(self, document: Document) -> str:
+    def _digested(self, table: Table) -> str:
         """Return the digest of the plan and of the files that it names, but for scenes.
 
         Scenes have fingerprints, which also tell of the files that they name.
         """
-        said = hashlib.sha256(json.dumps(document.data, sort_keys=True).encode())
+        said = hashlib.sha256(json.dumps(table, sort_keys=True).encode())
         beams = [one.file for one in self._sensors if isinstance(one, LidarSensor)]
         named = (file for file in beams if file is not None)
         for path in (*self._poses.files, *named, *self._output.look.files):

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from firsthit._scene.scene import Scene
 
-    from ._table import Table
+    from ._document import Table
 
 
 class PlannedScene(NamedTuple):
@@ -42,49 +42,35 @@ def scenes(tables: list[Table], folder: Path) -> tuple[PlannedScene, ...]:
     made: dict[str, PlannedScene] = {}
     for table in tables:
         with table.blaming("file"):
-            path = inside(folder, table.text("file"))
-        name = table.text("name", table.text("file"))
+            path = inside(folder, table["file"])
+        name = table.get("name", table["file"])
         if name in made:
             raise table.refused("name", f"two scenes have the name {name!r}; give them others")
-        by = table.text("by", "object", ("object", "node"))
-        made[name] = PlannedScene(name, path, _classes(table), by, _keypoints(table), _up(table))
-        table.finish()
+        up, by = table.numbers("up"), table.get("by", "object")
+        made[name] = PlannedScene(name, path, _classes(table), by, _keypoints(table), up)
     return tuple(made.values())
 
 
-def _up(table: Table) -> list[float] | None:
-    """Return which way is up, where the plan says it."""
-    given: list[float] | None = table.numbers("up", None)
-    if given is not None and not any(given):
-        raise table.refused("up", "`up` must not be zero")
-    return given
-
-
 def _classes(table: Table) -> dict[str, str | None] | None:
-    given = table.table("classes", None)
-    if given is None:
+    if "classes" not in table:
         return None
-    made: dict[str, str | None] = {}
-    for key in given.keys():  # noqa: SIM118 - a Table is no mapping
-        name = None if given.is_false(key) else given.text(key)
-        if name == "":
-            raise given.refused(key, "a class must have a name; false is for no class")
-        made[key] = name
-    if not any(made.values()):
+    given = table.table("classes")
+    for key, name in given.items():
+        if name is True:
+            raise given.refused(key, f"`{key}` must be a class, or false for no class, got true")
+    if not any(given.values()):
         raise table.refused("classes", "`classes` must name a class, got none")
-    return made
+    return {key: name or None for key, name in given.items()}
 
 
 def _keypoints(table: Table) -> dict[str | int, Keypoints]:
-    given, made = table.table("keypoints", None), {}
-    for key in [] if given is None else given.keys():
+    made: dict[str | int, Keypoints] = {}
+    given = table.table("keypoints")
+    for key in given:
         one = given.table(key)
-        listed = one.table("points")
-        points = {name: listed.numbers(name) for name in listed.keys()}  # noqa: SIM118
-        frame = one.text("frame", "object", ("object", "world"))
-        tolerance = one.number("tolerance", 0.0, least=0.0)
-        skeleton = one.pairs("skeleton")
+        points, skeleton = one.table("points"), map(tuple, one.get("skeleton", ()))
+        options = {"frame": one.get("frame", "object"), "tolerance": one.number("tolerance", 0.0)}
         with one.blaming():
-            made[key] = Keypoints(points, frame=frame, skeleton=skeleton, tolerance=tolerance)
-        one.finish()
+            places = {name: points.numbers(name) for name in points}
+            made[key] = Keypoints(places, skeleton=list(skeleton), **options)
     return made

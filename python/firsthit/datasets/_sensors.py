@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, get_args
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from firsthit._base.types import Readout
 from firsthit._sensors.moving import Pushbroom, RollingShutter
 
 from ._cameras import camera
@@ -17,13 +16,11 @@ from ._lidars import LidarSensor, lidar
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from firsthit._base.types import Readout
     from firsthit._sensors.camera import Camera
 
+    from ._document import Table
     from ._place import Place
-    from ._table import Table
-
-#: The kinds of sensors.
-KINDS = ("camera", "rolling_shutter", "pushbroom", "lidar")
 
 #: Names of sensors are parts of names of files.
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
@@ -129,7 +126,6 @@ def sensors(tables: list[Table], folder: Path) -> tuple[PlannedSensor, ...]:
     made: dict[str, PlannedSensor] = {}
     for table in tables:
         one = _sensor(table, folder)
-        table.finish()
         if one.name in made:
             raise table.refused("name", f"two sensors have the name {one.name!r}")
         made[one.name] = one
@@ -137,22 +133,16 @@ def sensors(tables: list[Table], folder: Path) -> tuple[PlannedSensor, ...]:
 
 
 def _sensor(table: Table, folder: Path) -> PlannedSensor:
-    kind = table.text("kind", "camera", KINDS)
-    name = table.text("name", kind)
+    kind = table.get("kind", "camera")
+    name = table.get("name", kind)
     if not _NAME.fullmatch(name):
-        raise table.refused(
-            "name" if "name" in table else None,
-            f"`name` must be letters, digits, _ and -, up to 64, got {name!r}",
-        )
+        why = f"`name` must be letters, digits, _ and -, up to 64, got {name!r}"
+        raise table.refused("name", why)
     if kind == "lidar":
         return lidar(table, name, folder)
-    annotate = table.flag("annotate", default=None)
+    common = name, camera(table), table.get("annotate")
     if kind == "camera":
-        return CameraSensor(name, camera(table), annotate)
+        return CameraSensor(*common)
     if kind == "rolling_shutter":
-        readout = table.number("readout", least=0.0)
-        direction = table.text("direction", "top_down", get_args(Readout))
-        return RollingSensor(name, camera(table), annotate, readout, direction)
-    lines = table.whole("lines", least=1)
-    rate = table.number("line_rate", above=0.0)
-    return PushbroomSensor(name, camera(table, one_row=True), annotate, lines, rate)
+        return RollingSensor(*common, table.number("readout"), table.get("direction", "top_down"))
+    return PushbroomSensor(*common, table["lines"], table.number("line_rate"))

@@ -80,7 +80,11 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     /// Print the JSON Schema of scene files, with which editors complete and check them.
     #[command(after_help = help::SCHEMA_EXAMPLES)]
-    Schema,
+    Schema {
+        /// Print that of the plans of data sets.
+        #[arg(long)]
+        plan: bool,
+    },
     /// Print the completions for a shell, to source or to save.
     #[command(after_help = help::COMPLETIONS_EXAMPLES)]
     Completions {

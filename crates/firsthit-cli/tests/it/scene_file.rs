@@ -300,12 +300,17 @@ fn shoot_and_info_take_scene_files() {
 #[test]
 fn schema_prints_what_is_in_the_documentation() {
     let lab = Lab::new();
-    let printed = lab.ok("schema").stdout;
-    let committed = fs::read(docs().join("scene.schema.json")).unwrap();
-    assert!(
-        printed == committed,
-        "run: firsthit schema > docs/scene.schema.json"
-    );
+    for (command, file) in [
+        ("schema", "scene.schema.json"),
+        ("schema --plan", "plan.schema.json"),
+    ] {
+        let printed = lab.ok(command).stdout;
+        let committed = fs::read(docs().join(file)).unwrap();
+        assert!(
+            printed == committed,
+            "run: firsthit {command} > docs/{file}"
+        );
+    }
 }
 
 #[test]

@@ -1,40 +1,30 @@
 //! The background of a scene file.
 
-use super::form::is_transparent;
+use super::form::{TRANSPARENT, is_transparent};
 use super::section::Section;
-use super::table::{Form, Pick, Record, Variant, keys, optional, required};
+use super::table::{Form, Pick, Record, keys, optional, record, required};
 use crate::geometry::{Color, DVec3};
 use crate::io::fault::Checked;
 use crate::scene::Background;
 
-pub(super) static BACKGROUND: Record = Record {
-    name: "background",
-    about: "One colour where nothing is hit.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// Linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; or "transparent".
-            color: required(Form::ColorOrTransparent),
-        }],
-        rules: &[],
-    }],
+pub(super) static BACKGROUND: Record = record! {
+    "background", "One colour where nothing is hit.";
+    Pick::Always => [keys! {
+        /// Linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; or "transparent".
+        color: required(Form::Either(&Form::COLOR, &Form::Word(TRANSPARENT))),
+    }];
 };
 
-pub(super) static SKY: Record = Record {
-    name: "sky",
-    about: "A sky where nothing is hit, from the horizon's colour to the zenith's.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// The colour where the ray is level, and below.
-            horizon: required(Form::Color),
-            /// The colour straight up.
-            zenith: required(Form::Color),
-            /// The direction of the zenith. Default: the scene's up.
-            up: optional(Form::Direction),
-        }],
-        rules: &[],
-    }],
+pub(super) static SKY: Record = record! {
+    "sky", "A sky where nothing is hit, from the horizon's colour to the zenith's.";
+    Pick::Always => [keys! {
+        /// The colour where the ray is level, and below.
+        horizon: required(Form::COLOR),
+        /// The colour straight up.
+        zenith: required(Form::COLOR),
+        /// The direction of the zenith. Default: the scene's up.
+        up: optional(Form::DIRECTION),
+    }];
 };
 
 /// The background of the whole file, if it says one; `up` is the scene's.

@@ -1,6 +1,6 @@
 //! Cameras of a scene file.
 
-use super::form::matrix;
+use super::document::numbers as numbers_of;
 use super::section::Section;
 use super::settings;
 use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, required};
@@ -13,7 +13,7 @@ use crate::camera::{
     Octahedral, Opening, PixelMatrix, Projection, RayStart, THIN_LENS, VIEWPLANE, Viewplane,
     orthonormalised, rounded_pose,
 };
-use crate::geometry::{Bounds, DVec3, Settings};
+use crate::geometry::{Bounds, DVec3, Domain, Settings};
 use crate::io::Report;
 use crate::io::fault::Checked;
 use crate::world::{NamedCamera, World};
@@ -22,20 +22,23 @@ const PROJECTION: &str = "projection";
 
 const VIEW: &[Key] = keys! {
     /// The camera's position. Default: where everything is seen and fills the picture.
-    position: optional(Form::Vector),
+    position: optional(Form::VECTOR),
     /// The direction it looks in, of any length.
-    aim: optional(Form::Direction),
+    aim: optional(Form::DIRECTION),
     /// The point it looks at, instead of aim. Default: the middle of the scene.
-    look_at: optional(Form::Vector),
+    look_at: optional(Form::VECTOR),
     /// The direction upwards in the picture, of any length; need not be perpendicular to aim.
     /// Default: the scene's up.
-    up: optional(Form::Direction),
+    up: optional(Form::DIRECTION),
 };
+
+/// The row of a matrix.
+const ROW: Form = Form::Array(&Form::NUMBER, 4, 4);
 
 const POSE: &[Key] = keys! {
     /// The camera's pose, instead of position, aim, look_at and up: the rows of the matrix by which
     /// the convention says where the camera is.
-    pose: optional(Form::Matrix),
+    pose: optional(Form::Array(&ROW, 3, 4)),
 };
 
 const CONVENTION: &[Key] = keys! {
@@ -55,7 +58,6 @@ macro_rules! view_rules {
     ($($rule:expr),* $(,)?) => {
         &[
             Rule::NotBoth("aim", "look_at"),
-            Rule::Needs("look_at", "position"),
             Rule::Needs("pose", "convention"),
             Rule::NotBoth("pose", "position"),
             Rule::NotBoth("pose", "aim"),
@@ -79,6 +81,11 @@ const RAY_START: &[Key] = keys! {
 
 /// The longest side of a picture, in pixels.
 const MOST_PIXELS: i64 = 1 << 28;
+
+const COLUMNS: &[Key] = keys! {
+    /// Pixels across.
+    columns: required(Form::Whole(1, MOST_PIXELS)),
+};
 
 const BOTH_PIXELS: &[Key] = keys! {
     /// Pixels across.
@@ -108,50 +115,44 @@ const PINHOLE: &[Key] = optional_keys!(PixelMatrix::LIST.split_at(4).0);
 
 const SKEW: &[Key] = keys! {
     /// The matrix' second number in the first row; of a viewplane how far columns lean to the right for each unit upwards.
-    skew: optional(Form::Number),
+    skew: optional(Form::NUMBER),
 };
 
 /// A calibrated lens; with rules it may have an aperture.
 macro_rules! calibrated {
-    ($name:literal, $lens:ty) => {
-        calibrated!(@ $name, [own!($lens)], [])
+    ($common:tt $name:literal, $lens:ty) => {
+        calibrated!(@ $common $name, [own!($lens)], [])
     };
-    ($name:literal, $lens:ty; $($rule:expr),*) => {
-        calibrated!(@ $name, [own!($lens), APERTURE, FOCUS], [
+    ($common:tt $name:literal, $lens:ty; $($rule:expr),*) => {
+        calibrated!(@ $common $name, [own!($lens), APERTURE, FOCUS], [
             Rule::Needs("focus", "aperture"),
             Rule::Needs("aperture", "focus")
             $(, $rule)*
         ])
     };
-    (@ $name:literal, [$($own:expr),*], [$($rule:expr),*]) => {
+    (@ [[$($key:expr),*] $($of_view:expr),*] $name:literal, [$($own:expr),*], [$($rule:expr),*]) => {
         Variant {
             pick: Pick::Tag(PROJECTION, $name),
-            keys: &[VIEW, POSE, NEEDED_CONVENTION, BOTH_PIXELS, MATRIX, $($own),*],
-            rules: view_rules![$($rule),*],
+            keys: &[VIEW, POSE, NEEDED_CONVENTION, $($key,)* MATRIX, $($own),*],
+            rules: view_rules![$($of_view,)* $($rule),*],
         }
     };
 }
 
 /// A lens that an angle or nothing is enough for.
 macro_rules! uncalibrated {
-    ($name:literal, $lens:ty) => {
+    ([[$($key:expr),*] $($of_view:expr),*] $name:literal, $lens:ty) => {
         Variant {
             pick: Pick::Tag(PROJECTION, $name),
-            keys: &[
-                VIEW,
-                POSE,
-                CONVENTION,
-                PIXELS,
-                optional_keys!(<$lens>::LIST),
-            ],
-            rules: view_rules![],
+            keys: &[VIEW, POSE, CONVENTION, $($key,)* optional_keys!(<$lens>::LIST)],
+            rules: view_rules![$($of_view),*],
         }
     };
 }
 
 const FOV: &[Key] = keys! {
     /// Degrees along fov_axis, with square pixels; instead of focal_length, width and height. Default: 45.
-    fov: optional(Form::Between(0.0, 180.0)),
+    fov: optional(Form::Of(Domain::Between(0.0, 180.0))),
     /// From the picture's lower to its upper edge, from the left to the right one, or from corner to corner. Default: "vertical".
     fov_axis: optional(Form::OneOf(|| FovAxis::NAMES.to_vec())),
 };
@@ -163,83 +164,133 @@ const APERTURE: &[Key] = optional_keys!(THIN_LENS.split_at(1).0);
 
 const FOCUS: &[Key] = keys! {
     /// The plane in focus: the distance along the aim, or a point at that distance.
-    focus: optional(Form::Focus),
+    focus: optional(Form::Either(&Form::POSITIVE, &Form::VECTOR)),
 };
+
+/// The cameras of a record: keys and rules of those that see all around, of those with a matrix in
+/// pixels and of fisheyes; keys of pixels, and rules of perspective ones; further keys and rules of
+/// orthographic ones.
+macro_rules! cameras {
+    ($open:tt, $sized:tt, $fisheye:tt, $pixels:expr, [$($flat:expr),*], [$($parallel:expr),*], [$($rule:expr),*]) => {
+        &[
+            Variant {
+                pick: Pick::Default(PROJECTION, "perspective"),
+                keys: &[
+                    VIEW, POSE, CONVENTION, RAY_START, $pixels, FOV, LENGTHS, PINHOLE, SKEW, SHIFT,
+                    TILT, APERTURE, FOCUS,
+                ],
+                rules: view_rules![
+                    $($flat,)*
+                    Rule::NotBoth("fov", "focal_length"),
+                    Rule::NotBoth("fov", "width"),
+                    Rule::NotBoth("fov", "height"),
+                    Rule::NotBoth("fov", "fx"),
+                    Rule::Needs("fov_axis", "fov"),
+                    Rule::NotBoth("focal_length", "fx"),
+                    Rule::Needs("focal_length", "width"),
+                    Rule::Needs("width", "height"),
+                    Rule::Needs("height", "focal_length"),
+                    Rule::Needs("fx", "fy"),
+                    Rule::Needs("fy", "cx"),
+                    Rule::Needs("cx", "cy"),
+                    Rule::Needs("cy", "fx"),
+                    Rule::Needs("fx", "convention"),
+                    Rule::NotBoth("fx", "shift_x"),
+                    Rule::NotBoth("fx", "shift_y"),
+                    Rule::NotBoth("fx", "tilt_x"),
+                    Rule::NotBoth("fx", "tilt_y"),
+                    Rule::Needs("focus", "aperture"),
+                    Rule::Needs("aperture", "focus"),
+                    Rule::NotBoth("aperture", "tilt_x"),
+                    Rule::NotBoth("aperture", "tilt_y"),
+                ],
+            },
+            Variant {
+                pick: Pick::Tag(PROJECTION, "orthographic"),
+                keys: &[VIEW, POSE, CONVENTION, RAY_START, $pixels, LENGTHS, SHIFT, $($parallel),*],
+                rules: view_rules![
+                    $($rule,)*
+                    Rule::Needs("focal_length", "width"),
+                    Rule::Needs("width", "height"),
+                    Rule::Needs("height", "width"),
+                ],
+            },
+            uncalibrated!($open "equirectangular", Equirectangular),
+            uncalibrated!($open "cylindrical", Cylindrical),
+            uncalibrated!($open "cube_map", CubeMap),
+            uncalibrated!($open "octahedral", Octahedral),
+            calibrated!($sized "opencv", OpenCv;
+                Rule::NotBoth("aperture", "tau_x"),
+                Rule::NotBoth("aperture", "tau_y")
+            ),
+            calibrated!($sized "opencv_fisheye", OpenCvFisheye),
+            calibrated!($sized "kannala_brandt", KannalaBrandt),
+            calibrated!($sized "double_sphere", DoubleSphere),
+            calibrated!($sized "eucm", Eucm),
+            calibrated!($sized "ucm", Ucm),
+            calibrated!($sized "mei", Mei),
+            calibrated!($sized "fov", Fov;),
+            calibrated!($sized "thin_prism_fisheye", ThinPrismFisheye),
+            calibrated!($sized "rad_tan_thin_prism_fisheye", RadTanThinPrismFisheye),
+            uncalibrated!($fisheye "equidistant", Equidistant),
+            uncalibrated!($fisheye "equisolid", Equisolid),
+            uncalibrated!($fisheye "stereographic", Stereographic),
+            uncalibrated!($fisheye "orthographic_fisheye", OrthographicFisheye),
+        ]
+    };
+}
+
+/// Without a place the scene fills the picture.
+const LOOK: Rule = Rule::Needs("look_at", "position");
 
 pub(super) static CAMERA: Record = Record {
     name: "camera",
     about: "A camera.",
-    variants: &[
-        Variant {
-            pick: Pick::Default(PROJECTION, "perspective"),
-            keys: &[
-                VIEW, POSE, CONVENTION, RAY_START, PIXELS, FOV, LENGTHS, PINHOLE, SKEW, SHIFT,
-                TILT, APERTURE, FOCUS,
-            ],
-            rules: view_rules![
-                Rule::NotBoth("fov", "focal_length"),
-                Rule::NotBoth("fov", "width"),
-                Rule::NotBoth("fov", "height"),
-                Rule::NotBoth("fov", "fx"),
-                Rule::Needs("fov_axis", "fov"),
-                Rule::NotBoth("focal_length", "fx"),
-                Rule::Needs("focal_length", "width"),
-                Rule::Needs("width", "height"),
-                Rule::Needs("height", "focal_length"),
-                Rule::Needs("fx", "fy"),
-                Rule::Needs("fy", "cx"),
-                Rule::Needs("cx", "cy"),
-                Rule::Needs("cy", "fx"),
-                Rule::Needs("fx", "convention"),
-                Rule::Needs("fx", "columns"),
-                Rule::Needs("fx", "rows"),
-                Rule::NotBoth("fx", "shift_x"),
-                Rule::NotBoth("fx", "shift_y"),
-                Rule::NotBoth("fx", "tilt_x"),
-                Rule::NotBoth("fx", "tilt_y"),
-                Rule::Needs("shift_x", "width"),
-                Rule::Needs("shift_y", "width"),
-                Rule::Needs("tilt_x", "width"),
-                Rule::Needs("tilt_y", "width"),
-                Rule::Needs("focus", "aperture"),
-                Rule::Needs("aperture", "focus"),
-                Rule::NotBoth("aperture", "tilt_x"),
-                Rule::NotBoth("aperture", "tilt_y"),
-            ],
-        },
-        Variant {
-            pick: Pick::Tag(PROJECTION, "orthographic"),
-            keys: &[VIEW, POSE, CONVENTION, RAY_START, PIXELS, LENGTHS, SHIFT],
-            rules: view_rules![
-                Rule::Needs("focal_length", "width"),
-                Rule::Needs("width", "height"),
-                Rule::Needs("height", "width"),
-                Rule::Needs("shift_x", "width"),
-                Rule::Needs("shift_y", "width"),
-            ],
-        },
-        uncalibrated!("equirectangular", Equirectangular),
-        uncalibrated!("cylindrical", Cylindrical),
-        uncalibrated!("cube_map", CubeMap),
-        uncalibrated!("octahedral", Octahedral),
-        calibrated!("opencv", OpenCv;
-            Rule::NotBoth("aperture", "tau_x"),
-            Rule::NotBoth("aperture", "tau_y")
-        ),
-        calibrated!("opencv_fisheye", OpenCvFisheye),
-        calibrated!("kannala_brandt", KannalaBrandt),
-        calibrated!("double_sphere", DoubleSphere),
-        calibrated!("eucm", Eucm),
-        calibrated!("ucm", Ucm),
-        calibrated!("mei", Mei),
-        calibrated!("fov", Fov;),
-        calibrated!("thin_prism_fisheye", ThinPrismFisheye),
-        calibrated!("rad_tan_thin_prism_fisheye", RadTanThinPrismFisheye),
-        uncalibrated!("equidistant", Equidistant),
-        uncalibrated!("equisolid", Equisolid),
-        uncalibrated!("stereographic", Stereographic),
-        uncalibrated!("orthographic_fisheye", OrthographicFisheye),
-    ],
+    variants: cameras!(
+        [[PIXELS] LOOK],
+        [[BOTH_PIXELS] LOOK],
+        [[PIXELS] LOOK],
+        PIXELS,
+        [
+            LOOK,
+            Rule::Needs("fx", "columns"),
+            Rule::Needs("fx", "rows"),
+            Rule::Needs("shift_x", "width"),
+            Rule::Needs("shift_y", "width"),
+            Rule::Needs("tilt_x", "width"),
+            Rule::Needs("tilt_y", "width")
+        ],
+        [],
+        [LOOK, Rule::Needs("shift_x", "width"), Rule::Needs("shift_y", "width")]
+    ),
+};
+
+/// The cameras of a plan. Their rig has a place for them, and any of them may say where its rays
+/// start.
+macro_rules! rig_cameras {
+    ($pixels:expr) => {
+        cameras!(
+            [[$pixels, RAY_START]],
+            [[$pixels, RAY_START]],
+            [[$pixels, RAY_START, PINHOLE, SKEW]],
+            $pixels,
+            [],
+            [FOV, SKEW, TILT],
+            [Rule::NotBoth("fov", "width"), Rule::Needs("fov_axis", "fov")]
+        )
+    };
+}
+
+pub(super) static RIG_CAMERA: Record = Record {
+    name: "rig_camera",
+    about: "A camera on a rig.",
+    variants: rig_cameras!(BOTH_PIXELS),
+};
+
+pub(super) static LINE_CAMERA: Record = Record {
+    name: "line_camera",
+    about: "A camera of one row on a rig.",
+    variants: rig_cameras!(COLUMNS),
 };
 
 /// A camera with its name and the table that it stands in.
@@ -295,11 +346,11 @@ fn description(section: &Section<'_, '_>, report: &mut Report) -> Checked<Descri
         columns: section.whole("columns"),
         rows: section.whole("rows"),
     };
-    let (Some([x, y, z]), Some(convention)) = (section.raw("pose").and_then(matrix), convention)
-    else {
+    let rows: Vec<_> = section.items("pose").filter_map(numbers_of::<4>).collect();
+    let (&[x, y, z, ref last @ ..], Some(convention)) = (&*rows, convention) else {
         return Ok(described);
     };
-    let mut pose = [x, y, z, [0.0, 0.0, 0.0, 1.0]];
+    let mut pose = [x, y, z, *last.first().unwrap_or(&[0.0, 0.0, 0.0, 1.0])];
     if let Some((turned, off)) = orthonormalised(pose) {
         report.warn("rounded pose", &section.place("pose"), || rounded_pose(off));
         pose = turned;

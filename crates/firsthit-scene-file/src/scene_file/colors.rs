@@ -1,33 +1,32 @@
 //! Colours by numbers in a scene file.
 
 use super::section::Section;
-use super::table::{Form, Pick, Record, Rule, Variant, keys, optional, required};
+use super::table::{Form, Key, Pick, Record, Rule, keys, optional, record, required};
 use crate::geometry::ColorMap;
 use crate::io::fault::Checked;
 use crate::scene::{ColorBy, Coloring};
 
-pub(super) static COLORS: Record = Record {
-    name: "colors",
-    about: "Colours by numbers, in place of those that surfaces have. Shaders light them as others.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// The source of the numbers: attribute:NAME for an attribute of the meshes, object,
-            /// face, height, or incidence (the angle between the ray and the normal, in radians).
-            by: required(Form::OneOfOr(|| ColorBy::NAMES.to_vec(), ColorBy::ATTRIBUTE)),
-            /// The colour map. Default: viridis.
-            map: optional(Form::OneOf(|| ColorMap::NAMES.to_vec())),
-            /// The numbers of the first and the last colour. Default: the least and the largest that the scene has, seen or not.
-            range: optional(Form::Range),
-            /// The colour of numbers below a given range. Default: the map's first.
-            below: optional(Form::Color),
-            /// The colour of numbers above a given range. Default: the map's last.
-            above: optional(Form::Color),
-            /// The colour where there is no number. Default: the surface's own.
-            missing: optional(Form::Color),
-        }],
-        rules: &[Rule::Needs("below", "range"), Rule::Needs("above", "range")],
-    }],
+/// How numbers become colours.
+pub(super) const SCALE: &[Key] = keys! {
+    /// The colour map. Default: viridis.
+    map: optional(Form::OneOf(|| ColorMap::NAMES.to_vec())),
+    /// The numbers of the first and the last colour. Default: the least and the largest that the scene has, seen or not.
+    range: optional(Form::Range),
+    /// The colour of numbers below a given range. Default: the map's first.
+    below: optional(Form::COLOR),
+    /// The colour of numbers above a given range. Default: the map's last.
+    above: optional(Form::COLOR),
+    /// The colour where there is no number. Default: the surface's own.
+    missing: optional(Form::COLOR),
+};
+
+pub(super) static COLORS: Record = record! {
+    "colors", "Colours by numbers, in place of those that surfaces have. Shaders light them as others.";
+    Pick::Always => [keys! {
+        /// The source of the numbers: attribute:NAME for an attribute of the meshes, object,
+        /// face, height, or incidence (the angle between the ray and the normal, in radians).
+        by: required(Form::OneOfOr(|| ColorBy::NAMES.to_vec(), ColorBy::ATTRIBUTE)),
+    }, SCALE] [Rule::Needs("below", "range"), Rule::Needs("above", "range")];
 };
 
 /// The colours by numbers of the whole file, if it says some.

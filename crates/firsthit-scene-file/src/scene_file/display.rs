@@ -1,23 +1,18 @@
 //! The display of a scene file's colours in pictures.
 
 use super::section::Section;
-use super::table::{Form, Pick, Record, Variant, keys, optional};
+use super::table::{Form, Pick, Record, keys, optional, record};
 use crate::geometry::{DisplayTransform, ToneMap};
 use crate::io::fault::Checked;
 
-pub(super) static DISPLAY: Record = Record {
-    name: "display",
-    about: "How PNGs show colours.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// The exposure in stops: PNGs show colours times 2 to this power. Default: 0.
-            exposure: optional(Form::Number),
-            /// The tone map of colours in PNGs. Default: none, which shows what is above 1 as 1.
-            tone_map: optional(Form::OneOf(|| ToneMap::NAMES.to_vec())),
-        }],
-        rules: &[],
-    }],
+pub(super) static DISPLAY: Record = record! {
+    "display", "How PNGs show colours.";
+    Pick::Always => [keys! {
+        /// The exposure in stops: PNGs show colours times 2 to this power. Default: 0.
+        exposure: optional(Form::NUMBER),
+        /// The tone map of colours in PNGs. Default: none, which shows what is above 1 as 1.
+        tone_map: optional(Form::OneOf(|| ToneMap::NAMES.to_vec())),
+    }];
 };
 
 pub(super) fn read(section: &Section<'_, '_>) -> Checked<DisplayTransform> {

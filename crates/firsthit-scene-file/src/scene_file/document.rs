@@ -1,13 +1,15 @@
 //! The text of a scene file, parsed, with the place of everything in it.
 
+use std::borrow::Cow;
+
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Place, escape_controls};
-use crate::io::Report;
 use crate::io::fault::{Checked, Fault};
 use crate::io::memory_budget::check_free;
 
+pub(super) type Name<'t> = Spanned<Cow<'t, str>>;
 pub(super) type Value<'t> = Spanned<DeValue<'t>>;
 
 /// The most memory that parsing takes for each byte of the text: a token, an event and a value for
@@ -42,16 +44,36 @@ impl<'t> Text<'t> {
         }
     }
 
+    /// The byte that a place is of.
+    pub(super) fn byte(self, place: &Place) -> Option<usize> {
+        let Place::Position { line, column } = *place else {
+            return None;
+        };
+        let lines = self
+            .0
+            .split_inclusive('\n')
+            .take(usize::try_from(line).ok()? - 1);
+        let start: usize = lines.map(str::len).sum();
+        let before = self
+            .0
+            .get(start..)?
+            .chars()
+            .take(usize::try_from(column).ok()? - 1);
+        Some(start + before.map(char::len_utf8).sum::<usize>())
+    }
+
     pub(super) fn fault(self, byte: usize, what: impl Into<String>) -> Fault {
         Fault::at(self.place(byte), what)
     }
 
+    /// The bytes that parsing takes at most.
+    pub(super) fn needed(self) -> usize {
+        self.0.len().saturating_mul(BYTES_PER_BYTE)
+    }
+
     /// The document's top table. The parser's own limit ends nesting at 80 levels.
-    pub(super) fn parse(self, report: &mut Report) -> Checked<Spanned<DeTable<'t>>> {
-        let needed = self.0.len().saturating_mul(BYTES_PER_BYTE);
-        report
-            .budget
-            .charge_content(needed as u64, "its text, parsed,")?;
+    pub(super) fn parse(self) -> Checked<Spanned<DeTable<'t>>> {
+        let needed = self.needed();
         // The parser cannot be told that memory is scarce: asked here, it is an error, not the end.
         check_free(needed)?;
         DeTable::parse(self.0).map_err(|error| {

@@ -1,33 +1,33 @@
 //! The lines along edges that a scene file asks for.
 
 use super::section::Section;
-use super::table::{Form, Pick, Record, Rule, Variant, keys, optional};
+use super::table::{Form, Key, Pick, Record, Rule, keys, optional, record};
 use crate::edge::{Dash, EdgeKind, EdgeKinds, Edges};
+use crate::geometry::Domain;
 use crate::io::fault::Checked;
 
-pub(super) static EDGES: Record = Record {
-    name: "edges",
-    about: "Lines along edges, over the colours.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// Line width in pixels; lines narrower than a pixel are fainter. Default: 1.
-            width: optional(Form::UpTo(Edges::WIDEST)),
-            /// The angle between the normals of two adjacent faces above which their edge is a crease, in degrees. Default: 30.
-            angle: optional(Form::From(0.0, 180.0)),
-            /// The kinds of edges that are drawn. Default: ["silhouette", "crease", "boundary", "material"].
-            kinds: optional(Form::SomeOf(|| EdgeKind::NAMES.to_vec(), None)),
-            /// Whether occluded lines are drawn, dashed. Default: false.
-            hidden: optional(Form::Boolean),
-            /// The length of a dash in pixels, at least 0.1. Default: 6.
-            dash: optional(Form::From(Dash::SHORTEST, Edges::WIDEST)),
-            /// The length of the gap after a dash in pixels, at least 0.1. Default: 4.
-            gap: optional(Form::From(Dash::SHORTEST, Edges::WIDEST)),
-            /// Line colour. Default: black.
-            color: optional(Form::Color),
-        }],
-        rules: &[Rule::Needs("dash", "hidden"), Rule::Needs("gap", "hidden")],
-    }],
+/// What all lines have.
+pub(super) const LINES: &[Key] = keys! {
+    /// Line width in pixels; lines narrower than a pixel are fainter. Default: 1.
+    width: optional(Form::Of(Domain::UpTo(Edges::WIDEST))),
+    /// The angle between the normals of two adjacent faces above which their edge is a crease, in degrees. Default: 30.
+    angle: optional(Form::Of(Domain::From(0.0, 180.0))),
+    /// Line colour. Default: black.
+    color: optional(Form::COLOR),
+};
+
+pub(super) static EDGES: Record = record! {
+    "edges", "Lines along edges, over the colours.";
+    Pick::Always => [LINES, keys! {
+        /// The kinds of edges that are drawn. Default: ["silhouette", "crease", "boundary", "material"].
+        kinds: optional(Form::Array(&Form::OneOf(|| EdgeKind::NAMES.to_vec()), 1, usize::MAX)),
+        /// Whether occluded lines are drawn, dashed. Default: false.
+        hidden: optional(Form::FLAG),
+        /// The length of a dash in pixels, at least 0.1. Default: 6.
+        dash: optional(Form::Of(Domain::From(Dash::SHORTEST, Edges::WIDEST))),
+        /// The length of the gap after a dash in pixels, at least 0.1. Default: 4.
+        gap: optional(Form::Of(Domain::From(Dash::SHORTEST, Edges::WIDEST))),
+    }] [Rule::Needs("dash", "hidden"), Rule::Needs("gap", "hidden")];
 };
 
 /// The lines that a file asks for, if it does.

@@ -1,50 +1,50 @@
 //! The light from all around, of a scene file.
 
-use super::placement::{ROTATION, rotation_matrix};
+use super::placement::{ROTATION, TURN, rotation_matrix};
 use super::section::Section;
-use super::table::{Form, Key, Pick, Record, Variant, keys, optional, required};
+use super::table::{Form, Key, Pick, Record, Variant, keys, optional, record, required};
 use crate::error::{Error, escape_controls};
-use crate::geometry::{Color, DMat3, DVec3, rotation};
+use crate::geometry::{Color, DMat3, DVec3, Domain, rotation};
 use crate::io::fault::Checked;
 use crate::io::{Report, load_environment_part};
 use crate::scene::{Daylight, Environment, EnvironmentKind, EnvironmentMap, Light};
 
 const COMMON: &[Key] = keys! {
     /// The factor on the radiance. Default: 1.
-    strength: optional(Form::NonNegative),
+    strength: optional(Form::NON_NEGATIVE),
     /// Whether the camera sees it, in place of the background. Default: true.
-    seen: optional(Form::Boolean),
+    seen: optional(Form::FLAG),
 };
 
 const UP: &[Key] = keys! {
     /// The direction upwards. Default: the scene's up.
-    up: optional(Form::Direction),
+    up: optional(Form::DIRECTION),
 };
 
 const FILE: &[Key] = keys! {
     /// A picture of all directions by longitude and latitude, .hdr or .exr, relative to the scene file and in its folder or below.
     file: required(Form::Path),
     /// A rotation: degrees about up, counter-clockwise seen from above, or a table as for objects.
-    rotate: optional(Form::Turn(&ROTATION)),
+    rotate: optional(Form::Either(&Form::NUMBER, &TURN)),
 };
 
 const COLOR: &[Key] = keys! {
     /// The radiance, equal from all directions.
-    color: required(Form::Color),
+    color: required(Form::COLOR),
 };
 
 const HEMISPHERES: &[Key] = keys! {
     /// The light from above the horizon.
-    above: required(Form::Color),
+    above: required(Form::COLOR),
     /// The light from below.
-    below: required(Form::Color),
+    below: required(Form::COLOR),
 };
 
 const GRADIENT: &[Key] = keys! {
     /// The light from the horizon, and from below.
-    horizon: required(Form::Color),
+    horizon: required(Form::COLOR),
     /// The light from straight above.
-    zenith: required(Form::Color),
+    zenith: required(Form::COLOR),
 };
 
 const DAYLIGHT_KEY: &[Key] = keys! {
@@ -72,26 +72,21 @@ pub(super) static ENVIRONMENT: Record = Record {
     ],
 };
 
-pub(super) static DAYLIGHT: Record = Record {
-    name: "daylight",
-    about: "The sky of a clear day, exposed so that a white, level surface takes 1 of it and its sun.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// The sun's elevation above the horizon, in degrees.
-            elevation: required(Form::From(Daylight::ELEVATIONS.0, Daylight::ELEVATIONS.1)),
-            /// The sun's azimuth in degrees, counter-clockwise seen from above; with +z or +y up
-            /// from +x. Default: 0.
-            azimuth: optional(Form::Number),
-            /// The haze of the air: 2 very clear, 3 clear, 6 hazy. Default: 3.
-            turbidity: optional(Form::From(Daylight::TURBIDITIES.0, Daylight::TURBIDITIES.1)),
-            /// The share of light that the ground sends back. Default: [0.2, 0.2, 0.2].
-            ground: optional(Form::Color),
-            /// Whether the sun is one of the lights. Default: true.
-            sun: optional(Form::Boolean),
-        }],
-        rules: &[],
-    }],
+pub(super) static DAYLIGHT: Record = record! {
+    "daylight", "The sky of a clear day, exposed so that a white, level surface takes 1 of it and its sun.";
+    Pick::Always => [keys! {
+        /// The sun's elevation above the horizon, in degrees.
+        elevation: required(Form::Of(Domain::From(Daylight::ELEVATIONS.0, Daylight::ELEVATIONS.1))),
+        /// The sun's azimuth in degrees, counter-clockwise seen from above; with +z or +y up
+        /// from +x. Default: 0.
+        azimuth: optional(Form::NUMBER),
+        /// The haze of the air: 2 very clear, 3 clear, 6 hazy. Default: 3.
+        turbidity: optional(Form::Of(Domain::From(Daylight::TURBIDITIES.0, Daylight::TURBIDITIES.1))),
+        /// The share of light that the ground sends back. Default: [0.2, 0.2, 0.2].
+        ground: optional(Form::COLOR),
+        /// Whether the sun is one of the lights. Default: true.
+        sun: optional(Form::FLAG),
+    }];
 };
 
 /// The environment of the whole file, and the light that comes with it; `up` is the scene's.

@@ -1,98 +1,87 @@
 //! The forms of values: the accepted ones in code, in words and in JSON Schema.
 
+use std::borrow::Cow;
+
 use serde_json::{Value as Json, json};
 
 use super::document::{Value, array, integer, number, numbers};
-use super::table::Form;
-use crate::geometry::{COLOR_NAMES, Color, DVec3, color_of};
+use super::settings;
+use super::table::{Form, Record};
+use crate::geometry::{COLOR_NAMES, Color, DVec3, Domain, color_of};
 
 impl Form {
     /// The expected values, for "must be ...".
     pub(super) fn expected(self) -> String {
         match self {
-            Self::Number => "a finite number".into(),
-            Self::Positive => "a positive number".into(),
-            Self::NonNegative => "zero or a positive number".into(),
-            Self::Between(low, high) => format!("a number between {low} and {high}"),
-            Self::From(least, most) => format!("a number from {least} to {most}"),
-            Self::UpTo(most) => format!("above 0 and up to {most}"),
-            Self::Above(low) => format!("above {low}"),
+            Self::Of(domain) => of_domain(domain).into(),
             Self::Whole(least, most) => format!("a whole number from {least} to {most}"),
-            Self::Boolean => "true or false".into(),
             Self::Text => "a text, not empty".into(),
             Self::Path => "the name of a file".into(),
+            Self::Word(word) => format!("\"{word}\""),
             Self::OneOf(words) => format!("one of {}", quoted(&words())),
             Self::OneOfOr(words, beginning) => {
                 format!("one of {}, \"{beginning}NAME\"", quoted(&words()))
             }
-            Self::SomeOf(words, beginning) => {
-                let words = quoted(&words());
-                let others = beginning.map(|beginning| format!(", \"{beginning}NAME\""));
-                format!("an array of some of {words}{}", others.unwrap_or_default())
-            }
             Self::Range => "two finite numbers that rise, [low, high]".into(),
-            Self::Vector => "three finite numbers, [x, y, z]".into(),
-            Self::Direction => "three finite numbers, [x, y, z], not all zero".into(),
-            Self::Color => {
-                "linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\" or by a CSS name"
-                    .into()
-            }
-            Self::ColorOrTransparent => {
-                format!("{}, or \"transparent\"", Self::Color.expected())
-            }
+            Self::Span(end) => format!("{}, or two that do not decrease", end.expected()),
             Self::Scale => "a factor, or three of them, [x, y, z], none of them zero".into(),
-            Self::Focus => "a positive distance, or a point, [x, y, z]".into(),
             Self::Quaternion => "four finite numbers, [x, y, z, w], not all zero".into(),
             Self::Matrix => {
                 "three rows of four finite numbers, or four, the last being [0, 0, 0, 1]".into()
             }
-            Self::Points => "an array of points, [x, y, z]".into(),
-            Self::Triples => "an array of triangles, each three indices of vertices".into(),
+            Self::Array(item, least, most) => {
+                let count = match least {
+                    0 => String::new(),
+                    _ if least == most => format!(" of {least}"),
+                    _ => format!(" of at least {least}"),
+                };
+                format!("an array{count}, each item {}", item.expected())
+            }
+            Self::Either(one, Self::Array(other, ..)) if one.expected() == other.expected() => {
+                format!("{}, or an array of them", one.expected())
+            }
+            Self::Either(one, other) => format!("{}, or {}", one.expected(), other.expected()),
             Self::Table(_) | Self::Named(_) => "a table".into(),
-            Self::TableOrList(_) => "a table or an array of tables".into(),
-            Self::Turn(_) => "a number of degrees or a table".into(),
-            Self::List(record) => format!("an array of tables, [[{}s]]", record.name),
+            Self::List(_) => "an array of tables".into(),
         }
     }
 
-    /// Whether a value that holds no tables has this form.
+    /// Whether a value has this form; tables in it are checked when they are opened.
     pub(super) fn accepts(self, value: &Value<'_>) -> bool {
-        let value = value.get_ref();
-        let positive = |number: f64| number > 0.0;
+        let raw = value.get_ref();
         match self {
-            Self::Number => number(value).is_some(),
-            Self::Positive => number(value).is_some_and(positive),
-            Self::NonNegative => number(value).is_some_and(|number| number >= 0.0),
-            Self::Between(low, high) => number(value).is_some_and(|x| low < x && x < high),
-            Self::From(least, most) => number(value).is_some_and(|x| (least..=most).contains(&x)),
-            Self::UpTo(most) => number(value).is_some_and(|x| x > 0.0 && x <= most),
-            Self::Above(low) => number(value).is_some_and(|x| x > low),
+            Self::Of(domain) => settings::value(raw, domain)
+                .is_some_and(|value| domain.checked("value", value).is_ok()),
             Self::Whole(least, most) => {
-                integer(value).is_some_and(|number| (least..=most).contains(&number))
+                integer(raw).is_some_and(|number| (least..=most).contains(&number))
             }
-            Self::Boolean => value.is_bool(),
-            Self::Text | Self::Path => value.as_str().is_some_and(|text| !text.is_empty()),
-            Self::OneOf(words) => is_one_of(value, words),
-            Self::OneOfOr(words, beginning) => is_one_of_or(value, words, Some(beginning)),
-            Self::SomeOf(words, beginning) => {
-                let is_empty = value.as_array().is_some_and(|items| items.is_empty());
-                !is_empty && all(value, |item| is_one_of_or(item, words, beginning))
+            Self::Text | Self::Path => raw.as_str().is_some_and(|text| !text.is_empty()),
+            Self::Word(word) => raw.as_str() == Some(word),
+            Self::OneOf(words) => is_one_of(raw, words),
+            Self::OneOfOr(words, beginning) => {
+                let rest = raw.as_str().and_then(|text| text.strip_prefix(beginning));
+                is_one_of(raw, words) || rest.is_some_and(|rest| !rest.is_empty())
             }
-            Self::Range => numbers::<2>(value).is_some_and(|[low, high]| low < high),
-            Self::Vector => numbers::<3>(value).is_some(),
-            Self::Direction => numbers::<3>(value).is_some_and(|v| v != [0.0; 3]),
-            Self::Color => color(value).is_some(),
-            Self::ColorOrTransparent => is_transparent(value) || color(value).is_some(),
-            Self::Scale => scale(value).is_some(),
-            Self::Focus => number(value).is_some_and(positive) || numbers::<3>(value).is_some(),
-            Self::Quaternion => numbers::<4>(value).is_some_and(|q| q != [0.0; 4]),
-            Self::Matrix => matrix(value).is_some(),
-            Self::Points => all(value, |item| numbers::<3>(item).is_some()),
-            Self::Triples => all(value, |item| triple(item).is_some()),
-            Self::Table(_) | Self::Named(_) => value.is_table(),
-            Self::TableOrList(_) => value.is_table() || all(value, is_table),
-            Self::Turn(_) => value.is_table() || number(value).is_some(),
-            Self::List(_) => all(value, is_table),
+            Self::Range => numbers::<2>(raw).is_some_and(|[low, high]| low < high),
+            Self::Span(end) => {
+                end.accepts(value) || {
+                    let ends = raw
+                        .as_array()
+                        .filter(|items| items.iter().all(|x| end.accepts(x)));
+                    ends.is_some() && numbers::<2>(raw).is_some_and(|[low, high]| low <= high)
+                }
+            }
+            Self::Scale => scale(raw).is_some(),
+            Self::Quaternion => numbers::<4>(raw).is_some_and(|q| q != [0.0; 4]),
+            Self::Matrix => matrix(raw).is_some(),
+            Self::Array(item, least, most) => raw.as_array().is_some_and(|items| {
+                (least..=most).contains(&items.len()) && items.iter().all(|each| item.accepts(each))
+            }),
+            Self::Either(one, other) => one.accepts(value) || other.accepts(value),
+            Self::Table(_) | Self::Named(_) => raw.is_table(),
+            Self::List(_) => raw
+                .as_array()
+                .is_some_and(|items| items.iter().all(|item| item.get_ref().is_table())),
         }
     }
 
@@ -100,19 +89,15 @@ impl Form {
     pub(super) fn culprit<'v, 't>(self, value: &'v Value<'t>) -> Option<&'v Value<'t>> {
         let items = value.get_ref().as_array()?;
         let fine: &dyn Fn(&Value<'t>) -> bool = match self {
-            Self::Vector | Self::Direction | Self::Quaternion | Self::Scale | Self::Focus => {
-                &|item| number(item.get_ref()).is_some()
+            Self::Of(Domain::Position | Domain::Direction) | Self::Quaternion | Self::Scale => {
+                &|item| Self::NUMBER.accepts(item)
             }
-            Self::Color | Self::ColorOrTransparent => {
-                &|item| number(item.get_ref()).is_some_and(|x| x >= 0.0)
+            Self::Of(Domain::Color | Domain::Light) => &|item| Self::NON_NEGATIVE.accepts(item),
+            Self::Array(form, ..) => &|item| form.accepts(item),
+            Self::List(_) => &|item| item.get_ref().is_table(),
+            Self::Either(one, other) => {
+                return one.culprit(value).or_else(|| other.culprit(value));
             }
-            Self::Points => &|item| numbers::<3>(item.get_ref()).is_some(),
-            Self::Triples => &|item| triple(item.get_ref()).is_some(),
-            Self::SomeOf(words, beginning) => {
-                let fine = |item: &&Value<'t>| is_one_of_or(item.get_ref(), words, beginning);
-                return items.iter().find(|item| !fine(item));
-            }
-            Self::List(_) | Self::TableOrList(_) => &|item| item.get_ref().is_table(),
             _ => return None,
         };
         items.iter().find(|item| !fine(item))
@@ -121,100 +106,115 @@ impl Form {
     /// The words that a text of this form can be, for suggestions.
     pub(super) fn words(self) -> Vec<&'static str> {
         match self {
-            Self::OneOf(words) | Self::OneOfOr(words, _) | Self::SomeOf(words, _) => words(),
-            Self::Color => COLOR_NAMES.iter().map(|&(name, _)| name).collect(),
-            Self::ColorOrTransparent => {
-                let mut words = Self::Color.words();
-                words.push(TRANSPARENT);
-                words
+            Self::Word(word) => vec![word],
+            Self::OneOf(words) | Self::OneOfOr(words, _) => words(),
+            Self::Of(Domain::Color | Domain::Light) => {
+                COLOR_NAMES.iter().map(|&(name, _)| name).collect()
             }
+            Self::Array(item, ..) => item.words(),
+            Self::Either(one, other) => [one.words(), other.words()].concat(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The records of tables that a value of this form may hold.
+    pub(super) fn records(self) -> Vec<&'static Record> {
+        match self {
+            Self::Table(record) | Self::List(record) => vec![record],
+            Self::Named(form) | Self::Array(form, ..) => form.records(),
+            Self::Either(one, other) => [one.records(), other.records()].concat(),
             _ => Vec::new(),
         }
     }
 
     /// The form as JSON Schema (draft 2020-12).
-    #[expect(clippy::too_many_lines, reason = "a line or two for each form")]
     pub(super) fn schema(self) -> Json {
-        let array = |items: &Json, least: usize, most: usize| json!({"type": "array", "items": items, "minItems": least, "maxItems": most});
+        let array = |items: &Json, count: usize| json!({"type": "array", "items": items, "minItems": count, "maxItems": count});
         let number = json!({"type": "number"});
-        let vector = array(&number, 3, 3);
-        // Not all zero: one of the items is not.
-        let nonzero = |count: usize| {
-            let mut schema = array(&number, count, count);
-            insert(&mut schema, "contains", json!({"not": {"const": 0}}));
-            schema
-        };
         match self {
-            Self::Number => number,
-            Self::Positive => json!({"type": "number", "exclusiveMinimum": 0}),
-            Self::NonNegative => json!({"type": "number", "minimum": 0}),
-            Self::Between(low, high) => {
-                json!({"type": "number", "exclusiveMinimum": low, "exclusiveMaximum": high})
-            }
-            Self::From(least, most) => {
-                json!({"type": "number", "minimum": least, "maximum": most})
-            }
-            Self::UpTo(most) => {
-                json!({"type": "number", "exclusiveMinimum": 0, "maximum": most})
-            }
-            Self::Above(low) => json!({"type": "number", "exclusiveMinimum": low}),
+            Self::Of(domain) => domain_schema(domain),
             Self::Whole(least, most) => {
                 json!({"type": "integer", "minimum": least, "maximum": most})
             }
-            Self::Boolean => json!({"type": "boolean"}),
             Self::Text | Self::Path => json!({"type": "string", "minLength": 1}),
+            Self::Word(word) => json!({"const": word}),
             Self::OneOf(words) => json!({"enum": words()}),
             Self::OneOfOr(words, beginning) => {
                 let other = json!({"type": "string", "pattern": format!("^{beginning}.")});
                 json!({"oneOf": [{"enum": words()}, other]})
             }
-            Self::SomeOf(words, beginning) => {
-                let items = match beginning {
-                    Some(beginning) => {
-                        let other = json!({"type": "string", "pattern": format!("^{beginning}.")});
-                        json!({"anyOf": [{"enum": words()}, other]})
-                    }
-                    None => json!({"enum": words()}),
-                };
-                json!({"type": "array", "items": items, "minItems": 1})
-            }
-            Self::Range => array(&number, 2, 2),
-            Self::Vector => vector,
-            Self::Direction => nonzero(3),
-            Self::Color => json!({"$ref": "#/$defs/color"}),
-            Self::ColorOrTransparent => {
-                json!({"oneOf": [{"$ref": "#/$defs/color"}, {"const": TRANSPARENT}]})
-            }
+            Self::Range => array(&number, 2),
+            Self::Span(end) => json!({"oneOf": [end.schema(), array(&end.schema(), 2)]}),
             Self::Scale => {
                 let factor = json!({"type": "number", "not": {"const": 0}});
-                json!({"oneOf": [factor, array(&factor, 3, 3)]})
-            }
-            Self::Focus => {
-                json!({"oneOf": [{"type": "number", "exclusiveMinimum": 0}, vector]})
+                json!({"oneOf": [factor, array(&factor, 3)]})
             }
             Self::Quaternion => nonzero(4),
             Self::Matrix => {
-                let row = array(&number, 4, 4);
+                let row = array(&number, 4);
                 let last = json!({"const": [0, 0, 0, 1]});
                 json!({"type": "array", "minItems": 3, "maxItems": 4, "prefixItems": [row, row, row, last]})
             }
-            Self::Points => json!({"type": "array", "items": vector}),
-            Self::Triples => {
-                let index = json!({"type": "integer", "minimum": 0, "maximum": u32::MAX});
-                json!({"type": "array", "items": array(&index, 3, 3)})
+            Self::Array(item, least, most) => {
+                let mut schema = json!({"type": "array", "items": item.schema()});
+                if least > 0 {
+                    insert(&mut schema, "minItems", json!(least));
+                }
+                if most < usize::MAX {
+                    insert(&mut schema, "maxItems", json!(most));
+                }
+                schema
             }
+            Self::Either(one, other) => json!({"oneOf": [one.schema(), other.schema()]}),
             Self::Table(record) => record.schema(),
-            Self::TableOrList(record) => {
-                let list = json!({"type": "array", "items": record.schema()});
-                json!({"oneOf": [record.schema(), list]})
-            }
-            Self::Turn(record) => json!({"oneOf": [number, record.schema()]}),
             Self::List(record) => json!({"type": "array", "items": record.schema()}),
-            Self::Named(record) => {
-                json!({"type": "object", "additionalProperties": record.schema()})
-            }
+            Self::Named(form) => json!({"type": "object", "additionalProperties": form.schema()}),
         }
     }
+}
+
+/// The expected values of a domain in a file, whose numbers are finite.
+fn of_domain(domain: Domain) -> Cow<'static, str> {
+    match domain {
+        Domain::Position => "three finite numbers, [x, y, z]".into(),
+        Domain::Direction => "three finite numbers, [x, y, z], not all zero".into(),
+        Domain::Color | Domain::Light => {
+            "linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\" or by a CSS name".into()
+        }
+        Domain::PositiveOrInfinite => Domain::Positive.expected(),
+        _ => domain.expected(),
+    }
+}
+
+fn domain_schema(domain: Domain) -> Json {
+    let number = |limits: &[(&str, f64)]| {
+        let mut schema = json!({"type": "number"});
+        for (name, limit) in limits {
+            insert(&mut schema, name, json!(limit));
+        }
+        schema
+    };
+    match domain {
+        Domain::Flag => json!({"type": "boolean"}),
+        Domain::Number => number(&[]),
+        Domain::From(least, most) => number(&[("minimum", least), ("maximum", most)]),
+        Domain::Between(low, high) => {
+            number(&[("exclusiveMinimum", low), ("exclusiveMaximum", high)])
+        }
+        Domain::Above(low) => number(&[("exclusiveMinimum", low)]),
+        Domain::UpTo(most) => number(&[("exclusiveMinimum", 0.0), ("maximum", most)]),
+        Domain::NonNegative => number(&[("minimum", 0.0)]),
+        Domain::Positive | Domain::PositiveOrInfinite => number(&[("exclusiveMinimum", 0.0)]),
+        Domain::Whole(least, most) => Form::Whole(least.into(), most.into()).schema(),
+        Domain::Position => Form::Array(&Form::NUMBER, 3, 3).schema(),
+        Domain::Direction => nonzero(3),
+        Domain::Color | Domain::Light => json!({"$ref": "#/$defs/color"}),
+    }
+}
+
+/// The schema of so many numbers that are not all zero: one of the items is not.
+fn nonzero(count: usize) -> Json {
+    json!({"type": "array", "items": {"type": "number"}, "minItems": count, "maxItems": count, "contains": {"not": {"const": 0}}})
 }
 
 /// The schema of colours, shared by all keys; editors complete the names from it.
@@ -244,30 +244,8 @@ pub(super) fn quoted(words: &[&str]) -> String {
 
 type Raw<'t> = toml::de::DeValue<'t>;
 
-fn is_table(value: &Raw<'_>) -> bool {
-    value.is_table()
-}
-
 fn is_one_of(value: &Raw<'_>, words: fn() -> Vec<&'static str>) -> bool {
     value.as_str().is_some_and(|text| words().contains(&text))
-}
-
-/// Whether a value is one of some words, or has the beginning and something after it.
-fn is_one_of_or(
-    value: &Raw<'_>,
-    words: fn() -> Vec<&'static str>,
-    beginning: Option<&str>,
-) -> bool {
-    let rest = value
-        .as_str()
-        .and_then(|text| text.strip_prefix(beginning?));
-    is_one_of(value, words) || rest.is_some_and(|rest| !rest.is_empty())
-}
-
-fn all(value: &Raw<'_>, fine: impl Fn(&Raw<'_>) -> bool) -> bool {
-    value
-        .as_array()
-        .is_some_and(|items| items.iter().all(|item| fine(item.get_ref())))
 }
 
 /// A linear colour.
@@ -281,7 +259,7 @@ pub(super) fn color(value: &Raw<'_>) -> Option<Color> {
     (color.min_element() >= 0.0).then_some(color)
 }
 
-const TRANSPARENT: &str = "transparent";
+pub(super) const TRANSPARENT: &str = "transparent";
 
 /// Whether a background is transparent.
 pub(super) fn is_transparent(value: &Raw<'_>) -> bool {

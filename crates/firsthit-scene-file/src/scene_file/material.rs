@@ -14,7 +14,7 @@ use crate::scene::{Material, Model, Object};
 
 const COMMON: &[Key] = keys! {
     /// The radiance that the surface gives off: it is a light, with the least noise where it is a mesh or a sphere. Default: none.
-    emission: optional(Form::Color),
+    emission: optional(Form::COLOR),
 };
 
 settings::variants!(Model::KINDS, |name| Pick::Tag("kind", name), COMMON);

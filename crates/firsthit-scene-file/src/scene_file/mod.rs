@@ -30,6 +30,8 @@ mod material;
 mod object;
 mod output;
 mod placement;
+mod plan;
+mod plan_text;
 mod records;
 mod schema;
 mod section;
@@ -39,6 +41,10 @@ mod suggest;
 mod table;
 mod variant;
 
+#[doc(hidden)]
+pub use plan_text::{Mistake, place_in_plan, read_plan};
+#[doc(hidden)]
+pub use schema::plan_schema;
 pub use schema::schema;
 pub use suggest::nearest_word;
 
@@ -70,7 +76,9 @@ pub(crate) static FORMAT: WorldFormat = WorldFormat {
 
 fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
     let text = Text::new(bytes)?;
-    let document = text.parse(report)?;
+    let needed = text.needed() as u64;
+    (report.budget).charge_content(needed, "its text, parsed,")?;
+    let document = text.parse()?;
     let scene = Section::new(text, document.get_ref(), 0, &SCENE)?;
     levels::warn(text, document.get_ref(), report);
     let up = scene.vector("up").unwrap_or(FORMAT.format.up);

@@ -33,6 +33,9 @@ const fn shape(name: &'static str, keys: &'static [&'static [Key]]) -> Variant {
     }
 }
 
+/// The index of a vertex.
+const INDEX: Form = Form::Whole(0, u32::MAX as i64);
+
 const FILE: &[Key] = keys! {
     /// A mesh file, relative to the scene file and in its folder or below. Named several times, it is read once and shared.
     file: required(Form::Path),
@@ -45,50 +48,50 @@ const FILE: &[Key] = keys! {
 
 const CENTER: &[Key] = keys! {
     /// The centre.
-    center: required(Form::Vector),
+    center: required(Form::VECTOR),
 };
 
 const RADIUS: &[Key] = keys! {
     /// The radius.
-    radius: required(Form::Positive),
+    radius: required(Form::POSITIVE),
 };
 
 const POINT: &[Key] = keys! {
     /// A point of the infinite plane.
-    point: required(Form::Vector),
+    point: required(Form::VECTOR),
 };
 
 const NORMAL: &[Key] = keys! {
     /// The normal, of any length.
-    normal: required(Form::Direction),
+    normal: required(Form::DIRECTION),
 };
 
 const CORNERS: &[Key] = keys! {
     /// The corner with the smallest coordinates.
-    low: required(Form::Vector),
+    low: required(Form::VECTOR),
     /// The corner with the largest coordinates.
-    high: required(Form::Vector),
+    high: required(Form::VECTOR),
 };
 
 const BAR: &[Key] = keys! {
     /// The middle of its bottom.
-    bottom: required(Form::Vector),
+    bottom: required(Form::VECTOR),
     /// The middle of its top, or its tip.
-    top: required(Form::Vector),
+    top: required(Form::VECTOR),
 };
 
 const RADII: &[Key] = keys! {
     /// The radius at the bottom.
-    bottom_radius: required(Form::NonNegative),
+    bottom_radius: required(Form::NON_NEGATIVE),
     /// The radius at the top. Default: 0, a tip.
-    top_radius: optional(Form::NonNegative),
+    top_radius: optional(Form::NON_NEGATIVE),
 };
 
 const TRIANGLES: &[Key] = keys! {
     /// The corners of its triangles. Large meshes belong into files.
-    vertices: required(Form::Points),
+    vertices: required(Form::Array(&Form::VECTOR, 0, usize::MAX)),
     /// The indices of each triangle's corners, from 0 on, counter-clockwise seen from the front.
-    triangles: required(Form::Triples),
+    triangles: required(Form::Array(&Form::Array(&INDEX, 3, 3), 0, usize::MAX)),
 };
 
 pub(super) static OBJECT: Record = Record {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::section::Section;
-use super::table::{Form, Pick, Record, Variant, keys, optional, required};
+use super::table::{Form, Pick, Record, keys, optional, record, required};
 use crate::channel::{self, ATTRIBUTE, KINDS, PLACEHOLDER};
 use crate::error::{Error, Result, escape_controls};
 use crate::image::{FORMATS, Format, format_of, sidecar_of};
@@ -11,22 +11,17 @@ use crate::io::fault::Checked;
 use crate::io::{Report, read};
 use crate::world::Output;
 
-pub(super) static OUTPUT: Record = Record {
-    name: "output",
-    about: "A file to be written.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// The file's name, relative to the scene file and in its folder or below; the
-            /// extension tells the format. {channel} in it makes a file of each channel.
-            file: required(Form::Path),
-            /// The channels to write, by name, or "attribute:NAME" for an attribute of the meshes.
-            /// Default: ["color"]; for a point cloud (.ply, .pcd) ["position", "normal", "color",
-            /// "object"].
-            channels: optional(Form::SomeOf(|| KINDS.iter().map(|kind| &*kind.name).collect(), Some(ATTRIBUTE))),
-        }],
-        rules: &[],
-    }],
+pub(super) static OUTPUT: Record = record! {
+    "output", "A file to be written.";
+    Pick::Always => [keys! {
+        /// The file's name, relative to the scene file and in its folder or below; the
+        /// extension tells the format. {channel} in it makes a file of each channel.
+        file: required(Form::Path),
+        /// The channels to write, by name, or "attribute:NAME" for an attribute of the meshes.
+        /// Default: ["color"]; for a point cloud (.ply, .pcd) ["position", "normal", "color",
+        /// "object"].
+        channels: optional(Form::Array(&Form::OneOfOr(|| KINDS.iter().map(|kind| &*kind.name).collect(), ATTRIBUTE), 1, usize::MAX)),
+    }];
 };
 
 pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output> {

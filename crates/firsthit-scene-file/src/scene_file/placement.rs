@@ -4,7 +4,7 @@ use super::document::{named, numbers};
 use super::form::{matrix, scale};
 use super::material::MATERIAL;
 use super::section::Section;
-use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional};
+use super::table::{Form, Key, Pick, Record, Rule, keys, optional, record};
 use crate::error::Error;
 use crate::geometry::{DAffine3, DMat3, DQuat, DVec3, Transform, rotation};
 use crate::io::fault::Checked;
@@ -15,15 +15,15 @@ pub(super) const PLACED: &[Key] = keys! {
     name: optional(Form::Text),
     /// The colour: linear [red, green, blue], or sRGB as "#rrggbb" or by a name of CSS; of a file,
     /// instead of its materials. Colours of vertices are multiplied by it.
-    color: optional(Form::Color),
+    color: optional(Form::COLOR),
     /// The material; of a file, instead of its materials. Its colour stands beside it.
     material: optional(Form::Table(&MATERIAL)),
     /// A factor, or one for each axis; applied first, negative ones mirror.
     scale: optional(Form::Scale),
     /// A rotation, or several in their order; applied after scale.
-    rotate: optional(Form::TableOrList(&ROTATION)),
+    rotate: optional(Form::Either(&TURN, &TURNS)),
     /// The place of the object's origin; applied last.
-    translate: optional(Form::Vector),
+    translate: optional(Form::VECTOR),
     /// The rows of a matrix that takes columns [x, y, z, 1] to the world, instead of the three.
     matrix: optional(Form::Matrix),
 };
@@ -34,25 +34,23 @@ pub(super) const PLACED_RULES: &[Rule] = &[
     Rule::NotBoth("matrix", "translate"),
 ];
 
-pub(super) static ROTATION: Record = Record {
-    name: "rotation",
-    about: "A rotation about the origin: an axis and degrees, or a quaternion.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// The axis, of any length; seen against it, the rotation is counter-clockwise.
-            axis: optional(Form::Direction),
-            /// The angle. Quarter turns are exact.
-            degrees: optional(Form::Number),
-            /// [x, y, z, w], of any length.
-            quaternion: optional(Form::Quaternion),
-        }],
-        rules: &[
-            Rule::OneOf("axis", "quaternion"),
-            Rule::Needs("axis", "degrees"),
-            Rule::Needs("degrees", "axis"),
-        ],
-    }],
+pub(super) static TURN: Form = Form::Table(&ROTATION);
+static TURNS: Form = Form::List(&ROTATION);
+
+pub(super) static ROTATION: Record = record! {
+    "rotation", "A rotation about the origin: an axis and degrees, or a quaternion.";
+    Pick::Always => [keys! {
+        /// The axis, of any length; seen against it, the rotation is counter-clockwise.
+        axis: optional(Form::DIRECTION),
+        /// The angle. Quarter turns are exact.
+        degrees: optional(Form::NUMBER),
+        /// [x, y, z, w], of any length.
+        quaternion: optional(Form::Quaternion),
+    }] [
+        Rule::OneOf("axis", "quaternion"),
+        Rule::Needs("axis", "degrees"),
+        Rule::Needs("degrees", "axis"),
+    ];
 };
 
 /// The way from the object's own space to the world.

@@ -6,78 +6,53 @@ use super::camera::CAMERA;
 use super::colors::COLORS;
 use super::display::DISPLAY;
 use super::edges::EDGES;
-use super::environment::{DAYLIGHT, ENVIRONMENT};
+use super::environment::ENVIRONMENT;
 use super::light::LIGHT;
-use super::material::MATERIAL;
 use super::object::OBJECT;
 use super::output::OUTPUT;
-use super::placement::ROTATION;
 use super::shading::SHADING;
-use super::table::{Form, Pick, Record, Rule, Variant, keys, optional};
+use super::table::{Form, Pick, Record, Rule, keys, optional, record};
 
-/// Every kind of table, the file itself first.
-pub(super) const RECORDS: &[&Record] = &[
-    &SCENE,
-    &CAMERA,
-    &OBJECT,
-    &ROTATION,
-    &MATERIAL,
-    &LIGHT,
-    &ENVIRONMENT,
-    &DAYLIGHT,
-    &BACKGROUND,
-    &SKY,
-    &SHADING,
-    &DISPLAY,
-    &COLORS,
-    &EDGES,
-    &OUTPUT,
-];
-
-pub(super) static SCENE: Record = Record {
-    name: "scene",
-    about: "A scene for firsthit: cameras, objects, lights, background and outputs.",
-    variants: &[Variant {
-        pick: Pick::Always,
-        keys: &[keys! {
-            /// The version of this form of scene file. There is one, 1, which is the default.
-            version: optional(Form::Whole(1, 1)),
-            /// The direction upwards, for cameras and the sky where they do not say. Default: [0,
-            /// 0, 1].
-            up: optional(Form::Direction),
-            /// The camera that a picture is taken with, unless another is asked for.
-            camera: optional(Form::Table(&CAMERA)),
-            /// Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes the picture.
-            cameras: optional(Form::Named(&CAMERA)),
-            /// The objects, in the order of the identifiers.
-            objects: optional(Form::List(&OBJECT)),
-            /// The lights. Where nothing in the scene shines, automatic lights do.
-            lights: optional(Form::List(&LIGHT)),
-            /// Light from all around, which is seen where nothing is hit, too.
-            environment: optional(Form::Table(&ENVIRONMENT)),
-            /// The colour of misses.
-            background: optional(Form::Table(&BACKGROUND)),
-            /// The sky that misses see.
-            sky: optional(Form::Table(&SKY)),
-            /// The shading of hits.
-            shading: optional(Form::Table(&SHADING)),
-            /// The display of colours in PNGs: exposure and tone map.
-            display: optional(Form::Table(&DISPLAY)),
-            /// Colours by numbers, in place of those that surfaces have.
-            colors: optional(Form::Table(&COLORS)),
-            /// Lines along edges, over the colours. Without this table there are none.
-            edges: optional(Form::Table(&EDGES)),
-            /// The files that firsthit render writes unless told otherwise by -o.
-            outputs: optional(Form::List(&OUTPUT)),
-        }],
-        rules: &[Rule::NotBoth("background", "sky")],
-    }],
+pub(super) static SCENE: Record = record! {
+    "scene", "A scene for firsthit: cameras, objects, lights, background and outputs.";
+    Pick::Always => [keys! {
+        /// The version of this form of scene file. There is one, 1, which is the default.
+        version: optional(Form::Whole(1, 1)),
+        /// The direction upwards, for cameras and the sky where they do not say. Default: [0,
+        /// 0, 1].
+        up: optional(Form::DIRECTION),
+        /// The camera that a picture is taken with, unless another is asked for.
+        camera: optional(Form::Table(&CAMERA)),
+        /// Further cameras, each a table [cameras.NAME]. Without [camera] the first of them takes the picture.
+        cameras: optional(Form::Named(&Form::Table(&CAMERA))),
+        /// The objects, in the order of the identifiers.
+        objects: optional(Form::List(&OBJECT)),
+        /// The lights. Where nothing in the scene shines, automatic lights do.
+        lights: optional(Form::List(&LIGHT)),
+        /// Light from all around, which is seen where nothing is hit, too.
+        environment: optional(Form::Table(&ENVIRONMENT)),
+        /// The colour of misses.
+        background: optional(Form::Table(&BACKGROUND)),
+        /// The sky that misses see.
+        sky: optional(Form::Table(&SKY)),
+        /// The shading of hits.
+        shading: optional(Form::Table(&SHADING)),
+        /// The display of colours in PNGs: exposure and tone map.
+        display: optional(Form::Table(&DISPLAY)),
+        /// Colours by numbers, in place of those that surfaces have.
+        colors: optional(Form::Table(&COLORS)),
+        /// Lines along edges, over the colours. Without this table there are none.
+        edges: optional(Form::Table(&EDGES)),
+        /// The files that firsthit render writes unless told otherwise by -o.
+        outputs: optional(Form::List(&OUTPUT)),
+    }] [Rule::NotBoth("background", "sky")];
 };
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::camera::Projection;
+    use crate::scene_file::plan::PLAN;
     use crate::shade::Shader;
     use crate::shape::Shape;
 
@@ -104,11 +79,14 @@ mod tests {
 
     #[test]
     fn no_table_has_a_key_twice_and_rules_name_keys_that_it_has() {
-        for record in RECORDS {
+        for record in [&SCENE, &PLAN].into_iter().flat_map(Record::all) {
             for variant in record.variants {
                 let mut names: Vec<_> = variant.keys().map(|key| key.name).collect();
                 for rule in variant.rules {
-                    let (Rule::NotBoth(a, b) | Rule::Needs(a, b) | Rule::OneOf(a, b)) = *rule;
+                    let (Rule::NotBoth(a, b) | Rule::Needs(a, b) | Rule::OneOf(a, b)) = *rule
+                    else {
+                        continue;
+                    };
                     assert!(names.contains(&a) && names.contains(&b), "{rule:?}");
                 }
                 let count = names.len();

@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::document::{Text, Value, integer, named, number, numbers};
+use super::document::{Name, Text, Value, integer, named, number, numbers};
 use super::form::color;
 use super::suggest::suggestion;
 use super::table::{Form, Key, Pick, Record, Rule, Variant};
@@ -20,6 +20,8 @@ pub(super) struct Section<'v, 't> {
     /// The byte of the text at which the table begins.
     at: usize,
     variant: &'static Variant,
+    /// The variant of the record whose keys the table also has.
+    more: Option<&'static Variant>,
 }
 
 impl<'v, 't> Section<'v, 't> {
@@ -31,33 +33,51 @@ impl<'v, 't> Section<'v, 't> {
         record: &'static Record,
     ) -> Checked<Self> {
         let variant = pick(text, table, at, record)?;
+        let also = variant.also().next();
         let section = Self {
             text,
             table,
             at,
             variant,
+            more: also
+                .map(|record| pick(text, table, at, record))
+                .transpose()?,
         };
         section.check_keys()?;
         section.check_rules()?;
         Ok(section)
     }
 
+    fn variants(&self) -> impl Iterator<Item = &'static Variant> + use<> {
+        [Some(self.variant), self.more].into_iter().flatten()
+    }
+
+    fn keys(&self) -> impl Iterator<Item = &'static Key> + use<> {
+        self.variants().flat_map(Variant::keys)
+    }
+
+    /// The keys that tell the variant.
+    fn tags(&self) -> impl Iterator<Item = &'static str> + use<> {
+        let tags = self.variants().filter_map(|variant| variant.pick.tag());
+        tags.map(|(tag, _)| tag)
+    }
+
     fn check_keys(&self) -> Checked<()> {
         // In the order of the text, so that the first mistake is the one that is told.
-        let mut entries: Vec<_> = self.table.iter().collect();
-        entries.sort_unstable_by_key(|(name, _)| name.span().start);
-        for (name, value) in entries {
+        for (name, value) in in_order(self.table) {
             let word = name.get_ref().as_ref();
-            if self.variant.pick.tag().is_some_and(|(tag, _)| tag == word) {
+            if self.tags().any(|tag| tag == word) {
                 continue;
             }
-            let Some(key) = self.variant.keys().find(|key| key.name == word) else {
+            let Some(key) = self.keys().find(|key| key.name == word) else {
                 return Err(self.text.fault(name.span().start, self.unknown(word)));
             };
-            check_form(self.text, key, value)?;
+            check_form(self.text, key.name, key.form, value)?;
         }
-        let mut keys = self.variant.keys();
-        let Some(missing) = keys.find(|key| key.is_required && !self.has(key.name)) else {
+        let Some(missing) = self
+            .keys()
+            .find(|key| key.is_required && !self.has(key.name))
+        else {
             return Ok(());
         };
         let (title, expected) = (self.title(), missing.form.expected());
@@ -65,7 +85,7 @@ impl<'v, 't> Section<'v, 't> {
     }
 
     fn check_rules(&self) -> Checked<()> {
-        for rule in self.variant.rules {
+        for rule in self.variants().flat_map(|variant| variant.rules) {
             let (at, what) = match *rule {
                 Rule::NotBoth(a, b) | Rule::OneOf(a, b) if self.has(a) && self.has(b) => {
                     // At the later one, which is the one too many.
@@ -86,8 +106,8 @@ impl<'v, 't> Section<'v, 't> {
     }
 
     fn unknown(&self, word: &str) -> String {
-        let mut known: Vec<&str> = self.variant.keys().map(|key| key.name).collect();
-        known.extend(self.variant.pick.tag().map(|(tag, _)| tag));
+        let known = self.keys().map(|key| key.name).chain(self.tags());
+        let known: Vec<&str> = known.collect();
         let shown = escape_controls(&word.chars().take(60).collect::<String>());
         if let Some(meant) = suggestion(word, &known) {
             return format!("unknown key `{shown}`, did you mean `{meant}`?");
@@ -98,7 +118,7 @@ impl<'v, 't> Section<'v, 't> {
 
     /// A name of the table for messages.
     fn title(&self) -> String {
-        match self.variant.pick {
+        match self.more.unwrap_or(self.variant).pick {
             Pick::Always | Pick::Has(_) => "this table".to_owned(),
             Pick::Tag(key, value) | Pick::Default(key, value) => format!("{key} = \"{value}\""),
         }
@@ -106,7 +126,8 @@ impl<'v, 't> Section<'v, 't> {
 
     /// The value of the tag that chose the variant.
     pub(super) fn tag(&self) -> Option<&'static str> {
-        self.variant.pick.tag().map(|(_, value)| value)
+        let tag = self.more.unwrap_or(self.variant).pick.tag();
+        tag.map(|(_, value)| value)
     }
 
     pub(super) fn has(&self, name: &str) -> bool {
@@ -197,10 +218,8 @@ impl<'v, 't> Section<'v, 't> {
         let Some(table) = self.raw(name).and_then(DeValue::as_table) else {
             return Ok(Vec::new());
         };
-        let mut entries: Vec<_> = table.iter().collect();
-        entries.sort_unstable_by_key(|(name, _)| name.span().start);
         let mut found = Vec::new();
-        for (name, value) in entries {
+        for (name, value) in in_order(table) {
             let word = name.get_ref().as_ref();
             let section = self.open(value, record).ok_or_else(|| {
                 let (word, came) = (escape_controls(word), named(value.get_ref()));
@@ -215,6 +234,41 @@ impl<'v, 't> Section<'v, 't> {
     fn open(&self, value: &'v Value<'t>, record: &'static Record) -> Option<Checked<Self>> {
         let table = value.get_ref().as_table()?;
         Some(Self::new(self.text, table, value.span().start, record))
+    }
+
+    /// Checks all tables in it.
+    pub(super) fn check_deep(&self) -> Checked<()> {
+        for (name, value) in in_order(self.table) {
+            if let Some(key) = self.keys().find(|key| key.name == name.get_ref().as_ref()) {
+                self.check_tables(value, key.form)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks all tables of a value that has a form.
+    fn check_tables(&self, value: &'v Value<'t>, form: Form) -> Checked<()> {
+        match (form, value.get_ref()) {
+            (Form::Table(record), DeValue::Table(_)) => {
+                let section = self.open(value, record).transpose()?;
+                section.map_or(Ok(()), |section| section.check_deep())
+            }
+            (Form::List(record), DeValue::Array(items)) => {
+                let mut items = items.iter();
+                items.try_for_each(|item| self.check_tables(item, Form::Table(record)))
+            }
+            (Form::Named(form), DeValue::Table(table)) => {
+                in_order(table).into_iter().try_for_each(|(name, value)| {
+                    check_form(self.text, name.get_ref(), *form, value)?;
+                    self.check_tables(value, *form)
+                })
+            }
+            (Form::Either(one, other), _) => {
+                let is_first = one.accepts(value);
+                self.check_tables(value, if is_first { *one } else { *other })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The byte at which a key stands; the table's where it is not there.
@@ -259,24 +313,30 @@ impl<'v, 't> Section<'v, 't> {
     }
 }
 
+/// The entries of a table in the order of the text.
+pub(super) fn in_order<'v, 't>(table: &'v DeTable<'t>) -> Vec<(&'v Name<'t>, &'v Value<'t>)> {
+    let mut entries: Vec<_> = table.iter().collect();
+    entries.sort_unstable_by_key(|(name, _)| name.span().start);
+    entries
+}
+
 /// Checks the form of a value; tables in it are checked when they are opened.
-fn check_form(text: Text<'_>, key: &Key, value: &Value<'_>) -> Checked<()> {
-    if key.form.accepts(value) {
+fn check_form(text: Text<'_>, name: &str, form: Form, value: &Value<'_>) -> Checked<()> {
+    if form.accepts(value) {
         return Ok(());
     }
-    let culprit = key.form.culprit(value).unwrap_or(value);
+    let culprit = form.culprit(value).unwrap_or(value);
     let came = culprit.get_ref();
-    let (name, got, words) = (key.name, named(came), key.form.words());
+    let (name, got, words) = (escape_controls(name), named(came), form.words());
     let what = if let Some(meant) = came.as_str().and_then(|word| suggestion(word, &words)) {
         format!("unknown {name} {got}, did you mean \"{meant}\"?")
     } else {
+        let mut expected = form.expected();
         // Most often two brackets are missing.
-        let hint = match key.form {
-            Form::List(record) if came.is_table() => format!("; write [[{}s]]", record.name),
-            _ => String::new(),
-        };
-        let expected = key.form.expected();
-        format!("`{name}` must be {expected}, got {got}{hint}")
+        if let Form::List(_) = form {
+            expected = format!("{expected}, [[{name}]]");
+        }
+        format!("`{name}` must be {expected}, got {got}")
     };
     Err(text.fault(culprit.span().start, what))
 }

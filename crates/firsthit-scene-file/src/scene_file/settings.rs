@@ -5,6 +5,10 @@
     reason = "tables are made when this is compiled, not when a file is read"
 )]
 
+use toml::de::DeValue;
+
+use super::document::{integer, number, numbers};
+use super::form::color;
 use super::section::Section;
 use super::table::{Form, Key, Pick, Variant, optional};
 use crate::geometry::{Domain, Setting, SettingsSchema, Value};
@@ -54,7 +58,7 @@ pub(super) const MOST: usize = 16;
 
 /// The keys of settings, and more that are not used.
 pub(super) const fn keys<const MOST: usize>(settings: &'static [Setting]) -> [Key; MOST] {
-    let mut keys = [optional(Form::Number); MOST];
+    let mut keys = [optional(Form::NUMBER); MOST];
     let mut place = 0;
     while place < settings.len() {
         let Setting {
@@ -65,7 +69,7 @@ pub(super) const fn keys<const MOST: usize>(settings: &'static [Setting]) -> [Ke
         } = settings[place];
         keys[place] = Key {
             name,
-            form: form(domain),
+            form: Form::Of(domain),
             is_required,
             about,
         };
@@ -91,20 +95,14 @@ pub(super) const fn variant(pick: Pick, keys: &'static [&'static [Key]]) -> Vari
     Variant { pick, keys, rules }
 }
 
-const fn form(domain: Domain) -> Form {
+/// The value that a domain may have.
+pub(super) fn value(raw: &DeValue<'_>, domain: Domain) -> Option<Value> {
     match domain {
-        Domain::Flag => Form::Boolean,
-        Domain::Number => Form::Number,
-        Domain::Between(low, high) => Form::Between(low, high),
-        Domain::Above(low) => Form::Above(low),
-        Domain::UpTo(most) => Form::UpTo(most),
-        Domain::From(least, most) => Form::From(least, most),
-        Domain::NonNegative => Form::NonNegative,
-        Domain::Positive | Domain::PositiveOrInfinite => Form::Positive,
-        Domain::Whole(least, most) => Form::Whole(least as i64, most as i64),
-        Domain::Position => Form::Vector,
-        Domain::Direction => Form::Direction,
-        Domain::Color | Domain::Light => Form::Color,
+        Domain::Flag => raw.as_bool().map(Value::Flag),
+        Domain::Position | Domain::Direction => numbers::<3>(raw).map(|v| Value::Vector(v.into())),
+        Domain::Color | Domain::Light => color(raw).map(Value::Vector),
+        Domain::Whole(..) => integer(raw).map(|whole| Value::Number(whole as f64)),
+        _ => number(raw).map(Value::Number),
     }
 }
 
@@ -116,15 +114,7 @@ pub(super) fn given(
 ) -> Vec<(&'static str, Value)> {
     let kind = kinds.iter().find(|kind| kind.name == name);
     let list = kind.map_or(&[][..], |kind| kind.settings);
-    let value = |setting: &Setting| {
-        let name = setting.name;
-        match setting.domain {
-            Domain::Flag => section.boolean(name).map(Value::Flag),
-            Domain::Position | Domain::Direction => section.vector(name).map(Value::Vector),
-            Domain::Color | Domain::Light => section.color(name).map(Value::Vector),
-            _ => section.number(name).map(Value::Number),
-        }
-    };
+    let value = |setting: &Setting| value(section.raw(setting.name)?, setting.domain);
     let given = list
         .iter()
         .map(|setting| Some((setting.name, value(setting)?)));

@@ -18,7 +18,7 @@ const COMMON: &[Key] = keys! {
     /// Lights that go with the camera, in place of the file's. Default: automatic light where nothing shines.
     light: optional(Form::OneOf(|| LightRig::NAMES.to_vec())),
     /// Whether there is a ground that only shadows are seen of, under everything. Default: with a set of lights but shoulder.
-    ground: optional(Form::Boolean),
+    ground: optional(Form::FLAG),
 };
 
 const SHADER: &str = "shader";

@@ -1,5 +1,7 @@
 //! The description of a table in a scene file: its keys, the forms of their values, and rules.
 
+use crate::geometry::Domain;
+
 /// A key and the form of its value.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Key {
@@ -49,6 +51,23 @@ pub(super) struct Record {
     pub(super) variants: &'static [Variant],
 }
 
+/// A kind of table: its name, its meaning, and a row for each variant, with its lists of keys and
+/// its rules.
+macro_rules! record {
+    ($name:expr, $about:expr; $($pick:expr => [$($keys:expr),*] $([$($rule:expr),* $(,)?])?;)+) => {
+        crate::scene_file::table::Record {
+            name: $name,
+            about: $about,
+            variants: &[$(crate::scene_file::table::Variant {
+                pick: $pick,
+                keys: &[$($keys),*],
+                rules: &[$($($rule),*)?],
+            }),+],
+        }
+    };
+}
+pub(super) use record;
+
 /// One form of a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Variant {
@@ -60,6 +79,14 @@ pub(super) struct Variant {
 impl Variant {
     pub(super) fn keys(&self) -> impl Iterator<Item = &'static Key> {
         self.keys.iter().flat_map(|group| group.iter())
+    }
+
+    /// The records whose keys its tables have, too.
+    pub(super) fn also(&self) -> impl Iterator<Item = &'static Record> + use<> {
+        self.rules.iter().filter_map(|rule| match rule {
+            Rule::Also(record) => Some(*record),
+            _ => None,
+        })
     }
 }
 
@@ -94,68 +121,56 @@ pub(super) enum Rule {
     Needs(&'static str, &'static str),
     /// Exactly one of the two has to be there.
     OneOf(&'static str, &'static str),
+    /// The table also has the keys of another record, and keeps its rules.
+    Also(&'static Record),
 }
 
 /// The form of a key's value.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Form {
-    /// A finite number.
-    Number,
-    /// A number above zero.
-    Positive,
-    /// A number from zero on.
-    NonNegative,
-    /// A number strictly between two.
-    Between(f64, f64),
-    /// A number from the first to the last.
-    From(f64, f64),
-    /// A positive number, up to the given one.
-    UpTo(f64),
-    /// A number above another.
-    Above(f64),
-    /// A whole number from the first to the last.
+    /// A value of a setting. Numbers are finite; colours may be linear red, green and blue, or sRGB
+    /// as `"#rrggbb"` or by a name of CSS.
+    Of(Domain),
+    /// A whole number from the first to the last, of 64 bits.
     Whole(i64, i64),
-    Boolean,
     /// Any text but an empty one.
     Text,
     /// A file's name.
     Path,
+    /// This word.
+    Word(&'static str),
     /// One of some words.
     OneOf(fn() -> Vec<&'static str>),
     /// One of some words, or a word with the beginning and something after it.
     OneOfOr(fn() -> Vec<&'static str>, &'static str),
-    /// One or more of some words, or of words with the beginning, if there is one.
-    SomeOf(fn() -> Vec<&'static str>, Option<&'static str>),
     /// Two numbers of which the second is larger.
     Range,
-    /// Three numbers.
-    Vector,
-    /// Three numbers that are not all zero.
-    Direction,
-    /// Linear red, green and blue, or sRGB as `"#rrggbb"` or by a name of CSS.
-    Color,
-    /// A colour, or `"transparent"`.
-    ColorOrTransparent,
-    /// A factor, or one for each axis.
+    /// A number of a form, or two that do not decrease.
+    Span(&'static Form),
+    /// A factor that is not zero, or one for each axis.
     Scale,
-    /// A positive distance, or a point.
-    Focus,
     /// `x, y, z, w`.
     Quaternion,
     /// Three or four rows of four numbers.
     Matrix,
-    /// Any number of points.
-    Points,
-    /// Any number of triples of indices.
-    Triples,
+    /// An array of items of a form: at least and at most so many.
+    Array(&'static Form, usize, usize),
+    /// A value of the one form or of the other.
+    Either(&'static Form, &'static Form),
     /// A table.
     Table(&'static Record),
-    /// A table, or an array of them.
-    TableOrList(&'static Record),
-    /// A number of degrees, or a table.
-    Turn(&'static Record),
     /// An array of tables.
     List(&'static Record),
-    /// Tables by name.
-    Named(&'static Record),
+    /// A table whose keys are names, and its values of a form.
+    Named(&'static Form),
+}
+
+impl Form {
+    pub(super) const NUMBER: Self = Self::Of(Domain::Number);
+    pub(super) const POSITIVE: Self = Self::Of(Domain::Positive);
+    pub(super) const NON_NEGATIVE: Self = Self::Of(Domain::NonNegative);
+    pub(super) const FLAG: Self = Self::Of(Domain::Flag);
+    pub(super) const VECTOR: Self = Self::Of(Domain::Position);
+    pub(super) const DIRECTION: Self = Self::Of(Domain::Direction);
+    pub(super) const COLOR: Self = Self::Of(Domain::Color);
 }

@@ -88,7 +88,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[objects]\nshape = 'box'\n",
-        "1:1: `objects` must be an array of tables, [[objects]], got a table; write [[objects]]",
+        "1:1: `objects` must be an array of tables, [[objects]], got a table",
     ),
     (
         "[[objects]]\nshape = 'shpere'\n",
@@ -108,11 +108,11 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\n",
-        "1:1: shape = \"sphere\" needs `radius`: a positive number",
+        "1:1: shape = \"sphere\" needs `radius`: a positive, finite number",
     ),
     (
         "[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = -1\n",
-        "4:10: `radius` must be a positive number, got -1",
+        "4:10: `radius` must be a positive, finite number, got -1",
     ),
     (
         "[[objects]]\nshape = 'box'\nlow = [0, 0, 0]\nhigh = [1, 1, 0]\n",
@@ -132,7 +132,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ),
     (
         "[[objects]]\nshape = 'mesh'\nvertices = [[0, 0, 0]]\ntriangles = [[0, 0, 0], [0, -1, 0]]\n",
-        "4:25: `triangles` must be an array of triangles, each three indices of vertices, got [0, -1, 0]",
+        "4:25: `triangles` must be an array, each item an array of 3, each item a whole number from 0 to 4294967295, got [0, -1, 0]",
     ),
     (
         "[[objects]]\nshape = 'box'\nfile = 'a.obj'\n",

@@ -1,0 +1,32 @@
+//! Plans of data sets.
+
+use std::path::PathBuf;
+
+use firsthit::Error;
+use firsthit::error::Place;
+use firsthit::scene_file::Mistake;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::errors::raise;
+
+/// The values of a plan as JSON. A mistake is told with its line and column in a file, and else
+/// with the table that it is in.
+#[pyfunction]
+pub(crate) fn read_plan(py: Python<'_>, text: &[u8], path: Option<PathBuf>) -> PyResult<String> {
+    let read = firsthit::scene_file::read_plan(text).map_err(|error| raise(py, &error))?;
+    read.map_err(|Mistake { place, table, what }| match path {
+        Some(path) => raise(py, &Error::Parse { path, place, what }),
+        None if table.is_empty() => PyValueError::new_err(format!("plan: {what}")),
+        None => PyValueError::new_err(format!("plan: {table}: {what}")),
+    })
+}
+
+/// The line and column in a plan to which keys and indices lead.
+#[pyfunction]
+pub(crate) fn place_in_plan(text: &[u8], way: Vec<String>) -> Option<(u64, u64)> {
+    match firsthit::scene_file::place_in_plan(text, &way) {
+        Some(Place::Position { line, column }) => Some((line, column)),
+        _ => None,
+    }
+}
