@@ -276,7 +276,10 @@ macro_rules! rig_cameras {
             $pixels,
             [],
             [FOV, SKEW, TILT],
-            [Rule::NotBoth("fov", "width"), Rule::Needs("fov_axis", "fov")]
+            [
+                Rule::NotBoth("fov", "width"),
+                Rule::Needs("fov_axis", "fov")
+            ]
         )
     };
 }
