@@ -5,6 +5,7 @@ import datetime
 import json
 import re
 import sys
+import tomllib
 from typing import get_args
 
 import firsthit as fh
@@ -565,3 +566,27 @@ def test_every_key_is_in_the_document():
     assert len(keys) > 150
     assert {"clearance", "dropout", "png_scale", "tilt_degrees", "line_rate", "k6"} <= keys
     assert [key for key in sorted(keys) if f"`{key}`" not in text] == []
+
+
+def test_the_schema_takes_what_the_reader_takes_and_nothing_else():
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads((ROOT / "docs" / "plan.schema.json").read_text())
+    judge = jsonschema.Draft202012Validator(schema)
+    judge.check_schema(schema)
+    for name in ("robot", "turntable"):
+        judge.validate(tomllib.loads((PLANS / f"{name}.toml").read_text()))
+    judge.validate(PLAN)
+    for change in (in_camera(colums=3), in_camera(fx=5.0), in_poses(radius=0), in_lidar(model="x")):
+        assert not judge.is_valid(plan(change))
+        with pytest.raises(ValueError, match="plan: "):
+            fh.Plan.from_dict(plan(change), PLANS)
+
+
+def test_the_focus_of_a_plan_s_camera_may_be_a_point():
+    def focused(focus):
+        return plan(in_camera(aperture=0.1, focus=focus, position=[1, 0, 0]))
+
+    by_distance, by_point = (
+        fh.Plan.from_dict(focused(focus), PLANS)._sensors[0].camera for focus in (4.0, [5, 2, 1])
+    )
+    assert by_distance == by_point
