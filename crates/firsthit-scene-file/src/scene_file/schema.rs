@@ -96,10 +96,12 @@ fn variant(variant: &Variant, is_open: bool) -> Json {
     }
     let mut schema = json!({"type": "object", "properties": properties});
     // Keys of the parts of a table count as evaluated, and not as its properties.
-    let has_parts = variant.also().next().is_some();
+    let others = match variant.also().next() {
+        Some(_) => "unevaluatedProperties",
+        None => "additionalProperties",
+    };
     if !is_open {
-        let others = ["additionalProperties", "unevaluatedProperties"];
-        insert(&mut schema, others[usize::from(has_parts)], json!(false));
+        insert(&mut schema, others, json!(false));
     }
     if !needed.is_empty() {
         insert(&mut schema, "required", json!(needed));
