@@ -1,4 +1,4 @@
-//! Sensors, channels, and the loop from rays to frames.
+//! Sensors, channels, the loop from rays to frames, and scans of laser scanners.
 //!
 //! It may never know how a scene is read.
 //!
@@ -8,6 +8,7 @@
 
 pub mod channel;
 pub mod render;
+pub mod scan;
 pub mod sensor;
 
 pub(crate) use firsthit_accel::shape;

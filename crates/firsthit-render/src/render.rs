@@ -463,6 +463,8 @@ pub fn origin(
         cryptomatte: (channels.iter())
             .filter_map(|kind| mattes::record(scene, kind))
             .collect(),
+        scan: None,
+        scans: None,
     }
 }
 

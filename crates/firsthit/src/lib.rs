@@ -81,7 +81,7 @@
 //! | `io` | `fhs`, `gltf`, `obj`, `off`, `ply`, `stl` and `scene-file`, the formats that [`load()`] reads; each is a feature too |
 //! | `image` | `exr`, `png`, `npy` (with NPZ) and `cloud` (PLY and PCD), the formats that [`image`] writes; each is a feature too |
 //! | `load` | [`mod@load`] and [`world`] without a format; each format that is read enables it |
-//! | `frame` | [`channel`], [`image`], [`render()`] and [`Render`] without a format; each of `image`'s formats enables it |
+//! | `frame` | [`channel`], [`image`], [`render()`], [`Render`] and [`scan`] without a format; each of `image`'s formats enables it |
 //!
 //! `fhs` also writes, and enables `frame`. `scene-file` enables `frame` too, since scene files name their outputs.
 //!
@@ -119,7 +119,7 @@ pub use firsthit_image::image;
 pub use firsthit_inspect::{explain, lint, section};
 #[cfg(feature = "frame")]
 #[doc(inline)]
-pub use firsthit_render::{channel, render, sensor};
+pub use firsthit_render::{channel, render, scan, sensor};
 #[doc(inline)]
 pub use firsthit_scene::scene;
 #[cfg(feature = "fhs")]

@@ -70,6 +70,8 @@ pub enum Unit {
     DirectionLength,
     /// Angles in radians.
     Radian,
+    /// Times in seconds.
+    Second,
 }
 
 /// The values of a [`Channel`], as they are stored in files.
@@ -409,6 +411,7 @@ impl Unit {
             Self::DirectionLength if !has_camera => Some("length of the ray's direction"),
             Self::SceneLength | Self::DirectionLength => Some("scene length"),
             Self::Radian => Some("radian"),
+            Self::Second => Some("second"),
         }
     }
 }

@@ -193,6 +193,8 @@ impl Metadata {
             first_pixel,
             names,
             mut cryptomatte,
+            scan,
+            scans,
         } = frame.origin.clone();
         // What is made from all samples of a pixel.
         let of_samples =
@@ -217,13 +219,20 @@ impl Metadata {
             state: has(STATE).then(|| digest(channels)),
             channels: (channels.iter())
                 .map(|channel| ChannelRecord::of(channel, has_units, stored(channel)))
+                .map(|record| {
+                    if scan.is_some() {
+                        record.of_returns()
+                    } else {
+                        record
+                    }
+                })
                 .collect(),
             camera,
             sensor,
             names: names.and_then(|names| names.of_channels(has)),
             cryptomatte,
-            scan: None,
-            scans: None,
+            scan,
+            scans,
         }
     }
 
@@ -307,6 +316,15 @@ impl ChannelRecord {
             miss: channel.miss().to_owned(),
             stored,
         }
+    }
+
+    /// The record of a channel that has no misses.
+    fn of_returns(mut self) -> Self {
+        let stored = self.stored.iter_mut().map(|stored| &mut stored.miss);
+        for miss in stored.chain([&mut self.miss]) {
+            "none".clone_into(miss);
+        }
+        self
     }
 }
 

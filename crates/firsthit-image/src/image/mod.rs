@@ -18,6 +18,8 @@ mod exr;
 mod file;
 mod format;
 mod frame;
+#[cfg(feature = "cloud")]
+mod las;
 mod metadata;
 mod names;
 #[cfg(feature = "npy")]
@@ -36,6 +38,7 @@ mod points;
 mod read;
 #[cfg(feature = "cloud")]
 mod read_points;
+mod returns;
 #[cfg(any(feature = "png", feature = "cloud"))]
 mod srgb;
 #[cfg(feature = "png")]
@@ -71,3 +74,4 @@ pub use points::is_point_cloud;
 pub use read::{read, read_bytes, read_regular};
 #[cfg(feature = "cloud")]
 pub use read_points::{Points, points_of, read_points};
+pub use returns::{SCAN_EXTENSIONS, write_scan};

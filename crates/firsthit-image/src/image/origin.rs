@@ -38,6 +38,12 @@ pub struct Origin {
     /// that it has.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub cryptomatte: BTreeMap<String, Cryptomatte>,
+    /// The settings of a laser scanner's scan; its elements are returns, none of which is a miss.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scan: Option<serde_json::Value>,
+    /// The scans that were put together, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scans: Option<serde_json::Value>,
 }
 
 /// The shading that made colours.

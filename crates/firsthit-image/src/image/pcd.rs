@@ -1,4 +1,4 @@
-//! Point clouds as binary PCD, version 0.7, for PCL and ROS: floats are float32, a colour is one number.
+//! Point clouds as binary PCD, version 0.7, for PCL and ROS: floats but times are float32, a colour is one number.
 
 use std::io::{self, Write};
 

@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::content::{Content, check_float32, refuse_mattes};
-use super::frame::{Channel, Data, Display};
+use super::frame::{Channel, Data, Display, Unit};
 use super::metadata::{Encoding, KEY, Stored};
 use super::srgb::{srgb, unpremultiplied};
 use crate::error::{Error, Result};
@@ -20,6 +20,9 @@ use crate::geometry::single;
 
 /// The channel whose numbers are the coordinates.
 pub(super) const POSITION: &str = "position";
+
+/// The channel of a scan that has them.
+const POINT: &str = "point";
 
 /// Readers keep a line of a header in 1024 bytes, or in 256.
 const LINE: usize = 200;
@@ -51,7 +54,8 @@ impl Layout {
         match (&channel.data, channel.display) {
             (_, Display::Color) if self.has_packed_colors => Type::Packed,
             (_, Display::Color) | (Data::Bool(_), _) => Type::Byte,
-            (Data::Float64(_), _) if self.has_doubles => Type::Float64,
+            // Seconds since 1970 take more digits than a float32 has.
+            (Data::Float64(_), _) if self.has_doubles || is_time(channel) => Type::Float64,
             (Data::Float64(_) | Data::Float32(_), _) => Type::Float32,
             (Data::Int32(_), _) => Type::Int32,
         }
@@ -64,7 +68,8 @@ impl Layout {
             ("color", 3) if self.has_packed_colors => named(&["rgb"]),
             ("color", _) if self.has_packed_colors => named(&["rgba"]),
             ("color", count) => named(&["red", "green", "blue", "alpha"][..count.min(4)]),
-            (POSITION, 3) => named(&["x", "y", "z"]),
+            (POSITION | POINT, 3) => named(&["x", "y", "z"]),
+            ("sensor_point", 3) => named(&["sensor_x", "sensor_y", "sensor_z"]),
             ("normal", 3) => named(&self.normal),
             ("uv", 2) => named(&["u", "v"]),
             // `z` is a coordinate.
@@ -92,8 +97,7 @@ impl Layout {
     pub(super) fn check(&self, content: &Content<'_>) -> Result<()> {
         let expected = "channels other than a Cryptomatte for a point cloud (use exr)";
         refuse_mattes(content, expected)?;
-        let is_position = |channel: &&Channel| channel.name == POSITION && channel.components == 3;
-        if !content.channels.iter().any(is_position) {
+        if !content.channels.iter().any(|channel| is_position(channel)) {
             let names: Vec<&str> = content.channels.iter().map(|c| &*c.name).collect();
             let expected = "position, and any others, for a point cloud";
             return Err(Error::argument("channel", expected, names.join(", ")));
@@ -119,6 +123,14 @@ impl Layout {
     }
 }
 
+fn is_position(channel: &Channel) -> bool {
+    matches!(&*channel.name, POSITION | POINT) && channel.components == 3
+}
+
+fn is_time(channel: &Channel) -> bool {
+    channel.description.unit == Unit::Second
+}
+
 /// The content with metadata that count its points.
 pub(super) fn counted(content: Content<'_>) -> Content<'_> {
     let count = points(&content).count() as u64;
@@ -131,7 +143,7 @@ pub(super) fn counted(content: Content<'_>) -> Content<'_> {
 /// The elements that are points.
 pub(super) fn points<'a>(content: &'a Content<'_>) -> impl Iterator<Item = usize> + 'a {
     let channels = content.channels.iter();
-    let positions = channels.filter(|channel| channel.name == POSITION);
+    let positions = channels.filter(|channel| is_position(channel));
     positions.flat_map(|channel| {
         let count = channel.data.len() / channel.components;
         let is_point = |index: &usize| {

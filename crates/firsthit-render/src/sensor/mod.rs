@@ -9,7 +9,7 @@ mod rays;
 mod rolling_shutter;
 
 pub use camera::{camera_of, camera_record};
-pub use lidar::{Lidar, LidarModel, Lissajous, Pattern, Raster, Rosette, Spinning, Turn};
+pub use lidar::{Lidar, LidarModel, Lissajous, Pattern, Raster, Return, Rosette, Spinning, Turn};
 pub use pushbroom::Pushbroom;
 pub use rays::RaySensor;
 pub use rolling_shutter::{Readout, RollingShutter};
