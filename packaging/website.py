@@ -55,7 +55,6 @@ CHAPTER_FILE = "chapter.html"
 #: What the program says of itself; options of these commands are with the Python package.
 HELP = "reference/program.md"
 OF_THE_PACKAGE = {
-    "scan": "sensors.md#on-the-command-line",
     "dataset": "datasets.md",
     "parts": "cluster.md",
     "pack": "datasets.md",

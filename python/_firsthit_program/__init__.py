@@ -21,7 +21,7 @@ _NATIVE = "firsthit._firsthit"
 
 #: The commands that are written in Python: `main` of the module of that name in `_COMMANDS` takes
 #: the arguments and returns the exit code. All others are in the native module.
-_IN_PYTHON = ("dataset", "pack", "parts", "scan")
+_IN_PYTHON = ("dataset", "pack", "parts")
 _COMMANDS = "firsthit._commands"
 
 

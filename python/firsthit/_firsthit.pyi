@@ -30,6 +30,7 @@ __all__ = [
     "Mesh",
     "PageServer",
     "Pattern",
+    "ScanSettings",
     "Scene",
     "Section",
     "Sensor",
@@ -66,6 +67,7 @@ __all__ = [
     "inside",
     "instruction_set",
     "is_input",
+    "join_scans",
     "lidar_models",
     "lint_kinds",
     "load",
@@ -83,6 +85,7 @@ __all__ = [
     "polygons",
     "read",
     "read_points",
+    "read_scan",
     "render",
     "render_more",
     "render_work",
@@ -92,6 +95,9 @@ __all__ = [
     "run_program",
     "sampling",
     "save",
+    "scan_columns",
+    "scan_extensions",
+    "scan_metadata",
     "shader_settings",
     "shoot",
     "shoot_all",
@@ -105,6 +111,7 @@ __all__ = [
     "visible",
     "write",
     "write_bytes",
+    "write_scan",
 ]
 
 _Vector = tuple[float, float, float]
@@ -312,11 +319,43 @@ class Sensor:
     def rays_of(self, pixels: npt.NDArray[np.int64]) -> tuple[_Doubles, _Doubles]: ...
     def distances(self, is_range: bool, pixels: npt.NDArray[np.int64], t: _Doubles) -> _Doubles: ...
     def places(self, pixels: npt.NDArray[np.int64]) -> _Doubles: ...
-    def spread(self, pixels: npt.NDArray[np.int64], divergence: float, count: int) -> _Doubles: ...
-    def returns(
-        self, pixels: npt.NDArray[np.int64], ranges: _Doubles, threads: int
-    ) -> tuple[_Doubles, _Doubles, _Integers, _Integers, _Integers, _Doubles]: ...
     def poses(self, pixels: npt.NDArray[np.int64]) -> _Doubles: ...
+
+#: Flat columns by their names, rows and columns of beams, and the JSON of an origin.
+ScanParts = tuple[Sequence[tuple[str, npt.NDArray[Any]]], Sequence[int], str]
+
+@final
+class ScanSettings:
+    def __new__(
+        cls,
+        returns: str,
+        divergence: float | None,
+        subrays: int,
+        range_gate: float,
+        max_returns: int | None,
+        limits: tuple[float, float],
+        intensity: bool,
+        noise: tuple[float, float] | None,
+        dropout: float | None,
+        seed: int | None,
+        rings: str,
+    ) -> ScanSettings: ...
+    def record(self) -> str: ...
+    def warning(self) -> str | None: ...
+    def lines(self) -> int: ...
+
+def scan_columns(
+    scene: Scene,
+    sensor: Sensor,
+    settings: ScanSettings,
+    threads: int,
+    report: _Report | None,
+) -> list[tuple[str, npt.NDArray[Any]]]: ...
+def scan_metadata(names: Sequence[str], count: int, origin: str) -> str: ...
+def join_scans(scans: Sequence[ScanParts]) -> ScanParts: ...
+def write_scan(path: Path, scan: ScanParts) -> None: ...
+def read_scan(path: Path) -> ScanParts: ...
+def scan_extensions() -> list[str]: ...
 
 @final
 class Pattern:

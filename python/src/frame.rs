@@ -331,7 +331,7 @@ fn frame(
     Ok(frame)
 }
 
-fn data(array: &Bound<'_, PyAny>) -> PyResult<Data> {
+pub(crate) fn data(array: &Bound<'_, PyAny>) -> PyResult<Data> {
     if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f64>>() {
         return Ok(Data::Float64(copied(
             values.as_slice().map_err(not_contiguous)?,

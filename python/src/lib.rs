@@ -23,6 +23,7 @@ mod measure;
 mod nearest;
 mod plan;
 mod run;
+mod scan;
 mod scene;
 mod section;
 mod sensor;
@@ -75,6 +76,11 @@ mod _firsthit {
     use crate::plan::{place_in_plan, read_plan};
     #[pymodule_export]
     use crate::run::all_threads;
+    #[pymodule_export]
+    use crate::scan::{
+        ScanSettings, join_scans, read_scan, scan_columns, scan_extensions, scan_metadata,
+        write_scan,
+    };
     #[pymodule_export]
     use crate::scene::{Scene, check_transforms};
     #[pymodule_export]

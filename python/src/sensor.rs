@@ -14,7 +14,6 @@ use firsthit::{DAffine3, DMat3, DQuat, DVec3, Error, Pose};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rayon::prelude::*;
 
 use crate::arrays::{collected, copied, not_contiguous};
 use crate::camera::{Camera, RayArraysOut, checked_pixels, distances_of, ray_arrays, rays_of_rows};
@@ -30,16 +29,6 @@ pub(crate) struct Sensor {
     any: Arc<dyn AnySensor + Send + Sync>,
     lidar: Option<Arc<Lidar>>,
 }
-
-/// Points in the world and in the scanner's frame, flat; rings, rows, columns; times.
-type ReturnsOut<'py> = (
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<f64>>,
-    Bound<'py, PyArray1<i32>>,
-    Bound<'py, PyArray1<i32>>,
-    Bound<'py, PyArray1<i32>>,
-    Bound<'py, PyArray1<f64>>,
-);
 
 /// The sensor that makes the rays of a picture.
 #[derive(FromPyObject)]
@@ -69,7 +58,7 @@ impl Sensor {
         })
     }
 
-    fn lidar_of(&self) -> PyResult<&Lidar> {
+    pub(crate) fn lidar_of(&self) -> PyResult<&Lidar> {
         let no_lidar = || PyValueError::new_err("expected a lidar");
         self.lidar.as_deref().ok_or_else(no_lidar)
     }
@@ -78,11 +67,6 @@ impl Sensor {
 /// A pose from the rows of its matrix.
 fn pose_of(rows: [[f64; 4]; 4]) -> firsthit::Result<Pose> {
     Pose::from_matrix(&Convention::OpenGl.pose(rows)?)
-}
-
-/// An array of `count` zeros, or a `MemoryError`.
-fn zeros<T: Copy + Default>(count: usize) -> PyResult<Vec<T>> {
-    collected(count, std::iter::repeat_n(T::default(), count))
 }
 
 fn vectors(flat: &[f64]) -> PyResult<Vec<DVec3>> {
@@ -229,77 +213,6 @@ impl Sensor {
         });
         let places: Vec<[f64; 3]> = places.collect();
         Ok(PyArray1::from_vec(py, places.into_flattened()))
-    }
-
-    /// Directions that fill the cones of the beams of some pixels of a lidar: `count` for each, one
-    /// after the other.
-    fn spread<'py>(
-        &self,
-        py: Python<'py>,
-        pixels: PyReadonlyArray1<'py, i64>,
-        divergence: f64,
-        count: usize,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let lidar = self.lidar_of()?;
-        let pixels: Vec<usize> = checked_pixels(&pixels, self.any.len())?.collect();
-        let all = pixels.len().saturating_mul(count);
-        let mut directions = collected(all, std::iter::repeat_n(DVec3::ZERO, all))?;
-        run(py, 0, |_| {
-            let cones = directions.par_chunks_exact_mut(count.max(1));
-            cones
-                .zip(&pixels)
-                .try_for_each(|(cone, &pixel)| lidar.spread(pixel, divergence, cone))
-        })?;
-        let flat = directions.iter().flat_map(DVec3::to_array);
-        Ok(PyArray1::from_vec(py, collected(3 * all, flat)?))
-    }
-
-    /// The returns of a lidar, by the pixels of their beams and their ranges: points in the world
-    /// and in its own frame, flat, rings, rows, columns, and times.
-    fn returns<'py>(
-        &self,
-        py: Python<'py>,
-        pixels: PyReadonlyArray1<'py, i64>,
-        ranges: PyReadonlyArray1<'py, f64>,
-        threads: usize,
-    ) -> PyResult<ReturnsOut<'py>> {
-        let lidar = self.lidar_of()?;
-        let pixels: Vec<usize> = checked_pixels(&pixels, self.any.len())?.collect();
-        let ranges = ranges.as_slice().map_err(not_contiguous)?;
-        if ranges.len() != pixels.len() {
-            return Err(PyValueError::new_err("expected a range for each pixel"));
-        }
-        let count = pixels.len();
-        let [mut points, mut sensor_points] = [zeros(3 * count)?, zeros(3 * count)?];
-        let [mut rings, mut rows, mut columns] = [zeros(count)?, zeros(count)?, zeros(count)?];
-        let mut times = zeros(count)?;
-        run(py, threads, |_| {
-            let all = (
-                pixels.par_iter().zip(ranges),
-                points.par_chunks_exact_mut(3),
-                sensor_points.par_chunks_exact_mut(3),
-                (&mut rings, &mut rows, &mut columns).into_par_iter(),
-                &mut times,
-            );
-            let all = all.into_par_iter().with_min_len(1 << 12);
-            all.for_each(
-                |((&pixel, &range), point, own, (ring, row, column), time)| {
-                    let it = lidar.return_at(pixel, range);
-                    point.copy_from_slice(&it.point.to_array());
-                    own.copy_from_slice(&it.sensor_point.to_array());
-                    (*ring, *row, *column, *time) = (it.ring, it.row, it.column, it.time);
-                },
-            );
-            Ok(())
-        })?;
-        Ok((
-            PyArray1::from_vec(py, points),
-            PyArray1::from_vec(py, sensor_points),
-            PyArray1::from_vec(py, rings),
-            PyArray1::from_vec(py, rows),
-            PyArray1::from_vec(py, columns),
-            PyArray1::from_vec(py, times),
-        ))
     }
 
     /// The matrices of a lidar's poses at the times of some pixels, row by row.

@@ -191,9 +191,9 @@ def test_another_version_of_the_answer_is_refused(tmp_path):
     fh.dataset(made, tmp_path, part=(1, 7))
     path = tmp_path / "job.json"
     write_job(path, known_job(path) | {"answer": 0})
-    with pytest.raises(fh.FileWriteError, match="its answer is 0, this one's 1"):
+    with pytest.raises(fh.FileWriteError, match="its answer is 0, this one's 2"):
         fh.dataset(made, tmp_path)
-    path.write_text(path.read_text().replace('"answer": 0', '"answer": 1'))
+    path.write_text(path.read_text().replace('"answer": 0', '"answer": 2'))
     with pytest.raises(fh.FileFormatError, match="its check does not fit what it says"):
         fh.dataset(made, tmp_path)
     path.write_text("{}")
@@ -461,8 +461,8 @@ def test_every_format_has_the_same_bytes_again(tmp_path):
 
 def test_a_missing_package_is_told_before_anything_is_made(tmp_path, monkeypatch):
     monkeypatch.setattr("firsthit._lidar.lidar_scan.find_spec", lambda name: None)
-    made = fh.Plan.from_dict(plan(lambda made: made["output"].update(clouds="laz")), PLANS)
-    with pytest.raises(ImportError, match="laz takes the package laspy"):
+    made = fh.Plan.from_dict(plan(lambda made: made["output"].update(clouds="parquet")), PLANS)
+    with pytest.raises(ImportError, match="parquet takes the package pyarrow"):
         fh.dataset(made, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

@@ -127,7 +127,7 @@ fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
 }
 
 /// A direction, an axis by its name.
-fn axis(direction: DVec3) -> String {
+pub(crate) fn axis(direction: DVec3) -> String {
     let axes = [(DVec3::X, "+x"), (DVec3::Y, "+y"), (DVec3::Z, "+z")];
     let named = axes.into_iter().find(|&(axis, _)| axis == direction);
     named.map_or_else(|| triple(direction), |(_, name)| name.to_owned())
@@ -435,6 +435,18 @@ fn posed(
     path: &Path,
     convention: Convention,
 ) -> Result<Description, Failure> {
+    let pose = convention.pose(matrix_of_file(path)?);
+    let pose = pose.map_err(|error| Failure::from(error).in_file(path))?;
+    Ok(Description {
+        position: Some(pose.translation),
+        aim: Some(Aim::Along(DVec3::ZERO - pose.matrix3.z_axis)),
+        up: Some(pose.matrix3.y_axis),
+        ..*described
+    })
+}
+
+/// The matrix of a pose in a text file; a rotation that is rounded becomes the nearest one.
+pub(crate) fn matrix_of_file(path: &Path) -> Result<[[f64; 4]; 4], Failure> {
     /// A matrix takes less than this, in bytes.
     const LARGEST: u64 = 1 << 16;
     let wrong = |what: &str| Failure::bad_input(format!("{}: {what}", escaped(path)));
@@ -458,14 +470,7 @@ fn posed(
         warn(&[format!("{}: {}", escaped(path), rounded_pose(off))]);
         pose = turned;
     }
-    let pose = convention.pose(pose);
-    let pose = pose.map_err(|error| wrong(&error.to_string()))?;
-    Ok(Description {
-        position: Some(pose.translation),
-        aim: Some(Aim::Along(DVec3::ZERO - pose.matrix3.z_axis)),
-        up: Some(pose.matrix3.y_axis),
-        ..*described
-    })
+    Ok(pose)
 }
 
 /// The lens of an intrinsic matrix or of numbers by name, if there are any.

@@ -197,9 +197,14 @@ Examples:
   firsthit scan city.glb --lidar VLP-16 --position 0,1.8,0
   firsthit scan city.ply --lidar os1-64 --trajectory drive.csv -o drive.las
   firsthit scan part.stl --elevations -25,15,64 --columns 2048 -o part.pcd
+  firsthit scan hall.ply --raster 70,40 --rows 96 --columns 160 -o hall.npz
+  firsthit scan yard.ply --rosette 38.4 --frequencies 121.6,-77.7 \\
+      --points 10000 --point-rate 100000 --turns 5 -o yard.pcd
+  firsthit scan wood.obj --lidar HDL-32E --divergence 0.003 --range-gate 0.3 \\
+      --returns all --noise 0.02 --seed 1 -o wood.laz -o wood.npz
 
-This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit. \
-docs/sensors.md has the scanners, and what each number of a return means.";
+Lengths are in the unit of the 3D file. Azimuths count from forwards to the left. docs/sensors.md has the scanners' sources, and what each \
+number of a return means.";
 
 pub(crate) const DATASET_EXAMPLES: &str = "\
 Examples:

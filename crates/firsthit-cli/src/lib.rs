@@ -110,7 +110,7 @@ fn dispatch(cli: Cli) -> Result<(), Failure> {
         Command::Diff(args) => commands::diff::run(&args),
         Command::Section(args) => commands::section::run(&args, &interrupted),
         Command::Lint(args) => commands::lint::run(&args, &interrupted),
-        Command::Scan(_) => commands::in_python::run("scan"),
+        Command::Scan(args) => commands::scan::run(&args, &interrupted),
         Command::Dataset(_) => commands::in_python::run("dataset"),
         Command::Parts(_) => commands::in_python::run("parts"),
         Command::Pack(_) => commands::in_python::run("pack"),

@@ -154,7 +154,7 @@ impl Loaded {
 }
 
 /// The objects with a name, or else the one with that identifier.
-fn called(objects: &[Object], name: &str) -> Result<Vec<usize>, Failure> {
+pub(crate) fn called(objects: &[Object], name: &str) -> Result<Vec<usize>, Failure> {
     let named = objects.iter().enumerate();
     let named = named.filter(|(_, object)| object.name() == name);
     let named: Vec<usize> = named.map(|(identifier, _)| identifier).collect();

@@ -1,5 +1,7 @@
 //! Parsers for values on the command line.
 
+use std::str::FromStr;
+
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use firsthit::camera::{Focus, FovAxis, PixelMatrix, StandardView};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
@@ -11,7 +13,7 @@ use firsthit::measure::FillRule;
 use firsthit::scene::{Build, ColorBy};
 use firsthit::scene_file::nearest_word;
 use firsthit::shade::LightRig;
-use firsthit::{Background, Color, DVec3, Light, ToneMap};
+use firsthit::{Background, Color, DVec3, Error, Light, ToneMap};
 
 /// A camera's target: a point, or the middle of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +44,14 @@ fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f
     numbers
         .and_then(|numbers| numbers.try_into().ok())
         .ok_or_else(|| format!("expected {form}"))
+}
+
+/// The name of a variant.
+pub(crate) fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err = Error> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names).try_map(|name| name.to_lowercase().parse())
 }
 
 /// The name of a view.
@@ -145,6 +155,58 @@ pub(crate) fn memory(text: &str) -> Result<u64, String> {
         .and_then(|number| number.checked_mul(1 << shift))
         .filter(|&bytes| bytes > 0)
         .ok_or_else(|| "expected a whole number of bytes, or of K, M, G or T, such as 500M".into())
+}
+
+/// Two numbers.
+pub(crate) fn pair(text: &str) -> Result<[f64; 2], String> {
+    numbers::<2>(
+        text,
+        ',',
+        "two finite numbers with a comma between them, such as 70,40",
+    )
+}
+
+/// A whole number from 1 on.
+pub(crate) fn count(text: &str) -> Result<usize, String> {
+    let count = text.trim().parse().ok().filter(|&count: &usize| count > 0);
+    count.ok_or_else(|| "expected a whole number from 1 on".into())
+}
+
+/// The elevations of lasers, in degrees.
+#[derive(Debug, Clone)]
+pub(crate) struct Elevations(pub(crate) Vec<f64>);
+
+/// The lowest and the highest of some lasers at even angles, and how many there are.
+pub(crate) fn elevations(text: &str) -> Result<Elevations, String> {
+    /// A pattern has no more beams.
+    const MOST: f64 = (1 << 26) as f64;
+    let form =
+        "LOW,HIGH,N: degrees that do not fall and a whole number of lasers, such as -15,15,16";
+    let [low, high, lasers] = numbers::<3>(text, ',', form)?;
+    if low > high || lasers.fract() != 0.0 || !(1.0..=MOST).contains(&lasers) {
+        return Err(format!("expected {form}"));
+    }
+    let (last, step) = (lasers - 1.0, (high - low) / (lasers - 1.0));
+    let angle = |k: i32| match f64::from(k) {
+        k if k == 0.0 => low,
+        k if k == last => high,
+        k => low + k * step,
+    };
+    Ok(Elevations((0..lasers as i32).map(angle).collect()))
+}
+
+/// A standard deviation: a length, and a share of the range.
+pub(crate) fn noise(text: &str) -> Result<[f64; 2], String> {
+    let form = "one or two finite numbers with a comma between them, such as 0.02,0.001";
+    let alone = numbers::<1>(text, ',', form).map(|[length]| [length, 0.0]);
+    alone.or_else(|_| numbers::<2>(text, ',', form))
+}
+
+/// The class of the objects of a name.
+pub(crate) fn class(text: &str) -> Result<(String, u8), String> {
+    let parts = text.rsplit_once('=').filter(|(name, _)| !name.is_empty());
+    let class = parts.and_then(|(name, class)| Some((name.to_owned(), class.parse().ok()?)));
+    class.ok_or_else(|| "expected a name and a whole number from 0 to 255, such as ground=2".into())
 }
 
 pub(crate) fn vector(text: &str) -> Result<DVec3, String> {

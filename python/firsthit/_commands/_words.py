@@ -1,8 +1,7 @@
-"""Numbers, directions and places in what commands say."""
+"""Numbers and directions in what commands say."""
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -29,19 +28,6 @@ _AXES = {(1.0, 0.0, 0.0): "+x", (0.0, 1.0, 0.0): "+y", (0.0, 0.0, 1.0): "+z"}
 def triple(vector: Iterable[float]) -> str:
     """Return three numbers as options take them, such as ``0,1.8,0``."""
     return ",".join(f"{number:g}" for number in vector)
-
-
-def place(point: Iterable[float], extent: float) -> str:
-    """Return a place in a scene that reaches so far, to six digits and to a millionth of that."""
-    return ",".join(_coordinate(number, extent) for number in point)
-
-
-def _coordinate(number: float, extent: float) -> str:
-    step = extent * 1e-6
-    if not (math.isfinite(number) and math.isfinite(step) and number and step):
-        return f"{number:g}"
-    digits = math.floor(math.log10(abs(number))) - math.floor(math.log10(step)) + 1
-    return f"{number:.{min(max(digits, 6), 17)}g}"
 
 
 def direction(vector: Sequence[float]) -> str:

@@ -15,7 +15,7 @@ from firsthit._sensors.conventions import pose4, rigid
 from firsthit._sensors.sensor import OtherSensor
 from firsthit._sensors.trajectory import checked
 
-from .scan import ScanSettings, scanned
+from .scan import scanned, settings_of
 
 if TYPE_CHECKING:
     import os
@@ -625,9 +625,9 @@ class Lidar(OtherSensor):
         dropout : float, optional
             The probability, from 0 to 1, that a return is lost.
         seed : int, optional
-            Must be given with ``noise`` or ``dropout``, from 0 on and below 2^63. The numbers are
-            those of NumPy's ``Generator(Philox(key=...))``, and those of a beam's return depend on
-            the seed, the beam and the return's number alone.
+            Must be given with ``noise`` or ``dropout``, from 0 on and below 2^63. The random
+            numbers of a beam's return are hashes of the seed, the beam and the return's number, so
+            they depend on nothing else.
         rings : {"maker", "lowest-first"}
             How ``ring`` counts: the makers' numbers, as `ring` has them; or from 0 for the laser
             whose lowest beam is the lowest, as drivers of ROS for Velodynes count.
@@ -673,13 +673,14 @@ class Lidar(OtherSensor):
         >>> round(float(scan.range.min()), 3)
         3.0
         """
-        settings = ScanSettings.of(
+        settings = settings_of(
             returns=returns,
             divergence=divergence,
             subrays=subrays,
             range_gate=range_gate,
             max_returns=max_returns,
-            limits=(min_range, max_range),
+            min_range=min_range,
+            max_range=max_range,
             intensity=intensity,
             noise=noise,
             dropout=dropout,

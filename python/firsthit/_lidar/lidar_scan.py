@@ -16,9 +16,6 @@ from firsthit import _firsthit
 from firsthit._base.arrays import flag, lock
 from firsthit._base.log import timed
 
-from . import las
-from .scan_file import metadata, read_scan
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
@@ -31,22 +28,17 @@ if TYPE_CHECKING:
 #: What the columns of vectors are called in tables.
 _VECTORS = {"point": ("x", "y", "z"), "sensor_point": ("sensor_x", "sensor_y", "sensor_z")}
 
-#: What columns are called in a PCD, for PCL and ROS, and as which type.
-_SINGLES = ("x", "y", "z", "intensity", "range", "incidence", "sensor_x", "sensor_y", "sensor_z")
-
-#: The packages that formats take beside this one, and what pip calls them together.
-_PACKAGES = {
-    ".laz": (("laspy", "lazrs"), "'laspy[lazrs]'"),
-    ".parquet": (("pyarrow",), "pyarrow"),
-}
-
 
 def lacking(extension: str) -> str | None:
     """Return why a format cannot be written, ``None`` if it can be: what has to be installed."""
-    packages, wanted = _PACKAGES.get(extension, ((), ""))
-    if all(find_spec(package) is not None for package in packages):
+    if extension != ".parquet" or find_spec("pyarrow") is not None:
         return None
-    return f"a {extension} takes the package {' with '.join(packages)}: pip install {wanted}"
+    return "a .parquet takes the package pyarrow: pip install pyarrow"
+
+
+def shaped(columns: Iterable[tuple[str, npt.NDArray[Any]]]) -> dict[str, npt.NDArray[Any]]:
+    """Return flat columns as arrays over returns."""
+    return {name: column.reshape(-1, 3) if name in _VECTORS else column for name, column in columns}
 
 
 class ScanOrigin:
@@ -86,12 +78,7 @@ class LidarScan:
 
     #: The extensions that `save` knows.
     EXTENSIONS: ClassVar[tuple[str, ...]] = (
-        ".npz",
-        ".ply",
-        ".pcd",
-        ".las",
-        ".laz",
-        ".csv",
+        *(f".{extension}" for extension in _firsthit.scan_extensions()),
         ".parquet",
     )
 
@@ -156,23 +143,7 @@ class LidarScan:
         for part in parts:
             if not isinstance(part, LidarScan):
                 raise TypeError(f"joined takes LidarScans, got {part!r}")
-        if not parts:
-            raise ValueError("scans must be at least one, got none")
-        for what, each in (
-            ("as many rows", [part.shape[0] for part in parts]),
-            ("the same arrays", [part.keys() for part in parts]),
-        ):
-            if other := next((one for one in each if one != each[0]), None):
-                raise ValueError(f"scans must have {what}, got {each[0]} and {other}")
-        before = np.cumsum([0, *(part.shape[1] for part in parts)])
-        if before[-1] >= 2**31:
-            raise ValueError(f"scans must have fewer than 2^31 columns in all, got {before[-1]}")
-        names = parts[0].keys()
-        arrays = {name: np.concatenate([part[name] for part in parts]) for name in names}
-        arrays["column"] += np.repeat(before[:-1], [len(part) for part in parts]).astype(np.int32)
-        said: dict[str, Any] = json.loads(parts[0]._said())
-        said["scans"] = [digests for part in parts for digests in part._digests()]
-        return cls._of(arrays, (parts[0].shape[0], int(before[-1])), json.dumps(said))
+        return cls._whole(_firsthit.join_scans([part._parts() for part in parts]))
 
     @classmethod
     def from_hits(
@@ -253,26 +224,25 @@ class LidarScan:
         FileFormatError
             For what is no such file; also a `ValueError`.
         """
-        return cls._of(*read_scan(path))
+        return cls._whole(_firsthit.read_scan(Path(path)))
 
     def _said(self) -> str:
         """Return what was scanned, and how, as JSON."""
         origin = self._origin
         return origin if isinstance(origin, str) else origin.text()
 
-    def _digests(self) -> list[dict[str, Any]]:
-        """Return of each scan here the digests of the scanner and the scene, and the settings."""
-        said: dict[str, Any] = json.loads(self._said())
-        alone = [
-            {
-                "sensor": said["sensor"]["digest"],
-                "columns": said["sensor"]["columns"],
-                "scene": said["scene"],
-                "scan": said.get("scan"),
-            }
+    def _parts(self) -> _firsthit.ScanParts:
+        """Return flat columns, the shape and the origin, as the native half takes them."""
+        columns = [
+            (name, np.ascontiguousarray(array).reshape(-1)) for name, array in self._arrays.items()
         ]
-        digests: list[dict[str, Any]] = said.get("scans", alone)
-        return digests
+        return columns, self._shape, self._said()
+
+    @classmethod
+    def _whole(cls, parts: _firsthit.ScanParts) -> LidarScan:
+        """Return the scan of such parts."""
+        columns, (rows, width), origin = parts
+        return cls._of(shaped(columns), (rows, width), origin)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -360,7 +330,9 @@ class LidarScan:
         The form is that of `Frame.metadata`, with the shape ``[n]`` and, under ``scan``, the
         settings of `Lidar.scan`; those of `joined` scans have a list ``scans``.
         """
-        return metadata(self._said(), self._arrays)
+        said = _firsthit.scan_metadata(self.keys(), len(self), self._said())
+        made: dict[str, Any] = json.loads(said)
+        return made
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         """Return an array by its name; a ``KeyError`` where there is none."""
@@ -430,8 +402,8 @@ class LidarScan:
             ``.npz``, ``.ply`` and ``.csv`` are exact; a ``.pcd`` has lengths and angles as float32,
             for PCL and ROS. ``.las`` is LAS 1.4 with point format 6: coordinates are rounded to
             steps of 1e-4 scene units, of 1e-3 where these do not reach, and so on; what the format
-            has no place for is in extra bytes. ``.laz`` is the same compressed, and takes the
-            package ``laspy`` with ``lazrs``; ``.parquet`` takes ``pyarrow``.
+            has no place for is in extra bytes. ``.laz`` is the same packed. ``.parquet`` takes the
+            package ``pyarrow``.
 
         Raises
         ------
@@ -443,66 +415,14 @@ class LidarScan:
             If the system refuses to write it; an old file is as it was. Also an `OSError`.
         """
         suffix = Path(path).suffix.lower()
-        makers = {
-            ".npz": self._npz,
-            ".ply": self._ply,
-            ".pcd": self._pcd,
-            ".las": self._las,
-            ".laz": self._laz,
-            ".csv": self._csv,
-            ".parquet": self._parquet,
-        }
-        if suffix not in makers:
+        if suffix not in self.EXTENSIONS:
             known = ", ".join(self.EXTENSIONS)
             raise ValueError(f"path must end in one of {known}, got {os.fspath(path)}")
         with timed("wrote %s", path):
-            _firsthit.write_bytes(Path(path), makers[suffix]())
-
-    def _npz(self) -> bytes:
-        out = io.BytesIO()
-        said = np.array(json.dumps(self.metadata))
-        arrays: dict[str, Any] = {**self._arrays, "metadata": said}
-        np.savez(out, **arrays)
-        return out.getvalue()
-
-    def _ply(self) -> bytes:
-        table = self.to_dict()
-        names = {"f8": "double", "i4": "int"}
-        lines = ["ply", "format binary_little_endian 1.0"]
-        lines += [f"comment firsthit {part}" for part in _split(json.dumps(self.metadata))]
-        lines.append(f"element vertex {len(self)}")
-        lines += [f"property {names[array.dtype.str[1:]]} {name}" for name, array in table.items()]
-        return "\n".join([*lines, "end_header", ""]).encode() + _records(table)
-
-    def _pcd(self) -> bytes:
-        table = {
-            name: _as_single(name, array) if name in _SINGLES else array
-            for name, array in self.to_dict().items()
-        }
-        kinds = [array.dtype.str[1:] for array in table.values()]
-        lines = ["# .PCD v0.7 - Point Cloud Data file format"]
-        lines += [f"# firsthit {part}" for part in _split(json.dumps(self.metadata))]
-        lines.append("VERSION 0.7")
-        lines.append("FIELDS " + " ".join(table))
-        lines.append("SIZE " + " ".join(kind[1:] for kind in kinds))
-        lines.append("TYPE " + " ".join(kind[0].upper() for kind in kinds))
-        lines.append("COUNT " + " ".join("1" for _ in kinds))
-        lines += [f"WIDTH {len(self)}", "HEIGHT 1", "VIEWPOINT 0 0 0 1 0 0 0"]
-        lines += [f"POINTS {len(self)}", "DATA binary", ""]
-        return "\n".join(lines).encode() + _records(table)
-
-    def _las(self) -> bytes:
-        return las.encode(self)
-
-    def _laz(self) -> bytes:
-        return las.compress(las.encode(self))
-
-    def _csv(self) -> bytes:
-        table = self.to_dict()
-        # Python's numbers show as many digits as tell them apart.
-        columns = [map(repr, array.tolist()) for array in table.values()]
-        lines = map(",".join, zip(*columns, strict=True))
-        return "\n".join([",".join(table), *lines, ""]).encode()
+            if suffix == ".parquet":
+                _firsthit.write_bytes(Path(path), self._parquet())
+            else:
+                _firsthit.write_scan(Path(path), self._parts())
 
     def _parquet(self) -> bytes:
         try:
@@ -537,26 +457,3 @@ class LidarScan:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as it is."""
         return LidarScan._of, (self._arrays, self._shape, self._said())
-
-
-def _split(line: str, most: int = 1000) -> list[str]:
-    """Cut a text into parts: some readers keep no long lines."""
-    return [line[first : first + most] for first in range(0, len(line), most)]
-
-
-def _records(table: dict[str, npt.NDArray[Any]]) -> bytes:
-    """Return rows of a table, little-endian, one after the other."""
-    kinds = [(name, array.dtype.newbyteorder("<")) for name, array in table.items()]
-    records = np.empty(len(next(iter(table.values()))), kinds)
-    for name, array in table.items():
-        records[name] = array
-    return records.tobytes()
-
-
-def _as_single(name: str, array: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
-    """Return the nearest float32; what it cannot hold is an error, not an infinity."""
-    with np.errstate(over="ignore"):
-        single = array.astype(np.float32)
-    if not np.isfinite(single).all():
-        raise ValueError(f"{name} must be within float32 for a .pcd; a .ply or an .npz holds it")
-    return single

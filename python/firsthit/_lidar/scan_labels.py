@@ -1,4 +1,4 @@
-"""Numbers of a scan's returns by the scanner's lasers and the scene's objects."""
+"""Classes of a scan's returns, by the scene's objects."""
 
 from __future__ import annotations
 
@@ -32,13 +32,3 @@ def classes_of(
     for key, number in classes.items():
         made[list(chosen(objects, key))] = count(f"classes[{key!r}]", number, 0, _MOST)
     return made
-
-
-def from_lowest(ring: npt.NDArray[np.int32], elevation: npt.NDArray[np.float64]) -> dict[int, int]:
-    """Return the place of each laser from the lowest on, by its number."""
-    numbers, which = np.unique(ring, return_inverse=True)
-    lowest = np.full(len(numbers), np.inf)
-    np.minimum.at(lowest, which.reshape(-1), elevation.reshape(-1))
-    # Of equal ones that with the lower number.
-    order = np.argsort(lowest, kind="stable")
-    return {int(numbers[laser]): place for place, laser in enumerate(order)}

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ._plan import Plan
 
 #: Counts up when the same plan makes other frames.
-ANSWER = 1
+ANSWER = 2
 
 
 def job_of(plan: Plan, marks: list[Mark]) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit._lidar.lidar import Lidar
-from firsthit._lidar.scan import ScanSettings
+from firsthit._lidar.scan import settings_of
 
 from ._cameras import matrix
 from ._paths import inside
@@ -90,18 +90,8 @@ def _scan_options(table: Table) -> dict[str, Any]:
         noise = table.numbers("noise")
         made["noise"] = tuple(noise) if isinstance(noise, list) else noise
     with table.blaming():
-        ScanSettings.of(
-            returns=made.get("returns", "first"),
-            divergence=made.get("divergence"),
-            subrays=made.get("subrays", 16),
-            range_gate=made.get("range_gate", 0.0),
-            max_returns=made.get("max_returns"),
-            limits=(made.get("min_range", 0.0), made.get("max_range", float("inf"))),
-            intensity=made.get("intensity", False),
-            noise=made.get("noise"),
-            dropout=made.get("dropout"),
-            seed=0,
-        )
+        given = {name: value for name, value in made.items() if name != "classes"}
+        settings_of(**given, seed=0)
     return made
 
 

@@ -10,6 +10,7 @@ mod look;
 mod picture;
 mod queries;
 mod run;
+mod scan;
 
 pub(crate) use camera::CameraArgs;
 pub(crate) use look::{ColorsArgs, EdgeArgs, LightingArgs};
@@ -19,6 +20,7 @@ pub(crate) use queries::{
     SectionArgs, ShootArgs, SolidArgs, StreamFormat, ViewArgs, VisibleArgs,
 };
 pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
+pub(crate) use scan::{PlaceArgs, ScanArgs, ScannerArgs};
 
 use clap::{Parser, Subcommand};
 
@@ -64,9 +66,8 @@ pub(crate) enum Command {
     Section(SectionArgs),
     /// Find what may be wrong with a 3D file: holes, flipped faces, self-intersections and more.
     Lint(LintArgs),
-    /// Scan a 3D file with a laser scanner: its returns as a point cloud (Python package).
-    #[command(after_help = help::SCAN_EXAMPLES)]
-    Scan(InPythonArgs),
+    /// Scan a 3D file with a laser scanner: points, ranges, rings, times and more of all returns, as a point cloud.
+    Scan(Box<ScanArgs>),
     /// Make the frames and annotations of a plan: scenes, sensors and poses (Python package).
     #[command(after_help = help::DATASET_EXAMPLES)]
     Dataset(InPythonArgs),

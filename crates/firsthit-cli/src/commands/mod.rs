@@ -21,6 +21,8 @@ mod listing;
 pub(crate) mod nearest;
 pub(crate) mod probe;
 pub(crate) mod render;
+pub(crate) mod scan;
+mod scanner;
 pub(crate) mod schema;
 pub(crate) mod section;
 pub(crate) mod shoot;

@@ -77,6 +77,18 @@ fn ctrl_c_ends_the_wait_for_rays() {
 }
 
 #[test]
+fn ctrl_c_ends_a_long_scan() {
+    let lab = Lab::with_square();
+    let long = "scan square.ply --lidar os1-128 --turns 100000 --position 0,0,1";
+    let outcome = interrupt(lab.start(long));
+    assert_eq!(
+        (outcome.code, &*outcome.stderr),
+        (130, "firsthit: error: interrupted\n")
+    );
+    assert_eq!(lab.names(), ["square.ply"]);
+}
+
+#[test]
 fn ctrl_c_at_any_moment_leaves_no_other_file() {
     let lab = Lab::with_square();
     let render =

@@ -36,6 +36,7 @@ mod probe;
 mod progressive;
 mod rays;
 mod reading;
+mod scan;
 mod scene_file;
 mod section;
 mod shoot;

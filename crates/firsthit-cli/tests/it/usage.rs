@@ -276,8 +276,6 @@ fn a_command_of_the_python_package_says_where_it_is() {
     for arguments in [
         "dataset",
         "dataset plan.toml -o out --part 1/2",
-        "scan",
-        "scan part.stl --lidar VLP-16 --position -1,0,0 -o part.las",
         "parts",
         "parts out --verify",
         "pack",
