@@ -66,7 +66,7 @@ impl ScanSettings {
         self.0.lines()
     }
 
-    /// What is probably not meant.
+    /// The warning of settings that are probably not meant.
     fn warning(&self) -> Option<String> {
         self.0.warning()
     }

@@ -186,13 +186,14 @@ pub(crate) fn elevations(text: &str) -> Result<Elevations, String> {
     if low > high || lasers.fract() != 0.0 || !(1.0..=MOST).contains(&lasers) {
         return Err(format!("expected {form}"));
     }
-    let (last, step) = (lasers - 1.0, (high - low) / (lasers - 1.0));
-    let angle = |k: i32| match f64::from(k) {
-        k if k == 0.0 => low,
-        k if k == last => high,
-        k => low + k * step,
-    };
-    Ok(Elevations((0..lasers as i32).map(angle).collect()))
+    #[expect(clippy::cast_possible_truncation, reason = "it is below 2^27")]
+    let last = lasers as i32 - 1;
+    let step = (high - low) / f64::from(last);
+    let angles = (1..last).map(|k| low + f64::from(k) * step);
+    let ends = (last > 0).then_some(high);
+    Ok(Elevations(
+        std::iter::once(low).chain(angles).chain(ends).collect(),
+    ))
 }
 
 /// A standard deviation: a length, and a share of the range.

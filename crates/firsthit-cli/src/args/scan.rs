@@ -13,7 +13,7 @@ use crate::help;
 use crate::values::{self, named};
 
 #[derive(Debug, Args)]
-#[command(after_help = help::SCAN_EXAMPLES)]
+#[command(after_help = help::SCAN_EXAMPLES, override_usage = "firsthit scan [OPTIONS] <SCANNER> <FILE>")]
 pub(crate) struct ScanArgs {
     /// The 3D file: glTF, GLB, OBJ, PLY, STL, OFF or FHS, or a scene file (TOML)
     pub(crate) file: PathBuf,
@@ -132,7 +132,7 @@ pub(crate) struct PlaceArgs {
     /// Which ways the axes of the body in --trajectory point [default: forwards-left-up for csv and ros; tum and kitti need it]
     #[arg(long, value_name = "AXES", value_parser = named::<BodyAxes>(BodyAxes::NAMES), requires = "trajectory")]
     pub(crate) body: Option<BodyAxes>,
-    /// What is between the poses [default: linear]
+    /// The motion between the poses [default: linear]
     #[arg(long, value_name = "HOW", value_parser = named::<Interpolation>(Interpolation::NAMES), requires = "trajectory")]
     pub(crate) interpolation: Option<Interpolation>,
     /// Whether beams before and after the trajectory are refused, or it stays where it is (hold) [default: refuse]

@@ -67,12 +67,14 @@ pub(crate) fn run(args: &ScanArgs, interrupted: &AtomicBool) -> Result<(), Failu
         if !args.run.quiet {
             let mut what = format!("{} of {rows} x {columns} beams", counted(returns, "return"));
             if scanner.turns > 1 {
-                what += &format!(" in {} turns", scanner.turns);
+                what = format!("{what} in {} turns", scanner.turns);
             }
-            what += &guessed.map_or(String::new(), |guessed| format!("; guessed: {guessed}"));
-            outputs
-                .iter()
-                .for_each(|path| say(format_args!("{}: {what}", escaped(path))));
+            if let Some(guessed) = guessed {
+                what = format!("{what}; guessed: {guessed}");
+            }
+            for path in &outputs {
+                say(format_args!("{}: {what}", escaped(path)));
+            }
         }
         Ok(())
     })

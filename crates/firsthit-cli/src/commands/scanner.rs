@@ -139,8 +139,6 @@ impl<'a> Scanner<'a> {
         let args = self.args;
         let rate = args.rate.unwrap_or(10.0);
         let start = self.start + turn as f64 / rate;
-        let needed =
-            |kind: &str, option: &str| Failure::usage(format!("--{kind} needs --{option}"));
         if let Some(model) = args.lidar {
             return Ok(model.pattern(rate, args.columns, start)?);
         }
@@ -172,9 +170,15 @@ impl<'a> Scanner<'a> {
                 start,
             })?);
         }
-        if let Some(table) = &self.table {
-            return Ok(table.clone());
+        match &self.table {
+            Some(table) => Ok(table.clone()),
+            None => self.curve(turn),
         }
+    }
+
+    /// The points of a turn, whose curve continues from turn to turn.
+    fn curve(&self, turn: usize) -> Result<Pattern, Failure> {
+        let args = self.args;
         let kind = if args.rosette.is_some() {
             "rosette"
         } else {
@@ -185,7 +189,6 @@ impl<'a> Scanner<'a> {
             .ok_or_else(|| needed(kind, "frequencies"))?;
         let points = args.points.ok_or_else(|| needed(kind, "points"))?;
         let point_rate = args.point_rate.ok_or_else(|| needed(kind, "point-rate"))?;
-        // The curve continues from turn to turn.
         let start = self.start + turn as f64 * points as f64 / point_rate;
         let made = match (args.rosette, args.lissajous) {
             (_, Some([horizontal_fov, vertical_fov])) => Pattern::lissajous(&Lissajous {
@@ -220,26 +223,17 @@ impl<'a> Scanner<'a> {
             _ => return Ok(1),
         };
         let rate = args.rate.unwrap_or(10.0);
-        let (rate, too_long) = match (args.points, args.point_rate) {
-            (Some(points), Some(rate)) => (
-                rate / points as f64,
-                format!(
-                    "the {} s of {points} points: say --turns or fewer --points",
-                    number(points as f64 / rate)
-                ),
-            ),
-            _ => {
-                let noun = if args.raster.is_some() {
-                    "picture"
-                } else {
-                    "turn"
-                };
-                let turn = number(1.0 / rate);
-                (
-                    rate,
-                    format!("a {noun} of {turn} s: say --turns or another --rate"),
-                )
-            }
+        let (rate, too_long) = if let (Some(points), Some(rate)) = (args.points, args.point_rate) {
+            let turn = number(points as f64 / rate);
+            let what = format!("the {turn} s of {points} points: say --turns or fewer --points");
+            (rate / points as f64, what)
+        } else {
+            let noun = args.raster.map_or("turn", |_| "picture");
+            let turn = number(1.0 / rate);
+            (
+                rate,
+                format!("a {noun} of {turn} s: say --turns or another --rate"),
+            )
         };
         // A turn that is longer by rounding alone fits.
         let turns = (seconds * rate + 1e-6).floor();
@@ -249,8 +243,18 @@ impl<'a> Scanner<'a> {
                 number(seconds)
             )));
         }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "too many are refused"
+        )]
         Ok(turns as usize)
     }
+}
+
+/// The failure of a scanner that lacks an option.
+fn needed(kind: &str, option: &str) -> Failure {
+    Failure::usage(format!("--{kind} needs --{option}"))
 }
 
 /// Refuses options of other scanners.

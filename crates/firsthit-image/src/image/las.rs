@@ -5,6 +5,12 @@
 //! 2. What the format has no place for is in extra bytes behind each point.
 //! 3. The metadata are a record behind the points, where it may be longer than 64 KiB, as that of a long drive is.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "what LAS holds is within what its types hold"
+)]
+
 use std::io::Cursor;
 
 use ::laz::laszip::LazItemRecordBuilder;
@@ -30,9 +36,9 @@ const PACKED: u8 = 1 << 7;
 const WKT: u16 = 1 << 4;
 
 /// The most returns of a pulse that four bits hold.
-const MOST_RETURNS: usize = 15;
+const MOST_RETURNS: i32 = 15;
 
-/// What follows each point: its name, the number of its type in LAS, its bytes, and what it is.
+/// The columns behind each point: the name, the number of the type in LAS, the bytes, and the meaning.
 const EXTRA: [(&str, u8, u16, &str); 6] = [
     ("range", 10, 8, "distance along the beam"),
     ("incidence", 9, 4, "angle to the normal, rad"),
@@ -56,10 +62,8 @@ pub(super) fn encode(frame: &Frame, is_packed: bool) -> Result<Vec<u8>> {
     let (points, _) = doubles(frame, "point")?.as_chunks::<3>();
     let steps = Steps::over(corners(points.iter().copied()))?;
     let (rows, bounds) = rows(frame, points, &steps)?;
-    let extra: u16 = EXTRA.iter().map(|column| column.2).sum();
-    let record = POINT + extra;
     let how = is_packed.then(|| {
-        let items = LazItemRecordBuilder::default_for_point_format_id(FORMAT, extra);
+        let items = LazItemRecordBuilder::default_for_point_format_id(FORMAT, extra_bytes());
         LazVlr::from_laz_items(items.expect("LASzip knows format 6"))
     });
     let mut records = vlr("LASF_Spec", 4, &EXTRA.map(described).concat(), KEY);
@@ -83,7 +87,7 @@ pub(super) fn encode(frame: &Frame, is_packed: bool) -> Result<Vec<u8>> {
         }
     }
     let mut out = file.into_inner();
-    let (end, count) = (out.len() as u64, points.len() as u64);
+    let end = out.len() as u64;
     let said = frame.metadata().to_json();
     out.extend(record_header::<8>(
         KEY,
@@ -92,7 +96,19 @@ pub(super) fn encode(frame: &Frame, is_packed: bool) -> Result<Vec<u8>> {
         "metadata, JSON",
     ));
     out.extend(said.bytes());
-    let format = if is_packed { FORMAT | PACKED } else { FORMAT };
+    let header = header(frame, [u64::from(start), end], is_packed, &steps, bounds)?;
+    out[..HEADER as usize].copy_from_slice(&header);
+    Ok(out)
+}
+
+/// The header of a file whose points begin and end at `places`.
+fn header(
+    frame: &Frame,
+    [start, end]: [u64; 2],
+    is_packed: bool,
+    steps: &Steps,
+    [low, high]: Corners,
+) -> Result<Vec<u8>> {
     let mut head = Vec::new();
     head.extend(b"LASF");
     head.extend([0, WKT].map(u16::to_le_bytes).concat());
@@ -106,27 +122,28 @@ pub(super) fn encode(frame: &Frame, is_packed: bool) -> Result<Vec<u8>> {
     // There is no day: the same scan has the same bytes.
     head.extend([0; 4]);
     head.extend((HEADER as u16).to_le_bytes());
-    let record_count = 1 + u32::from(is_packed);
-    head.extend([start, record_count].map(u32::to_le_bytes).concat());
-    head.push(format);
-    head.extend(record.to_le_bytes());
+    let records = 1 + u32::from(is_packed);
+    head.extend([start as u32, records].map(u32::to_le_bytes).concat());
+    head.push(if is_packed { FORMAT | PACKED } else { FORMAT });
+    head.extend((POINT + extra_bytes()).to_le_bytes());
     // Counts of 32 bits, which format 6 leaves at 0.
     head.extend([0; 24]);
     head.extend([steps.scale; 3].map(f64::to_le_bytes).concat());
     head.extend(steps.offset.map(f64::to_le_bytes).concat());
-    for axis in 0..3 {
-        head.extend(
-            [bounds[1][axis], bounds[0][axis]]
-                .map(f64::to_le_bytes)
-                .concat(),
-        );
+    for (high, low) in high.into_iter().zip(low) {
+        head.extend([high, low].map(f64::to_le_bytes).concat());
     }
     head.extend([0, end].map(u64::to_le_bytes).concat());
     head.extend(1_u32.to_le_bytes());
-    head.extend(count.to_le_bytes());
+    let count: usize = frame.shape().iter().product();
+    head.extend((count as u64).to_le_bytes());
     head.extend(by_return(frame)?.map(u64::to_le_bytes).concat());
-    out[..HEADER as usize].copy_from_slice(&head);
-    Ok(out)
+    Ok(head)
+}
+
+/// The number of bytes behind a point.
+fn extra_bytes() -> u16 {
+    EXTRA.iter().map(|column| column.2).sum()
 }
 
 /// The points, one after the other, and the corners of what they are as steps.
@@ -203,12 +220,12 @@ fn corners(mut points: impl Iterator<Item = [f64; 3]>) -> Corners {
 
 /// A number of returns; what LAS cannot count is the last that it can.
 fn told(number: i32) -> u8 {
-    number.clamp(0, MOST_RETURNS as i32) as u8
+    number.clamp(0, MOST_RETURNS) as u8
 }
 
 /// The number of points of each number of return.
-fn by_return(frame: &Frame) -> Result<[u64; MOST_RETURNS]> {
-    let mut counts = [0; MOST_RETURNS];
+fn by_return(frame: &Frame) -> Result<[u64; MOST_RETURNS as usize]> {
+    let mut counts = [0; MOST_RETURNS as usize];
     for &number in integers(frame, "return_number")? {
         if let Some(place) = told(number).checked_sub(1) {
             counts[usize::from(place)] += 1;
@@ -288,7 +305,7 @@ fn padded<const N: usize>(text: &str) -> [u8; N] {
     made
 }
 
-/// What LASzip says of a file in memory.
+/// The error of `LASzip` for a file in memory.
 fn no_memory(error: impl std::fmt::Display) -> Error {
     Error::Limit {
         what: "packed points",

@@ -206,7 +206,7 @@ fn table_of(rows: &[Row], has_intensity: bool) -> Result<Vec<(String, Data)>> {
         let mut column = Data::Float64(Vec::new());
         column.reserve(rows.len(), rows.first().map_or(1, |row| value(row).len()))?;
         if let Data::Float64(values) = &mut column {
-            rows.iter().for_each(|row| values.extend(value(row)));
+            values.extend(rows.iter().flat_map(value));
         }
         Ok((name.to_owned(), column))
     };
@@ -351,7 +351,9 @@ impl Scan {
             .zip(other.frame.into_channels());
         let joined = pairs.map(|(mut channel, mut more)| {
             if let ("column", Data::Int32(columns)) = (&*more.name, &mut more.data) {
-                columns.iter_mut().for_each(|column| *column += before);
+                for column in columns {
+                    *column += before;
+                }
             }
             channel.data.append(more.data);
             (channel.name.into_owned(), channel.data)

@@ -8,7 +8,7 @@ use super::returns::Kept;
 use super::settings::ScanSettings;
 use crate::sampling::Draws;
 
-/// What happens to the range of a return.
+/// The changes of the ranges of returns.
 pub(super) struct Noise {
     seed: u64,
     spread: Option<[f64; 2]>,

@@ -130,11 +130,9 @@ fn numbers(column: &Column, count: usize, array: Array) -> std::result::Result<D
 
 /// A shape as NumPy writes it.
 fn tuple(shape: &[usize]) -> String {
-    match shape {
-        [one] => format!("({one},)"),
-        _ => {
-            let sides: Vec<String> = shape.iter().map(ToString::to_string).collect();
-            format!("({})", sides.join(", "))
-        }
+    if let [one] = shape {
+        return format!("({one},)");
     }
+    let sides: Vec<String> = shape.iter().map(ToString::to_string).collect();
+    format!("({})", sides.join(", "))
 }

@@ -144,7 +144,7 @@ impl ScanSettings {
         Ok(())
     }
 
-    /// What is probably not meant: lines of a cone that end as returns of their own, which no receiver has, where that is seen.
+    /// A warning of lines of a cone that end as returns of their own, which no receiver has, where that is seen.
     pub fn warning(&self) -> Option<String> {
         let is_told = self.returns != Returns::First || self.intensity;
         let splits = self.lines() > 1 && is_told && self.range_gate == 0.0;

@@ -41,13 +41,6 @@ const fn point(name: &'static str, frame: &'static str, about: &'static str) -> 
     }
 }
 
-const fn optional(column: Column) -> Column {
-    Column {
-        is_optional: true,
-        ..column
-    }
-}
-
 /// All of them, in their order.
 pub(super) const COLUMNS: [Column; 14] = [
     point(
@@ -88,14 +81,20 @@ pub(super) const COLUMNS: [Column; 14] = [
         "number_of_returns",
         "returns of the beam, kept or not; max_returns at most",
     ),
-    optional(column(
-        "intensity",
-        false,
-        Unit::None,
-        None,
-        "share of the light that comes back",
-    )),
-    optional(whole("classification", "class of the object that was met")),
+    Column {
+        is_optional: true,
+        ..column(
+            "intensity",
+            false,
+            Unit::None,
+            None,
+            "share of the light that comes back",
+        )
+    },
+    Column {
+        is_optional: true,
+        ..whole("classification", "class of the object that was met")
+    },
 ];
 
 /// The channel of that name with `data`.
