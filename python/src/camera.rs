@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use firsthit::camera::{
-    ColmapImages, ColmapModel, Convention, Description, FovAxis, PixelMatrix, Projection,
+    ColmapModel, Convention, Description, FovAxis, PixelMatrix, Projection,
 };
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
+use firsthit::load::{colmap_files, read_colmap};
 use firsthit::render::{Sample, framing_camera};
 use firsthit::sensor::{Sensor, camera_of};
 use firsthit::watch::Watch;
@@ -14,7 +15,6 @@ use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::pybacked::PyBackedBytes;
 use rayon::prelude::*;
 
 use crate::arrays::{collected, not_contiguous};
@@ -29,7 +29,7 @@ pub(crate) struct Camera(pub(crate) firsthit::Camera);
 
 /// The camera's frame: position, aim, right, upwards.
 /// Cameras by the names of their images, and the images of other models, with these.
-type ColmapOut = (Vec<(String, Camera)>, Vec<(String, &'static str)>);
+type ColmapOut = (Vec<(String, Camera)>, Vec<(String, &'static str)>, PathBuf);
 
 type CameraFrame = ([f64; 3], [f64; 3], [f64; 3], [f64; 3]);
 
@@ -133,17 +133,15 @@ impl Camera {
         models.collect()
     }
 
-    /// The cameras of a reconstruction by COLMAP, with their images' names: from the content of two files and their paths.
+    /// The cameras of a reconstruction by COLMAP, with their images' names: of its folder, or of two files; and the file of images.
     #[staticmethod]
-    fn of_colmap(
-        py: Python<'_>,
-        content: [PyBackedBytes; 2],
-        paths: [PathBuf; 2],
-    ) -> PyResult<ColmapOut> {
+    fn of_colmap(py: Python<'_>, cameras: PathBuf, images: Option<PathBuf>) -> PyResult<ColmapOut> {
         let read = || {
-            let [cameras, images] = &content;
-            let paths = paths.each_ref().map(PathBuf::as_path);
-            let images = ColmapImages::read([cameras, images], paths)?;
+            let [cameras, of_images] = match images {
+                Some(images) => [cameras, images],
+                None => colmap_files(&cameras)?,
+            };
+            let images = read_colmap([&cameras, &of_images])?;
             let (mut made, mut unsupported) = (Vec::new(), Vec::new());
             let cameras = images.cameras().zip(images.unsupported());
             for (name, (camera, unsupported_model)) in images.names().zip(cameras) {
@@ -152,7 +150,7 @@ impl Camera {
                     None => made.push((name.to_owned(), Self(camera?))),
                 }
             }
-            Ok((made, unsupported))
+            Ok((made, unsupported, of_images))
         };
         py.detach(read).map_err(|error| raise(py, &error))
     }

@@ -1,12 +1,13 @@
 //! Makes a camera of the command line's words.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use firsthit::camera::{
-    Aim, ColmapImages, Convention, Description, Lens, Opening, PixelMatrix, StandardView,
-    Viewplane, orthonormalised, rounded_pose,
+    Aim, Convention, Description, Lens, Opening, PixelMatrix, StandardView, Viewplane,
+    orthonormalised, rounded_pose,
 };
 use firsthit::error::{escape_controls, escaped};
+use firsthit::load;
 use firsthit::sensor::camera_of;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Camera, DVec3, Projection, Scene};
@@ -204,17 +205,11 @@ fn of_output(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
 
 /// The camera of an image of a reconstruction, if one is named.
 fn of_colmap(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
-    /// The largest size of each file, in bytes: the points of ten thousand images may come to half
-    /// of it.
-    const LARGEST: u64 = 1 << 32;
     let Some(folder) = &args.colmap else {
         return Ok(None);
     };
-    let paths = colmap_files(folder)?;
-    let [cameras, images] = &paths;
-    let read = |path: &Path| firsthit::image::read_regular(path, LARGEST);
-    let content = [&*read(cameras)?, &*read(images)?];
-    let reconstruction = ColmapImages::read(content, [cameras, images])?;
+    let [cameras, images] = &load::colmap_files(folder)?;
+    let reconstruction = load::read_colmap([cameras, images])?;
     let named = args.image.as_ref().map(|name| reconstruction.camera(name));
     if let Some(Some(camera)) = named {
         return Ok(Some(camera?));
@@ -231,40 +226,6 @@ fn of_colmap(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
     };
     let images = escaped(images);
     Err(Failure::usage(format!("{what}: {images} has {there}")))
-}
-
-/// The two files of a reconstruction's folder, in binary or else in text. Neither may be elsewhere, as by a symbolic link.
-fn colmap_files(folder: &Path) -> Result<[PathBuf; 2], Failure> {
-    let wrong = |what: &str| Failure::bad_input(format!("{}: {what}", escaped(folder)));
-    let refuse = |source| firsthit::Error::Read {
-        path: folder.to_owned(),
-        source,
-    };
-    let top = folder.canonicalize().map_err(refuse)?;
-    if !top.is_dir() {
-        return Err(wrong("expected the folder of a COLMAP reconstruction"));
-    }
-    let named = |suffix| ["cameras", "images"].map(|name| folder.join(name).with_extension(suffix));
-    let mut pairs = ["bin", "txt"].into_iter().map(named);
-    let is_there = |pair: &[PathBuf; 2]| pair.iter().all(|path| path.symlink_metadata().is_ok());
-    let Some(pair) = pairs.find(is_there) else {
-        return Err(wrong(
-            "expected cameras.bin and images.bin, or cameras.txt and images.txt in the folder",
-        ));
-    };
-    for path in &pair {
-        let there = path
-            .canonicalize()
-            .map_err(|source| firsthit::Error::Read {
-                path: path.clone(),
-                source,
-            })?;
-        if !there.starts_with(&top) {
-            let what = "refused: it leads outside the reconstruction's folder";
-            return Err(Failure::bad_input(format!("{}: {what}", escaped(path))));
-        }
-    }
-    Ok(pair)
 }
 
 /// The file's description of the camera that is asked for, or that it is to be looked through.

@@ -1,5 +1,7 @@
 //! Reads a mesh, a model or a scene file.
 
+mod colmap;
+
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -14,6 +16,7 @@ use crate::world::{World, WorldFormat, unknown_variant};
 
 pub use crate::io::{LoadSettings, UNITS, polygons};
 pub use crate::world::loaded::Loaded;
+pub use colmap::{colmap_files, read_colmap};
 
 /// The formats whose files say how their scenes look, of those that this crate was compiled with.
 const WORLD_FORMATS: &[&WorldFormat] = &[

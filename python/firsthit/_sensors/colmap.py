@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.errors import FileFormatError, FileMissingError, FileReadError, blaming
+from firsthit._base.errors import FileReadError, blaming
 
 from .conventions import quaternion
 
@@ -88,25 +87,6 @@ def from_camera(camera: Camera) -> ColmapCamera:
 _NO_DISTORTION = frozenset(
     ("fx", "fy", "cx", "cy", "skew", "focal_length", "width", "height", "aperture", "focus")
 )
-
-
-def files(folder: str | os.PathLike[str]) -> tuple[Path, Path]:
-    """Return the files of cameras and images in a folder, neither of which may be elsewhere."""
-    top = Path(folder)
-    for suffix in ("bin", "txt"):
-        cameras, images = top / f"cameras.{suffix}", top / f"images.{suffix}"
-        # A link that leads nowhere is there: it is an error, and no reason to read the others.
-        if not all(path.exists() or path.is_symlink() for path in (cameras, images)):
-            continue
-        for path in (cameras, images):
-            if not path.resolve().is_relative_to(top.resolve()):
-                why = "refused: it leads outside the reconstruction's folder"
-                raise FileFormatError(f"{path}: {why}", str(path))
-        return cameras, images
-    if not top.exists():
-        raise FileMissingError(f"{top}: {os.strerror(errno.ENOENT)}", str(top))
-    expected = "cameras.bin and images.bin, or cameras.txt and images.txt in a folder"
-    raise FileFormatError(f"{top}: expected {expected}", str(top))
 
 
 def content(path: str | os.PathLike[str]) -> bytes:

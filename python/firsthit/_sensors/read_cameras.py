@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -11,9 +11,10 @@ from firsthit import _firsthit
 from firsthit._base.arrays import count
 from firsthit._base.errors import warn
 
-from . import calibrations, colmap, conventions
+from . import calibrations, conventions
 
 if TYPE_CHECKING:
+    import os
     from typing import Literal
 
     import numpy.typing as npt
@@ -58,16 +59,14 @@ class ReadCameras:
             which are no lenses here: they are left out.
         """
         kind = cast("type[Camera]", cls)
-        if images is None:
-            cameras, images = colmap.files(cameras)
-        content = colmap.content(cameras), colmap.content(images)
-        paths = os.fspath(cameras), os.fspath(images)
-        read, unsupported = _firsthit.Camera.of_colmap(content, paths)
+        read, unsupported, path = _firsthit.Camera.of_colmap(
+            Path(cameras), None if images is None else Path(images)
+        )
         if unsupported:
             images_, models = zip(*unsupported, strict=True)
             which = f"{len(images_)} images are left out, such as {images_[0]!r}"
             known = ", ".join(sorted(set(models)))
-            warn(f"{paths[1]}: {which}: their models are not supported ({known})")
+            warn(f"{path}: {which}: their models are not supported ({known})")
         return {name: kind._of(native) for name, native in read}
 
     @classmethod
