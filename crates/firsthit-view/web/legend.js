@@ -14,6 +14,9 @@ const DIGITS = 4;
 /** @type {Legend | null} */
 let now = null;
 
+// On a phone it begins folded: it would cover a quarter of the picture.
+element("legend").open = !matchMedia("(max-width: 50rem)").matches;
+
 /** The numbers from the top down. @param {[number, number]} range */
 function numbers([low, high]) {
     const steps = Array.from({ length: STEPS + 1 }, (_, k) => high + (k / STEPS) * (low - high));
