@@ -55,11 +55,11 @@ pub(super) fn trace_picture(
 
 /// The rays of a square, block by block.
 struct Square<'a> {
-    /// Those of the picture.
+    /// The rays of the picture.
     rays: &'a dyn Rays,
-    /// Which of them is the square's first.
+    /// The number of the square's first ray.
     first: usize,
-    /// From row to row.
+    /// The number of rays from row to row.
     stride: usize,
     size: [usize; 2],
 }
