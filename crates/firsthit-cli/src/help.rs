@@ -213,7 +213,7 @@ Examples:
   firsthit dataset plan.toml -o out/ --part 3/8
   firsthit dataset plan.toml -o out/ --workers 4
 
-This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit. \
+This command is written in Python and comes with the Python package, whose program shows all its options here: pip install . in a clone, see README.md. \
 docs/datasets.md has the plan's keys.";
 
 pub(crate) const PARTS_EXAMPLES: &str = "\
@@ -223,7 +223,7 @@ Examples:
 
 Exit codes: 0 all parts are there, 1 some are missing, 2 wrong usage, 3 a folder that is that of no job.
 
-This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit.";
+This command is written in Python and comes with the Python package, whose program shows all its options here: pip install . in a clone, see README.md.";
 
 pub(crate) const PACK_EXAMPLES: &str = "\
 Examples:
@@ -231,7 +231,7 @@ Examples:
   firsthit pack out/ -o shards/ --size 300
   firsthit pack out/ -o shards/ --parts 100
 
-This command is written in Python and comes with the Python package, whose program shows all its options here: pip install firsthit. \
+This command is written in Python and comes with the Python package, whose program shows all its options here: pip install . in a clone, see README.md. \
 docs/datasets.md has what is in a tar file.";
 
 pub(crate) const DEMO_EXAMPLES: &str = "\

@@ -368,7 +368,7 @@ pub(crate) struct ViewArgs {
 /// The arguments of a command that is written in Python, which alone understands them.
 #[derive(Debug, Args)]
 pub(crate) struct InPythonArgs {
-    /// The arguments of the command: its help comes with the Python package (pip install firsthit)
+    /// The arguments of the command: its help comes with the Python package (pip install . in a clone, see README.md)
     #[arg(
         value_name = "ARGUMENTS",
         trailing_var_arg = true,

@@ -282,7 +282,7 @@ fn a_command_of_the_python_package_says_where_it_is() {
         "pack out -o shards --size 300",
     ] {
         let command = arguments.split(' ').next().unwrap();
-        let says = "comes with the Python package: pip install firsthit";
+        let says = "comes with the Python package: pip install . in a clone";
         lab.fails(arguments, 2, &format!("firsthit {command} {says}"));
     }
 }
