@@ -208,7 +208,7 @@ def test_a_notebook_s_kernel_answers_its_page(driver: webdriver.Chrome) -> None:
 
     scene = fh.Scene()
     scene.add(fh.Box((-1, -1, -1), (1, 1, 1)), name="box")
-    widget = widgets.PageWidget(scene.view(title="boxed", engine="kernel")._viewer, 500)
+    widget = widgets.PageWidget(scene.view(title="boxed", engine="kernel")._viewer, 500, "1")
     told: list[tuple[dict[str, object], list[bytes]]] = []
     widget.send = lambda message, buffers=(): told.append((message, list(buffers)))
     turn = threading.Lock()

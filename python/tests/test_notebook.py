@@ -18,7 +18,7 @@ def scene():
 
 def test_what_a_notebook_shows_is_the_file_that_is_saved(tmp_path):
     view = scene().view(title="<b>box</b>", engine="page", height=300)
-    shown = view._repr_mimebundle_()["text/html"]
+    shown = view._repr_html_()
     assert "<b>" not in shown
     # Where no script runs: a picture.
     assert shown.index("data:image/png;base64,") < 300
@@ -35,7 +35,7 @@ def test_only_pages_are_saved(tmp_path):
 
 def test_a_kernel_answers_as_the_server_does():
     widget = pytest.importorskip("firsthit._view.widget")
-    page = widget.PageWidget(scene().view(engine="kernel", title="box")._viewer, 300)
+    page = widget.PageWidget(scene().view(engine="kernel", title="box")._viewer, 300, "1")
     told = []
     page.send = lambda message, buffers=(): told.append((message, buffers))
 
@@ -92,10 +92,23 @@ def test_a_scene_is_a_picture():
     assert endless._repr_html_().endswith("<p>Scene(1 object, 0 triangles)</p>")
 
 
-def test_a_kernel_s_view_holds_a_picture_and_no_second_page():
+def test_a_kernel_s_view_is_a_picture_where_a_notebook_is_converted():
     pytest.importorskip("anywidget")
-    shown, about = scene().view(engine="kernel")._repr_mimebundle_()
-    assert "application/vnd.jupyter.widget-view+json" in shown
-    assert shown["text/html"].startswith("<div><img ")
-    assert len(shown["text/html"]) < 1_000_000
-    assert isinstance(about, dict)
+    nbformat, nbconvert = pytest.importorskip("nbformat"), pytest.importorskip("nbconvert")
+    from IPython.utils.capture import RichOutput, capture_output
+
+    with capture_output() as said:
+        scene().view(engine="kernel")._ipython_display_()
+    assert [type(each) for each in said.outputs] == [RichOutput] * 2
+    picture, page = (each.data for each in said.outputs)
+    assert "application/vnd.jupyter.widget-view+json" in page
+    assert len(picture["text/html"]) < 1_000_000
+    outputs = [nbformat.v4.new_output("display_data", each) for each in (picture, page)]
+    cell = nbformat.v4.new_code_cell("scene.view()", outputs=outputs)
+    text, _ = nbconvert.HTMLExporter().from_notebook_node(nbformat.v4.new_notebook(cells=[cell]))
+    assert 'src="data:image/png;base64,' in text
+
+
+def test_a_page_s_view_has_no_outputs_of_its_own():
+    with pytest.raises(NotImplementedError):
+        scene().view(engine="page")._ipython_display_()

@@ -140,7 +140,7 @@ class Document:
         try:
             yaml: Any = importlib.import_module("yaml")
         except ImportError:
-            why = "YAML files are read by PyYAML: pip install 'firsthit[yaml]'"
+            why = "YAML files are read by PyYAML: pip install pyyaml"
             raise ImportError(why) from None
         text = self._text()
         try:

@@ -80,8 +80,7 @@ class NotebookView:
         title = html.escape(self._title)
         shown = f'<img alt="{title}" style="height:100%" src="data:image/png;base64,{picture}">'
         if self._engine == "kernel":
-            # Where widgets are not shown.
-            return f"<div>{shown}</div>"
+            return f'<div data-firsthit="{id(self)}">{shown}</div>'
         # Where no frame may be, what is behind it is seen.
         page = html.escape(self._viewer.report().decode())
         over = "position:absolute;inset:0;width:100%;height:100%;border:0;background:Canvas"
@@ -89,16 +88,25 @@ class NotebookView:
         frame = f'<iframe title="{title}" {may} style="{over}" srcdoc="{page}"></iframe>'
         return f'<div style="position:relative;height:{self._height}px">{shown}{frame}</div>'
 
-    def _repr_mimebundle_(self, **given: Any) -> Any:
-        shown = {"text/html": self._repr_html_(), "text/plain": repr(self)}
-        if self._engine != "kernel":
-            return shown
-        if self._widget is None:
-            from .widget import PageWidget
+    def _ipython_display_(self) -> None:
+        """Show the kernel's page, and before it a picture, which the page hides.
 
-            self._widget = PageWidget(self._viewer, self._height)
-        data, about = self._widget._repr_mimebundle_(**given)
-        return {**data, **shown}, about
+        One output with both would not do: programs that convert notebooks take the page, which is
+        empty without a kernel.
+        """
+        if self._engine != "kernel":
+            # The ordinary way: all of it is HTML.
+            raise NotImplementedError
+        from importlib import import_module
+
+        from .widget import PageWidget
+
+        display = import_module("IPython.display").display
+
+        if self._widget is None:
+            self._widget = PageWidget(self._viewer, self._height, str(id(self)))
+        display({"text/html": self._repr_html_(), "text/plain": repr(self)}, raw=True)
+        display(self._widget)
 
 
 def notebook_view(
@@ -118,7 +126,7 @@ def notebook_view(
         is_page = scene._triangles() <= _MOST_TRIANGLES
         engine = "page" if is_page or not has_widgets() else "kernel"
     if engine == "kernel" and not has_widgets():
-        raise ImportError('the engine "kernel" takes anywidget: pip install "firsthit[notebook]"')
+        raise ImportError('the engine "kernel" takes anywidget: pip install anywidget')
     from .view import viewer_of
 
     viewer = viewer_of(scene, camera, title, **given)

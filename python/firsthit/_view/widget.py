@@ -38,7 +38,10 @@ function render({ model, el }) {
         port?.postMessage({ ...message, pixels });
     };
     model.on("msg:custom", answered);
-    el.append(frame);
+    // As long as the page is there, the picture before it is not.
+    const style = document.createElement("style");
+    style.textContent = `[data-firsthit="${model.get("picture")}"] { display: none; }`;
+    el.append(style, frame);
     return () => {
         removeEventListener("message", start);
         model.off("msg:custom", answered);
@@ -54,10 +57,11 @@ class PageWidget(anywidget.AnyWidget):
     _esm = _FRAME
     page = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int().tag(sync=True)
+    picture = traitlets.Unicode().tag(sync=True)
 
-    def __init__(self, viewer: _firsthit.Viewer, height: int) -> None:
-        """Show a viewer's page."""
-        super().__init__(page=viewer.embedded_page(), height=height)
+    def __init__(self, viewer: _firsthit.Viewer, height: int, picture: str) -> None:
+        """Show a viewer's page in the place of the picture of that name."""
+        super().__init__(page=viewer.embedded_page(), height=height, picture=picture)
         self._viewer = viewer
         self.on_msg(self._answer)
 
