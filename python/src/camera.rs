@@ -2,9 +2,7 @@
 
 use std::path::PathBuf;
 
-use firsthit::camera::{
-    ColmapModel, Convention, Description, FovAxis, PixelMatrix, Projection,
-};
+use firsthit::camera::{ColmapModel, Convention, Description, FovAxis, PixelMatrix, Projection};
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
 use firsthit::load::{colmap_files, read_colmap};

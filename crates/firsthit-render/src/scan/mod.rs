@@ -25,7 +25,7 @@ use serde_json::{Value, json};
 use self::lines::Lines;
 use self::noise::Noise;
 use self::returns::Kept;
-use crate::channel::{Shots, kind, make};
+use crate::channel::{ChannelInput, kind, make};
 use crate::error::{Error, Result};
 use crate::geometry::Rays;
 use crate::geometry::summary::summary;
@@ -174,7 +174,7 @@ fn incidences(
         barycentric: kept.iter().map(|kept| hits.barycentric[kept.at]).collect(),
     };
     let numbers: Vec<i32> = kept.iter().map(|kept| kept.line).collect();
-    let shots = Shots {
+    let shots = ChannelInput {
         scene,
         rays: &RaysOfHits::new(lines, &numbers),
         hits: &some,

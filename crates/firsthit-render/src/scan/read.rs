@@ -5,7 +5,7 @@ use std::path::Path;
 use super::Scan;
 use super::table::{COLUMNS, Column};
 use crate::error::{Error, Place, Result};
-use crate::image::{Array, Data, Metadata, Numbers, Origin, Output, read};
+use crate::image::{Array, ArrayValues, Data, Metadata, Origin, Output, read};
 
 /// The kinds of sensors that scans are of: scanners, and rays of one's own.
 const KINDS: [&str; 2] = ["lidar", "rays"];
@@ -118,13 +118,13 @@ fn numbers(column: &Column, count: usize, array: Array) -> std::result::Result<D
         ));
     }
     match array.numbers {
-        Numbers::Float64(values) => Ok(Data::Float64(values)),
-        Numbers::Integer(values) => {
+        ArrayValues::Float64(values) => Ok(Data::Float64(values)),
+        ArrayValues::Integer(values) => {
             let small = values.into_iter().map(i32::try_from);
             let small = small.collect::<std::result::Result<_, _>>();
             small.map(Data::Int32).map_err(|error| error.to_string())
         }
-        Numbers::Float32(_) => Err(format!("{} must be {dtype}", column.name)),
+        ArrayValues::Float32(_) => Err(format!("{} must be {dtype}", column.name)),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::lines::{Lines, Met};
 use super::settings::{Returns, ScanSettings};
-use crate::channel::{Shots, kind, make};
+use crate::channel::{ChannelInput, kind, make};
 use crate::error::Result;
 use crate::geometry::{DVec3, Rays, luminance};
 use crate::image::Data;
@@ -80,7 +80,7 @@ fn shares(
     }
     let numbers = met.lines();
     let rays = RaysOfHits::new(lines, &numbers);
-    let shots = Shots {
+    let shots = ChannelInput {
         scene,
         rays: &rays,
         hits: &met.hits,
