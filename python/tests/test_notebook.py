@@ -60,7 +60,7 @@ def test_a_kernel_answers_as_the_server_does():
 def test_the_kernel_takes_anywidget(monkeypatch):
     monkeypatch.setattr(notebook, "has_widgets", lambda: False)
     assert scene().view().engine == "page"
-    with pytest.raises(ImportError, match=r"firsthit\[notebook\]"):
+    with pytest.raises(ImportError, match=r"pip install anywidget"):
         scene().view(engine="kernel")
 
 
