@@ -95,8 +95,10 @@ def test_a_scene_is_a_picture():
 def test_a_kernel_s_view_is_a_picture_where_a_notebook_is_converted():
     pytest.importorskip("anywidget")
     nbformat, nbconvert = pytest.importorskip("nbformat"), pytest.importorskip("nbconvert")
+    from IPython.core.interactiveshell import InteractiveShell
     from IPython.utils.capture import RichOutput, capture_output
 
+    InteractiveShell.instance()
     with capture_output() as said:
         scene().view(engine="kernel")._ipython_display_()
     assert [type(each) for each in said.outputs] == [RichOutput] * 2
