@@ -24,6 +24,13 @@ const SPREAD: f32 = 0.1;
 /// The root's place, which is among no node's children.
 const ROOT: u32 = u32::MAX;
 
+/// The place of a node's child, as the stack has it.
+#[expect(clippy::cast_possible_truncation, reason = "lanes are few")]
+#[inline(always)]
+fn place_of(node: u32, lane: usize) -> u32 {
+    LANES as u32 * node + lane as u32
+}
+
 /// The way of up to sixteen rays through a [`Bvh`].
 pub struct PacketWalk<'a> {
     bvh: &'a Bvh,
@@ -186,9 +193,9 @@ impl Kernel for Next<'_, '_> {
         } = self;
         let mut last = Aligned([f32::NEG_INFINITY; RAYS]);
         let mut latest = f32::NEG_INFINITY;
-        for lane in 0..RAYS {
-            if limits[lane] >= 0.0 && walk.alive >> lane & 1 == 1 {
-                let depth = limits[lane] * walk.depth_per_t[lane] + walk.depth_of_origin[lane];
+        for (lane, &limit) in limits.iter().enumerate() {
+            if limit >= 0.0 && walk.alive >> lane & 1 == 1 {
+                let depth = limit * walk.depth_per_t[lane] + walk.depth_of_origin[lane];
                 last.0[lane] = narrowed(depth).next_up();
                 latest = latest.max(last.0[lane]);
             }
@@ -215,7 +222,7 @@ impl Kernel for Next<'_, '_> {
             let (met, entries) = walk.boxes(l, &walk.bvh.nodes[child as usize], latest);
             let mut depths = [0.0; LANES];
             l.store(entries, &mut depths);
-            push_nearest_last(stack, met, &depths, |k| LANES as u32 * child + k as u32);
+            push_nearest_last(stack, met, &depths, |k| place_of(child, k));
         }
     }
 }
