@@ -144,70 +144,73 @@ fn the_height_follows_the_viewplane() {
     assert_eq!((width, height), (1024, 32));
 }
 
+/// Options that make no camera, and words of the message.
+const IMPOSSIBLE: &[(&str, &str)] = &[
+    ("--aim 0,0,0", "aim must be"),
+    ("--position 0,0,5 --aim 0,0,0", "aim must be"),
+    ("--up 0,0,0", "up must be"),
+    (
+        "--position 0,0,5 --aim 0,0,-1 --up 0,0,3",
+        "up must be in another direction than aim",
+    ),
+    (
+        "--position 1,2,3 --look-at 1,2,3",
+        "--look-at must be another point than --position, got 1,2,3",
+    ),
+    ("--look-at 1,2,3", "--look-at 1,2,3 needs --position"),
+    (
+        "--position 1,2",
+        "'--position <X,Y,Z>': expected three finite numbers",
+    ),
+    ("--position 1,2,inf", "--position"),
+    (
+        "--aim 1,0,0 --look-at 0,0,0",
+        "'--aim <X,Y,Z>' cannot be used with '--look-at",
+    ),
+    (
+        "--fov 45 --orthographic",
+        "'--fov <DEGREES>' cannot be used with '--orthographic'",
+    ),
+    ("--fov 45 --viewplane 3x2", "cannot be used with"),
+    (
+        "--fov 45 --focal-length 3 --viewplane 3x2",
+        "cannot be used with",
+    ),
+    ("--fov 180", "degrees between 0 and 180"),
+    (
+        "--fov-axis across",
+        "possible values: vertical, horizontal, diagonal",
+    ),
+    ("--fov-axis diagonal --viewplane 3x2", "cannot be used with"),
+    (
+        "--fov-axis diagonal --projection equidistant",
+        "fov_axis must be left out of a camera that is not perspective",
+    ),
+    (
+        "--projection equirectangular --fov 90 --parameters vertical_fov=60",
+        "cannot be used with",
+    ),
+    ("--convention ros", "--intrinsics <FX,FY,CX,CY[,SKEW]>"),
+    ("--focal-length 3", "--viewplane <WIDTHxHEIGHT>"),
+    (
+        "--focal-length 0 --viewplane 3x2",
+        "expected a positive number",
+    ),
+    (
+        "--focal-length -1 --viewplane 3x2",
+        "expected a positive number",
+    ),
+    ("--viewplane 3x2", "--viewplane needs --focal-length"),
+    ("--viewplane 3x-2 --focal-length 1", "both positive"),
+    ("--ray-start nose", "[possible values: viewplane, eye]"),
+    ("--size 0x10", "at least 1 of each"),
+    ("--size 10", "such as 720x480"),
+];
+
 #[test]
 fn impossible_cameras_are_refused_by_their_parameter() {
     let lab = Lab::with_square();
-    for (options, words) in [
-        ("--aim 0,0,0", "aim must be"),
-        ("--position 0,0,5 --aim 0,0,0", "aim must be"),
-        ("--up 0,0,0", "up must be"),
-        (
-            "--position 0,0,5 --aim 0,0,-1 --up 0,0,3",
-            "up must be in another direction than aim",
-        ),
-        (
-            "--position 1,2,3 --look-at 1,2,3",
-            "--look-at must be another point than --position, got 1,2,3",
-        ),
-        ("--look-at 1,2,3", "--look-at 1,2,3 needs --position"),
-        (
-            "--position 1,2",
-            "'--position <X,Y,Z>': expected three finite numbers",
-        ),
-        ("--position 1,2,inf", "--position"),
-        (
-            "--aim 1,0,0 --look-at 0,0,0",
-            "'--aim <X,Y,Z>' cannot be used with '--look-at",
-        ),
-        (
-            "--fov 45 --orthographic",
-            "'--fov <DEGREES>' cannot be used with '--orthographic'",
-        ),
-        ("--fov 45 --viewplane 3x2", "cannot be used with"),
-        (
-            "--fov 45 --focal-length 3 --viewplane 3x2",
-            "cannot be used with",
-        ),
-        ("--fov 180", "degrees between 0 and 180"),
-        (
-            "--fov-axis across",
-            "possible values: vertical, horizontal, diagonal",
-        ),
-        ("--fov-axis diagonal --viewplane 3x2", "cannot be used with"),
-        (
-            "--fov-axis diagonal --projection equidistant",
-            "fov_axis must be left out of a camera that is not perspective",
-        ),
-        (
-            "--projection equirectangular --fov 90 --parameters vertical_fov=60",
-            "cannot be used with",
-        ),
-        ("--convention ros", "--intrinsics <FX,FY,CX,CY[,SKEW]>"),
-        ("--focal-length 3", "--viewplane <WIDTHxHEIGHT>"),
-        (
-            "--focal-length 0 --viewplane 3x2",
-            "expected a positive number",
-        ),
-        (
-            "--focal-length -1 --viewplane 3x2",
-            "expected a positive number",
-        ),
-        ("--viewplane 3x2", "--viewplane needs --focal-length"),
-        ("--viewplane 3x-2 --focal-length 1", "both positive"),
-        ("--ray-start nose", "[possible values: viewplane, eye]"),
-        ("--size 0x10", "at least 1 of each"),
-        ("--size 10", "such as 720x480"),
-    ] {
+    for (options, words) in IMPOSSIBLE {
         lab.fails(&format!("render square.ply {options}"), 2, words);
     }
 }
