@@ -134,7 +134,7 @@ def test_a_plan_has_the_flow_to_the_next_frame_and_the_disparity_of_a_pair(tmp_p
     ("output", "message"),
     [
         ({"flow": ["exr"]}, "flow"),
-        ({"disparity": {"left": "left"}}, "missing key `right`"),
+        ({"disparity": {"left": "left"}}, "this table needs `right`"),
         ({"disparity": {"left": "left", "right": "none"}}, "right"),
         ({"disparity": {"left": "right", "right": "left"}}, "right must be to the right of left"),
         ({"disparity": {"left": "left", "right": "right", "formats": []}}, "one format or several"),

@@ -6,7 +6,7 @@ use crate::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use crate::geometry::Domain;
 use crate::io::fault::Checked;
 
-/// What all lines have.
+/// Settings that all lines have.
 pub(super) const LINES: &[Key] = keys! {
     /// Line width in pixels; lines narrower than a pixel are fainter. Default: 1.
     width: optional(Form::Of(Domain::UpTo(Edges::WIDEST))),

@@ -63,7 +63,7 @@ pub(super) static PLAN: Record = record! {
         sensors: required(Form::List(&SENSOR)),
         /// The rig's poses.
         poses: required(Form::Table(&POSES)),
-        /// What is written. Default: an NPZ of colours for each camera, and an NPZ for each lidar.
+        /// Files to write. Default: an NPZ of colours for each camera, and an NPZ for each lidar.
         output: optional(Form::Table(&WRITTEN)),
     }];
 };
@@ -79,7 +79,7 @@ static PLANNED_SCENE: Record = record! {
         classes: optional(Form::Named(&CLASS)),
         /// The direction upwards, of any length. Default: what the scene says.
         up: optional(Form::DIRECTION),
-        /// What one instance is. Default: object.
+        /// The meaning of one instance. Default: object.
         by: optional(Form::OneOf(|| vec!["object", "node"])),
         /// Keypoints of classes, each a table [scenes.keypoints.CLASS].
         keypoints: optional(Form::Named(&Form::Table(&KEYPOINTS))),
@@ -314,9 +314,9 @@ static POSES: Record = record! {
 const BETWEEN: &[Key] = keys! {
     /// Which ways the axes of its poses point.
     body: required(BODY),
-    /// What is between two poses. Default: linear.
+    /// Poses between two that are given. Default: linear.
     interpolation: optional(Form::OneOf(|| Interpolation::NAMES.to_vec())),
-    /// What is before the first and after the last. Default: refuse.
+    /// Poses before the first and after the last. Default: refuse.
     extrapolation: optional(Form::OneOf(|| Extrapolation::NAMES.to_vec())),
 };
 
@@ -341,7 +341,7 @@ static TRAJECTORY: Record = record! {
 };
 
 const FILES: &[Key] = keys! {
-    /// What is computed. Default: pictures, or ["color"].
+    /// Channels to compute. Default: pictures, or ["color"].
     channels: optional(some!(CHANNEL)),
     /// The formats that hold all channels. Default: ["npz"].
     frames: optional(some!(FRAME)),
@@ -349,7 +349,7 @@ const FILES: &[Key] = keys! {
     pictures: optional(some!(CHANNEL)),
     /// The step of PNGs of distances, in scene units.
     png_scale: optional(Form::POSITIVE),
-    /// What these PNGs have in place of distances beyond 65535 steps.
+    /// The value in these PNGs in place of distances beyond 65535 steps.
     far: optional(Form::OneOf(|| vec!["saturate", "zero"])),
     /// Whether PNGs of identifiers hold their numbers, plus one. Default: false.
     png_labels: optional(Form::FLAG),
@@ -500,7 +500,7 @@ static KITTI: Record = record! {
 static YOLO: Record = record! {
     "yolo", "YOLO's labels.";
     Pick::Always => [keys! {
-        /// What is found. Default: detect.
+        /// Things to find. Default: detect.
         task: optional(Form::OneOf(|| vec!["detect", "segment"])),
         /// Which masks it holds. Default: visible.
         masks: optional(MASK),

@@ -326,7 +326,7 @@ fn mistakes_in_environments_are_told_at_their_place() {
         (
             "file = \"short.hdr\"\nrotate = \"left\"",
             ":3:10:",
-            "degrees",
+            "a finite number, or a table",
         ),
     ] {
         let error = in_scene(folder.path(), &format!("[environment]\n{text}")).unwrap_err();
