@@ -63,6 +63,7 @@ __all__ = [
     "escaped",
     "explain",
     "idle",
+    "idle_in_files",
     "info",
     "inside",
     "instruction_set",
@@ -81,9 +82,11 @@ __all__ = [
     "origin",
     "orthonormalised",
     "path_lengths",
+    "place_in_plan",
     "png",
     "polygons",
     "read",
+    "read_plan",
     "read_points",
     "read_scan",
     "render",
@@ -322,7 +325,7 @@ class Sensor:
     def poses(self, pixels: npt.NDArray[np.int64]) -> _Doubles: ...
 
 #: Flat columns by their names, rows and columns of beams, and the JSON of an origin.
-ScanParts = tuple[Sequence[tuple[str, npt.NDArray[Any]]], Sequence[int], str]
+_ScanParts = tuple[Sequence[tuple[str, npt.NDArray[Any]]], Sequence[int], str]
 
 @final
 class ScanSettings:
@@ -352,9 +355,9 @@ def scan_columns(
     report: _Report | None,
 ) -> list[tuple[str, npt.NDArray[Any]]]: ...
 def scan_metadata(names: Sequence[str], count: int, origin: str) -> str: ...
-def join_scans(scans: Sequence[ScanParts]) -> ScanParts: ...
-def write_scan(path: Path, scan: ScanParts) -> None: ...
-def read_scan(path: Path) -> ScanParts: ...
+def join_scans(scans: Sequence[_ScanParts]) -> _ScanParts: ...
+def write_scan(path: Path, scan: _ScanParts) -> None: ...
+def read_scan(path: Path) -> _ScanParts: ...
 def scan_extensions() -> list[str]: ...
 
 @final

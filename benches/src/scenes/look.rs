@@ -114,10 +114,7 @@ mod tests {
         let text = "1 2 3\n4 5 6\n0 0 1\n7 8 9\n40 2.5 0.1\n";
         let look = parse(text).unwrap();
         assert_eq!(look.light, DVec3::new(7.0, 8.0, 9.0));
-        assert_eq!(
-            (look.fov, look.height, look.reach),
-            (40.0, 2.5, 0.1)
-        );
+        assert_eq!((look.fov, look.height, look.reach), (40.0, 2.5, 0.1));
         assert_eq!(parse(text.trim_end_matches("0.1\n")), None);
         assert_eq!(parse(&text.replace("2.5", "high")), None);
     }

@@ -231,7 +231,7 @@ class LidarScan:
         origin = self._origin
         return origin if isinstance(origin, str) else origin.text()
 
-    def _parts(self) -> _firsthit.ScanParts:
+    def _parts(self) -> _firsthit._ScanParts:
         """Return flat columns, the shape and the origin, as the native half takes them."""
         columns = [
             (name, np.ascontiguousarray(array).reshape(-1)) for name, array in self._arrays.items()
@@ -239,7 +239,7 @@ class LidarScan:
         return columns, self._shape, self._said()
 
     @classmethod
-    def _whole(cls, parts: _firsthit.ScanParts) -> LidarScan:
+    def _whole(cls, parts: _firsthit._ScanParts) -> LidarScan:
         """Return the scan of such parts."""
         columns, (rows, width), origin = parts
         return cls._of(shaped(columns), (rows, width), origin)
