@@ -53,7 +53,7 @@ pub fn colmap_files(folder: &Path) -> Result<[PathBuf; 2]> {
 }
 
 /// Reads the cameras of a reconstruction by COLMAP from the files of cameras and of images, which are then
-/// [inputs](crate::inputs).
+/// inputs.
 ///
 /// # Errors
 ///

@@ -21,7 +21,7 @@ impl TopTree {
     }
 }
 
-/// See [`TopTree::packet_candidates`].
+/// Objects that the rays of a packet may meet.
 pub struct PacketCandidates<'a> {
     outside: &'a [Candidate],
     walk: PacketWalk<'a>,
