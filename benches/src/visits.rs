@@ -30,7 +30,7 @@ pub(crate) struct Tree {
     scale: f64,
 }
 
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const NODE: usize = 448;
 const LEAF: usize = 256;
 const LANES: usize = 16;
