@@ -1,5 +1,6 @@
 """How files are read: units, folders that are allowed, and what is wrong in them."""
 
+import gc
 import json
 import pickle
 import subprocess
@@ -93,3 +94,19 @@ def test_info_of_a_file_is_what_the_program_says(tmp_path):
     (tmp_path / "a.txt").write_text("x")
     with pytest.raises(ValueError, match=r"a\.txt"):
         fh.info(tmp_path / "a.txt")
+
+
+def test_the_collector_is_as_it_was_after_a_load(tmp_path: Path) -> None:
+    (tmp_path / "broken.ply").write_text("ply\n")
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    was = gc.isenabled()
+    try:
+        for is_enabled in (False, True):
+            (gc.enable if is_enabled else gc.disable)()
+            scene = fh.load(tmp_path / "a.obj")
+            assert scene.shoot((0.2, 0.2, 1), (0, 0, -1)).t == 1
+            with pytest.raises(fh.FileError):
+                fh.load(tmp_path / "broken.ply")
+            assert gc.isenabled() == is_enabled
+    finally:
+        (gc.enable if was else gc.disable)()

@@ -8,6 +8,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import share
+from firsthit._base.memory import uncollected
 from firsthit._looks.lights import light_native
 
 from .filters import ALL, one_mask
@@ -56,14 +57,15 @@ class Built:
         self._lit: tuple[Environment, Vector, _firsthit.Scene] | None = None
         environment, up, is_guessed = around
         looks: dict[tuple[int, ...], list[_firsthit._Material]] = {}
-        self.native = native or _firsthit.Scene(
-            [made._native(looks) for made in objects],
-            [light_native(light) for light in lights],
-            None if environment is None else environment._native(),
-            (up, is_guessed),
-            previous,
-            build,
-        )
+        with uncollected():
+            self.native = native or _firsthit.Scene(
+                [made._native(looks) for made in objects],
+                [light_native(light) for light in lights],
+                None if environment is None else environment._native(),
+                (up, is_guessed),
+                previous,
+                build,
+            )
 
     def changed(self, changed: Mapping[int, Object]) -> Built:
         """Return what is built when some objects, given by identifier, are others.

@@ -11,6 +11,7 @@ from firsthit._base.arrays import count, flag, number, settle, text
 from firsthit._base.arrays import vector as as_vector
 from firsthit._base.errors import FileFormatError, warn
 from firsthit._base.log import timed
+from firsthit._base.memory import uncollected
 from firsthit._looks.colors import from_native as colors_from
 from firsthit._looks.display import Display
 from firsthit._looks.edges import Edges
@@ -110,13 +111,15 @@ def load(
         resources = (resources,)
     folders = [*map(Path, resources)]
     named = None if variant is None else text("variant", variant)
-    with timed("read %s", path):
-        model = _firsthit.load(
-            Path(path), flag("strict", strict), *limits, _factor(units, scale), folders, named
-        )
-    for doubt in model["warnings"]:
-        warn(doubt)
-    return _filled(scene, model, path)
+    factor = _factor(units, scale)
+    with uncollected():
+        with timed("read %s", path):
+            model = _firsthit.load(
+                Path(path), flag("strict", strict), *limits, factor, folders, named
+            )
+        for doubt in model["warnings"]:
+            warn(doubt)
+        return _filled(scene, model, path)
 
 
 def _factor(units: Unit | None, scale: float) -> float:
@@ -175,9 +178,10 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
     >>> float(opened.shoot((0, 0, 9), (0, 0, -1)).t)
     8.0
     """
-    with timed("opened %s", path):
-        model = _firsthit.open(Path(path), flag("verify", verify))
-    return _filled(Scene(), model, path)
+    with uncollected():
+        with timed("opened %s", path):
+            model = _firsthit.open(Path(path), flag("verify", verify))
+        return _filled(Scene(), model, path)
 
 
 def _filled(scene: Scene, model: _firsthit._Model, path: str | PathLike[str]) -> Scene:
