@@ -101,9 +101,9 @@ def test_other_channels_are_shown_as_before(tmp_path):
 
 def test_a_notebook_shows_a_frame_by_its_display():
     frame = fh.Frame((1, 2), {"color": COLORS})
-    np.testing.assert_array_equal(pixels(frame._repr_png_()), bytes_of(COLORS))
+    np.testing.assert_array_equal(pixels(frame._png()), bytes_of(COLORS))
     frame.display = fh.Display(exposure=-1)
-    np.testing.assert_array_equal(pixels(frame._repr_png_()), bytes_of(COLORS / 2))
+    np.testing.assert_array_equal(pixels(frame._png()), bytes_of(COLORS / 2))
 
 
 def test_edges_of_a_transparent_picture_have_the_colour_of_the_inside(tmp_path):

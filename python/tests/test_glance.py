@@ -143,3 +143,20 @@ def test_a_plot_without_matplotlib_says_what_is_missing(scene, camera, monkeypat
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     with pytest.raises(ImportError, match="plot takes matplotlib: pip install matplotlib"):
         scene.shoot(camera).plot("t")
+
+
+def test_many_objects_are_a_line_and_a_short_table():
+    scene = fh.Scene()
+    assert repr(scene.objects) == "Objects(0)"
+    for k in range(1000):
+        scene.add(fh.Sphere((k, 0, 0), 1), name=f"<b>{k}</b>")
+    objects = scene.objects
+    assert isinstance(objects, tuple)
+    assert objects == tuple(objects)
+    assert repr(objects) == (
+        "Objects(1,000: '<b>0</b>', '<b>1</b>', '<b>2</b>', '<b>3</b>', '<b>4</b>', and 995 more)"
+    )
+    shown = objects._repr_html_()
+    assert "<b>" not in shown
+    assert len(cells(shown)) == 9
+    assert cells(shown)[""] == "and 992 more"

@@ -31,7 +31,7 @@ def test_a_frame_of_integers_is_saved_as_int32(dtype, tmp_path):
     np.testing.assert_array_equal(np.load(tmp_path / "object.npy"), object_of)
     assert np.load(tmp_path / "attribute-a.npy").dtype == np.float32
     assert own.metadata == {}
-    assert own._repr_png_().startswith(b"\x89PNG")
+    assert own._png().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize(

@@ -252,7 +252,7 @@ def test_frames_are_saved_whole_and_show_themselves(tmp_path):
     assert (pixels[0, 0] == 255).all()
     frame.save(str(tmp_path / "part-{channel}.npy"))
     np.testing.assert_array_equal(np.load(tmp_path / "part-z.npy"), frame["z"])
-    assert frame._repr_png_().startswith(b"\x89PNG")
+    assert frame._png().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match=r"known format's extension"):
         frame.save(tmp_path / "out.gif")
     with pytest.raises(ValueError, match=r"must end in \.exr, \.npz, \.ply or \.pcd"):

@@ -463,7 +463,7 @@ class Frame(Plottable):
 
         return of_frame(self)
 
-    def _repr_png_(self) -> bytes | None:
+    def _png(self) -> bytes | None:
         pictures = [name for name in self._channels if matte_of(name) is None]
         if not pictures:
             return None

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from firsthit._queries.hits import Hits
     from firsthit._queries.lint import LintReport
     from firsthit._queries.section import Section
+    from firsthit._scene.objects import Objects
 
 #: The most pixels of a small picture along an edge, and the most rows of a table.
 _PIXELS, _ROWS = 320, 8
@@ -45,9 +46,17 @@ def of_hits(hits: Hits) -> str:
 
 def of_frame(frame: Frame) -> str:
     """Show a frame's picture, and the type and range of each channel."""
-    png = frame._repr_png_()
+    png = frame._png()
     rows = [(name, f"{array.dtype} {_range(array)}") for name, array in frame.items()]
     return _shown(repr(frame), "" if png is None else _image(png), rows)
+
+
+def of_objects(objects: Objects) -> str:
+    """Show the first objects, each with its identifier, its name and its shape."""
+    rows = [(str(k), f"{each.name}: {each.shape!r}") for k, each in enumerate(objects[:_ROWS])]
+    if len(objects) > _ROWS:
+        rows.append(("", f"and {len(objects) - _ROWS:,} more"))
+    return _shown(f"{len(objects):,} objects", "", rows)
 
 
 def of_section(section: Section) -> str:
@@ -132,7 +141,7 @@ def _small(name: str, values: npt.NDArray[Any], style: str = "") -> str:
     down, across = (1 + (length - 1) // _PIXELS for length in values.shape)
     step = (1, across) if style else (max(down, across),) * 2
     kept = np.ascontiguousarray(values[:: step[0], :: step[1]])
-    png = Frame(kept.shape, {name: kept})._repr_png_()
+    png = Frame(kept.shape, {name: kept})._png()
     return "" if png is None else _image(png, style)
 
 

@@ -30,6 +30,7 @@ from firsthit._sensors.named_camera import NamedCamera, find
 from firsthit._view import notebook
 
 from . import changes
+from .objects import Objects
 
 if TYPE_CHECKING:
     import os
@@ -302,7 +303,7 @@ class Scene(Traceable):
     @property
     def objects(self) -> tuple[Object, ...]:
         """The objects, in the order of their identifiers."""
-        return tuple(self._objects)
+        return Objects(self._objects)
 
     @property
     def lights(self) -> tuple[Light, ...]:
