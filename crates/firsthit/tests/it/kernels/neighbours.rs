@@ -14,7 +14,7 @@ use crate::support::{Numbers, bumpy_sphere, cases, mesh, rounds};
 #[test]
 fn neighbours_among_objects_of_every_kind() {
     let mut hits = 0;
-    for round in rounds(8) {
+    for round in rounds(3) {
         let mut numbers = Numbers::new(900 + round);
         let (scale, offset) = PLACES[round as usize % PLACES.len()];
         let (points, triangles) = bumpy_sphere(6, round);
