@@ -89,9 +89,9 @@ def test_the_source_distribution_has_all_that_it_is_built_from(source):
     for member in WORKSPACE["members"]:
         assert f"{member}/Cargo.toml" in source
     assert {"Cargo.lock", "LICENSE", "README.md", "pyproject.toml"} <= source.keys()
-    # 11.5 MB of code, tests and pages, 1 MB of them pictures, and 2.7 MB of WebAssembly. A model
+    # 12 MB of code, tests and pages, 1 MB of them pictures, and 2.7 MB of WebAssembly. A model
     # that slips in shows.
-    assert sum(map(len, source.values())) < 14.6e6
+    assert sum(map(len, source.values())) < 15e6
 
 
 def test_documents_that_messages_and_docstrings_name_are_in_the_source_distribution(source):
