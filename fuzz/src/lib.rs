@@ -10,6 +10,7 @@ use firsthit::{DVec3, Result};
 /// Small, so that a file that gets around the limits is noticed by the fuzzer's own.
 const SETTINGS: LoadSettings = LoadSettings {
     strict: false,
+    variant: None,
     max_memory: 64 << 20,
     max_texture: 1024,
     verify: false,
