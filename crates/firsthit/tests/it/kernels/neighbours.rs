@@ -58,3 +58,33 @@ fn neighbours_among_objects_of_every_kind() {
     }
     assert!(hits > cases(30_000), "{hits}");
 }
+
+/// What matters to a ray ends at a normal number at least; its own end may be a smaller one.
+#[test]
+fn an_end_below_the_normal_numbers_ends_neighbours_too() {
+    let square = [
+        DVec3::new(-0.4, -0.4, 0.0),
+        DVec3::new(0.4, -0.4, 0.0),
+        DVec3::new(0.0, 0.4, 0.0),
+    ];
+    let shared = mesh(&square, vec![[0, 1, 2]]);
+    let places = (0..81).map(|k| DVec3::new(f64::from(k % 9 - 4), f64::from(k / 9 - 4), 0.0));
+    let objects: Vec<Object> = places
+        .map(|place| Object::new(shared.clone()).placed(Transform::translation(place).unwrap()))
+        .collect();
+    let scene = Scene::new(objects).unwrap();
+    let rays: Vec<Ray> = (0..16)
+        .map(|k| {
+            let origin = DVec3::new(0.01 * f64::from(k % 4), 0.01 * f64::from(k / 4), 1e-211);
+            let mut ray = Ray::new(origin, DVec3::new(1e95, 1e95, -1e98));
+            ray.t_max = 1e-310;
+            ray
+        })
+        .collect();
+    assert_eq!(checked(&scene, &rays), 0);
+    let whole: Vec<Ray> = rays
+        .iter()
+        .map(|ray| Ray::new(ray.origin, ray.direction))
+        .collect();
+    assert!(checked(&scene, &whole) > 0);
+}
