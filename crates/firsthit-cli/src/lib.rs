@@ -74,7 +74,8 @@ where
 ///
 /// # Errors
 ///
-/// Those of the program: 2 for a file that is neither a 3D file nor an output, 3 for a bad one, 5 where a limit is reached.
+/// The program's exit code and message: 2 for a file that is neither a 3D file nor an output, 3 for
+/// a bad one, 5 where a limit is reached.
 pub fn info(file: &Path) -> Result<String, (u8, String)> {
     let args = ["firsthit", "info", "--json", "--"].map(OsString::from);
     let args = args.into_iter().chain([file.into()]).collect();

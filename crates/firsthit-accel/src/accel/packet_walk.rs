@@ -2,10 +2,9 @@
 //!
 //! 1. Take the numbers for the slab test of each ray, and the least and the largest of them.
 //! 2. Test the sixteen boxes of a node against these. Put those that any ray may meet onto the
-//!    stack, the nearest last.
-//! 3. Go on with the last entry of the stack. At a leaf test its box against each ray, and give out
-//!    its index with the rays that meet it. The caller may shorten the rays before it asks for the
-//!    next.
+//!    stack, the nearest last. 3. Continue with the last entry of the stack. At a leaf test its box
+//!    against each ray, and give out its index with the rays that meet it. The caller may shorten
+//!    the rays before it asks for the next.
 //!
 //! Each operation of the slab test is monotone in its arguments, rounding included. So a box that
 //! the intervals of step 1 miss is missed by every ray, to the bit of its own test.
@@ -108,7 +107,7 @@ impl PacketWalk<'_> {
     /// Whether the intervals around the rays are of use. Along an axis a ray goes `1 / inverse` for
     /// each unit of depth, and starts at `-end / inverse`.
     fn is_narrow(&self) -> bool {
-        let is_narrow = |axis: usize| {
+        let along = |axis: usize| {
             let [low, high] = self.inverses[axis];
             let [first, last] = self.outermost[axis];
             // Of the same sign, and close enough that the differences of slabs are worth something.
@@ -117,7 +116,7 @@ impl PacketWalk<'_> {
                 && (1.0 / low - 1.0 / high).abs() < SPREAD
                 && (last - first) / low.abs().max(high.abs()) < SPREAD
         };
-        self.alive.count_ones() >= FEWEST && (0..3).all(is_narrow)
+        self.alive.count_ones() >= FEWEST && (0..3).all(along)
     }
 
     /// The next box that rays may meet at a parameter of at most their limit, roughly the nearest
@@ -174,7 +173,7 @@ impl PacketWalk<'_> {
     }
 }
 
-/// A function of its own, one for all queries.
+/// [`PacketWalk::next`] as a kernel, compiled once for all queries.
 struct Next<'r, 'a> {
     walk: &'r PacketWalk<'a>,
     limits: &'r [f64; RAYS],

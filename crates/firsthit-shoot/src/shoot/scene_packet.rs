@@ -21,7 +21,7 @@ pub(super) struct ScenePacket<'a> {
     objects: PacketCandidates<'a>,
 }
 
-/// A mesh that rays of a group have come to.
+/// A mesh that rays of a packet have entered.
 pub(super) struct EnteredMesh<'a> {
     pub(super) object: u32,
     pub(super) mesh: Meshes<'a>,
@@ -31,7 +31,8 @@ pub(super) struct EnteredMesh<'a> {
 }
 
 impl<'a> ScenePacket<'a> {
-    /// Of the rays whose walks are those from a number on; `None` where they do not go together.
+    /// A packet of the rays with the walks from `first` on; `None` where their ways differ too
+    /// much.
     pub(super) fn new<Q: RayQuery>(
         scene: &'a Scene,
         walks: &mut [SceneWalk<'a, Q>],
@@ -67,8 +68,8 @@ impl<'a> ScenePacket<'a> {
         self.walks.start
     }
 
-    /// Comes to the next object; `false` where none is left. Rays that enter a mesh go into
-    /// `packet`, and `entered` says so; the numbers of those that come to it one by one go to
+    /// Advances to the next object; returns `false` where none is left. Rays that enter a mesh go
+    /// into `packet`, and `entered` says so; the numbers of those that come to it one by one go to
     /// `alone`.
     #[inline(always)]
     pub(super) fn step<L: Lanes, Q: RayQuery>(
@@ -124,8 +125,8 @@ impl<'a> ScenePacket<'a> {
     }
 }
 
-/// Takes the rays of a packet into the space of a mesh, as a function of its own, one for all
-/// queries. Returns those for which the traversals of packets serve.
+/// Transforms the rays of a packet into the space of a mesh. Returns those that the traversals of
+/// packets can take. It is compiled once for all queries.
 struct Enter<'r> {
     packet: &'r mut Packet,
     tree: &'r MeshTree,

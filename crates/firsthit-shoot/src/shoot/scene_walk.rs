@@ -48,7 +48,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
         }
     }
 
-    /// Leaves the objects to those with whom the ray goes together.
+    /// Leaves the search for objects to the ray's packet.
     pub(super) fn join(&mut self) {
         self.objects = ObjectCandidates::NONE;
     }

@@ -59,7 +59,7 @@ fn neighbours_among_objects_of_every_kind() {
     assert!(hits > cases(30_000), "{hits}");
 }
 
-/// What matters to a ray ends at a normal number at least; its own end may be a smaller one.
+/// A `t_max` below the smallest normal number counts as it is.
 #[test]
 fn an_end_below_the_normal_numbers_ends_neighbours_too() {
     let square = [
