@@ -49,7 +49,7 @@ from ._queries.explain import Candidate, Crossing, Explanation
 from ._queries.hits import Hits
 from ._queries.leaving import LeavingRays
 from ._queries.lint import Finding, LintReport, Place
-from ._queries.nearest import ClosestPoints
+from ._queries.of_points import ClosestPoints
 from ._queries.section import Polyline, Section
 from ._scene.load import lint, load
 from ._scene.load import open as open  # noqa: A004 - fh.open

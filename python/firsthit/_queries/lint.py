@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
-from firsthit._base.arrays import count, locked, threads_or_all
+from firsthit._base.arrays import locked
 from firsthit._objects.object import identified
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     import numpy as np
     import numpy.typing as npt
@@ -160,12 +160,3 @@ class LintReport:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return LintReport, (self._built, *self._settings, 0)
-
-
-def report(built: Built, ignore: Iterable[str], places: int, threads: int | None) -> LintReport:
-    """Look for what may be wrong with the meshes."""
-    if isinstance(ignore, str):
-        raise TypeError(f"ignore must be several names, got {ignore!r}")
-    names = tuple(ignore)
-    use = threads_or_all(threads)
-    return LintReport(built, names, count("places", places), use)

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
-from firsthit._base.arrays import lock, locked, threads_or_all, vector
-from firsthit._base.errors import warn
+from firsthit._base.arrays import lock, locked
 
 if TYPE_CHECKING:
     import os
@@ -156,19 +155,3 @@ class Section:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Section, (*self._made_from, 0)
-
-
-def cut(
-    built: Built,
-    origin: npt.ArrayLike,
-    normal: npt.ArrayLike,
-    rule: FillRule,
-    threads: int | None,
-) -> Section:
-    """Cut all meshes by a plane."""
-    use = threads_or_all(threads)
-    plane = vector("origin", origin), vector("normal", normal)
-    section = Section(built, *plane, rule, use)
-    for doubt in section._native.warnings():
-        warn(doubt)
-    return section

@@ -15,7 +15,6 @@ from firsthit._base.rounding import is_single
 from firsthit._sensors.camera import warn_before_viewplane
 from firsthit._sensors.sensor import Sensor
 
-from .all_hits import shoot_all, shoot_nearest
 from .hits import Hits
 from .leaving import rays_of
 from .source import Source, hits_arrays
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from firsthit._base.types import Progress
     from firsthit._objects.traceable import Built
 
-    from .all_hits import AllHits
     from .rays import Rays
 
 _Scalar = TypeVar("_Scalar", bound=np.generic)
@@ -76,17 +74,6 @@ def first_hits(
         with following(progress, rays.length) as report:
             hits = shoot_rays(built, rays, use, report)
     return hits._rounded(*t_limits) if single else hits
-
-
-def all_hits(
-    built: Built, rays: Rays, k: int | None, threads: int | None, progress: Progress | None
-) -> AllHits | Hits:
-    """Find every hit of each ray, or the first ``k``."""
-    use = threads_or_all(threads)
-    with following(progress, rays.length) as report:
-        if k is None:
-            return shoot_all(built, rays, use, report)
-        return shoot_nearest(built, rays, k, use, report)
 
 
 def answers(

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._base.types import FillRule, MeshLike
-    from firsthit._queries.nearest import ClosestPoints
+    from firsthit._queries.of_points import ClosestPoints
 
     Indices = npt.NDArray[np.int64]
     Floats = npt.NDArray[np.float64]
