@@ -9,7 +9,6 @@ from ._base.types import (
     AlphaMode,
     ColorMapName,
     EdgeKind,
-    EdgesTuple,
     Extrapolation,
     Far,
     Interpolation,
@@ -22,111 +21,19 @@ from ._base.types import (
     ToneMapName,
 )
 
-__all__ = [
-    "Accumulated",
-    "Camera",
-    "EnvironmentMap",
-    "Lint",
-    "Mesh",
-    "PageServer",
-    "Pattern",
-    "ScanSettings",
-    "Scene",
-    "Section",
-    "Sensor",
-    "Shape",
-    "Texels",
-    "Trajectory",
-    "Viewer",
-    "all_threads",
-    "attribute",
-    "attribute_names",
-    "axes_from",
-    "before_viewplane",
-    "begin_run",
-    "channel",
-    "channel_names",
-    "check_edges",
-    "check_environment",
-    "check_material",
-    "check_pose",
-    "check_samples",
-    "check_shader",
-    "check_transforms",
-    "closest_points",
-    "color_names",
-    "count",
-    "defaults",
-    "draws",
-    "edge_defaults",
-    "environment_radiance",
-    "escaped",
-    "explain",
-    "idle",
-    "idle_in_files",
-    "info",
-    "inside",
-    "instruction_set",
-    "is_input",
-    "join_scans",
-    "lidar_models",
-    "lint_kinds",
-    "load",
-    "matte_id",
-    "meant_as_levels",
-    "metadata",
-    "named_color",
-    "note_input",
-    "occluded",
-    "open",
-    "origin",
-    "orthonormalised",
-    "path_lengths",
-    "place_in_plan",
-    "png",
-    "polygons",
-    "read",
-    "read_plan",
-    "read_points",
-    "read_scan",
-    "render",
-    "render_more",
-    "render_work",
-    "resolve",
-    "rotation",
-    "rules",
-    "run_program",
-    "sampling",
-    "save",
-    "scan_columns",
-    "scan_extensions",
-    "scan_metadata",
-    "shader_settings",
-    "shoot",
-    "shoot_all",
-    "shoot_camera",
-    "signed_distances",
-    "srgb_levels",
-    "sun_of",
-    "thickness",
-    "units",
-    "version",
-    "visible",
-    "write",
-    "write_bytes",
-    "write_scan",
-]
-
 _Vector = tuple[float, float, float]
 _Doubles = npt.NDArray[np.float64]
 _Integers = npt.NDArray[np.int32]
 _Hits = tuple[_Doubles, _Integers, _Integers, _Doubles]
 _Surfaces = tuple[_Integers, _Integers]
+# With the two weights of places on surfaces, and the side that a ray starts on: 1 the front, -1 the
+# back, 0 none, so that it goes through.
+_Places = tuple[_Integers, _Integers, _Doubles, npt.NDArray[np.int8]]
 _Filters = tuple[
     npt.NDArray[np.uint32] | None,
     Side | None,
     _Surfaces | None,
-    tuple[_Integers, _Integers, _Doubles, npt.NDArray[np.int8]] | None,
+    _Places | None,
     _Integers | None,
 ]
 _Rays = tuple[_Doubles, _Doubles, _Doubles, _Doubles, _Filters | None]
@@ -143,6 +50,8 @@ _Light = tuple[str, list[tuple[str, _Value]]]
 _Environment = tuple[
     str, Sequence[_Vector], Sequence[float], EnvironmentMap | None, float, bool, _Vector | None
 ]
+# Width, angle, kinds, dash and gap of what is hidden, and colour.
+_Edges = tuple[float, float, Sequence[EdgeKind], tuple[float, float] | None, _Vector]
 _Colors = tuple[
     str | None,
     list[float],
@@ -561,7 +470,7 @@ def save(
     background: Sequence[_Vector] | None,
     shading: _Shading,
     display: tuple[float, str],
-    edges: EdgesTuple | None,
+    edges: _Edges | None,
     has_view: bool,
     up: _Vector,
     up_is_guessed: bool,
@@ -654,7 +563,7 @@ _Picture = tuple[
     int,
     tuple[int, int, int, int],
     Side | None,
-    EdgesTuple | None,
+    _Edges | None,
     float | None,
 ]
 
@@ -685,7 +594,7 @@ class Viewer:
         shading: _Shading,
         background: Sequence[_Vector] | None,
         up: _Vector,
-        shown: tuple[tuple[float, str], EdgesTuple | None],
+        shown: tuple[tuple[float, str], _Edges | None],
         title: str,
     ) -> Viewer: ...
     def report(self) -> bytes: ...
@@ -714,7 +623,7 @@ def check_shader(
 def edge_defaults() -> tuple[
     list[EdgeKind], tuple[float, float, list[EdgeKind], tuple[float, float] | None, _Vector]
 ]: ...
-def check_edges(edges: EdgesTuple) -> None: ...
+def check_edges(edges: _Edges) -> None: ...
 def defaults() -> tuple[int, list[_Vector]]: ...
 def render_work(pixels: int, channels: Sequence[str], samples: int) -> int: ...
 def metadata(

@@ -108,8 +108,6 @@ Far = Literal["saturate", "zero"]
 ToneMapName = Literal["none", "neutral", "agx", "aces"]
 #: What makes a line of an edge, see `Edges`.
 EdgeKind = Literal["silhouette", "crease", "boundary", "object", "material", "wireframe"]
-#: Width, angle, kinds, dash and gap of what is hidden, and colour.
-EdgesTuple = tuple[float, float, Sequence[EdgeKind], tuple[float, float] | None, Vector]
 #: What `Camera` takes; its docstring says what each is.
 Projection = Literal[
     "perspective",

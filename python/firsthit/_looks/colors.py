@@ -16,14 +16,6 @@ if TYPE_CHECKING:
 
     from firsthit._base.types import ColorMapName, Vector
 
-    ColorsTuple = tuple[
-        str | None,
-        list[float],
-        ColorMapName,
-        tuple[float, float] | None,
-        tuple[Vector | None, Vector | None, Vector | None],
-    ]
-
 #: What gives numbers beside attributes; names of colour maps.
 WORDS, MAPS = _firsthit.color_names()
 
@@ -100,7 +92,7 @@ class Colors:
             missing=None if missing is None else color_of("missing", missing),
         )
 
-    def _native(self) -> ColorsTuple:
+    def _native(self) -> _firsthit._Colors:
         by = self.by if isinstance(self.by, str) else None
         values = [] if isinstance(self.by, str) else list(self.by)
         outside = (self.below, self.above, self.missing)
@@ -116,7 +108,7 @@ def colors_of(base: Colors | None, by: Any, **changes: Any) -> Colors | None:
     return base if base is None or not given else replace(base, **given)
 
 
-def from_native(colors: ColorsTuple) -> Colors:
+def from_native(colors: _firsthit._Colors) -> Colors:
     """Return what a file says."""
     by, values, name, ends, (below, above, missing) = colors
     what: Any = values if by is None else by

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import EdgeKind, EdgesTuple, Vector
+    from firsthit._base.types import EdgeKind, Vector
 
 _KINDS, _USUAL = _firsthit.edge_defaults()
 _WIDTH, _ANGLE, _USUAL_KINDS, _DASH, _COLOR = _USUAL
@@ -79,7 +79,7 @@ class Edges:
         settle(self, kinds=names, hidden=_dash(hidden), color=color_of("color", color))
         _firsthit.check_edges(self._native())
 
-    def _native(self) -> EdgesTuple:
+    def _native(self) -> _firsthit._Edges:
         return self.width, self.angle, self.kinds, self.hidden, self.color
 
     @classmethod

@@ -13,9 +13,8 @@ from firsthit._base.arrays import color_of, number, settle, vector
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from firsthit import _firsthit
     from firsthit._base.types import Vector
-
-    LightTuple = tuple[str, list[tuple[str, float | Vector]]]
 
 
 @dataclass(frozen=True, init=False)
@@ -310,7 +309,7 @@ _KINDS: dict[str, type[Light]] = {
 }
 
 
-def light_native(light: Light) -> LightTuple:
+def light_native(light: Light) -> _firsthit._Light:
     """Return the kind of a light, and its settings."""
     kind = next(name for name, made in _KINDS.items() if isinstance(light, made))
     return kind, [(field.name, getattr(light, field.name)) for field in fields(light)]

@@ -14,17 +14,7 @@ from .colors import Colors
 if TYPE_CHECKING:
     from firsthit._base.types import Vector
 
-    from .colors import ColorsTuple
-
     Setting = bool | float | Vector
-    ShadingTuple = tuple[
-        str | None,
-        list[tuple[str, Setting]],
-        str | None,
-        bool | None,
-        int | None,
-        ColorsTuple | None,
-    ]
 
 _SHADERS = get_args(ShaderName)
 _LIGHTS = get_args(LightName)
@@ -162,7 +152,7 @@ class Shading:
         shader = shader_of(shade, settings)
         settle(self, shade=shader, samples=samples, light=light, ground=ground, colors=colors)
 
-    def _native(self) -> ShadingTuple:
+    def _native(self) -> _firsthit._Shading:
         name = None if self.shade is None else self.shade.name
         settings = [] if self.shade is None else list(self.shade.settings)
         colors = None if self.colors is None else self.colors._native()

@@ -14,17 +14,6 @@ if TYPE_CHECKING:
 
     from firsthit import _firsthit
 
-    #: Objects and primitives, for each ray or for all.
-    Surfaces = tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]
-    #: Surfaces with the two weights of places on them, and the side that a ray starts on: 1 the
-    #: front, -1 the back, 0 none, so that it goes through.
-    Places = tuple[
-        npt.NDArray[np.int32],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.float64],
-        npt.NDArray[np.int8],
-    ]
-
 #: A ray with this mask meets every object that has any bit.
 ALL = 0xFFFFFFFF
 
@@ -41,8 +30,8 @@ class Filters:
         self,
         masks: npt.NDArray[np.uint32] | None = None,
         cull: Side | None = None,
-        skip: Surfaces | None = None,
-        left: Places | None = None,
+        skip: _firsthit._Surfaces | None = None,
+        left: _firsthit._Places | None = None,
         only: npt.NDArray[np.int32] | None = None,
     ) -> None:
         self.masks, self.cull, self.skip, self.left = masks, cull, skip, left
@@ -50,7 +39,9 @@ class Filters:
         self.only = only
 
     @classmethod
-    def of(cls, masks: Any, cull: Any, skip: Any, left: Places | None = None) -> Filters | None:
+    def of(
+        cls, masks: Any, cull: Any, skip: Any, left: _firsthit._Places | None = None
+    ) -> Filters | None:
         """Check what a user gave; ``None`` where rays meet everything."""
         if masks is None and cull is None and skip is None and left is None:
             return None
@@ -91,7 +82,7 @@ def of_each_ray(mask: Any) -> Any:
     return mask if mask is None or np.ndim(mask) else None
 
 
-def surfaces(name: str, given: Any) -> Surfaces:
+def surfaces(name: str, given: Any) -> _firsthit._Surfaces:
     """Return the objects and primitives of surfaces; -1 where there is none."""
     if not isinstance(given, tuple | list) or len(given) != 2:
         raise ValueError(f"{name} must be a pair (object, primitive), got {given!r}")

@@ -34,25 +34,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._base.progress import Report
-    from firsthit._base.types import EdgesTuple, Side, Vector
+    from firsthit._base.types import Vector
     from firsthit._looks.display import Display
-    from firsthit._looks.shading import ShadingTuple
     from firsthit._objects.traceable import Built
     from firsthit._scene.scene import Scene
     from firsthit.typing import OwnShade, Progress, ShaderName
-
-    #: As the native half takes them: the shading, the background, which way is up, samples, the
-    #: region, the side that is passed through, lines, the noise.
-    Settings = tuple[
-        ShadingTuple,
-        list[Vector] | None,
-        Vector,
-        int,
-        tuple[int, int, int, int],
-        Side | None,
-        EdgesTuple | None,
-        float | None,
-    ]
 
 #: The samples of a pixel at most, where a noise ends them and nothing else says how many.
 _SAMPLES_WITH_NOISE = 256
@@ -196,7 +182,7 @@ class Picture(NamedTuple):
     def _has_own_colors(self) -> bool:
         return self.own is not None and "color" in self.names
 
-    def _settings(self, samples: int, part: Region) -> Settings:
+    def _settings(self, samples: int, part: Region) -> _firsthit._Picture:
         side = None if self.filters is None else self.filters.cull
         drawn = None if self.lines is None else self.lines._native()
         look = self.look._native()

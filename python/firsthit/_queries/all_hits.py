@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from firsthit._objects.traceable import Built
 
     from .hits import Index
-    from .source import Arrays
 
 #: So many hits no memory holds, and NumPy's error for such shapes is another one.
 _MOST = 1 << 48
@@ -69,7 +68,7 @@ class AllHits(Channels):
     def _of(
         cls,
         built: Built,
-        arrays: Arrays,
+        arrays: _firsthit._Hits,
         rays: Rays,
         offsets: npt.NDArray[np.int64],
         threads: int,
@@ -248,7 +247,7 @@ def _offsets(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 def shoot_all(built: Built, rays: Rays, threads: int, report: Report | None) -> AllHits:
     """Find every hit of rays; the rays' arrays are copied."""
     rays = rays.copied()
-    pieces: list[Arrays] = []
+    pieces: list[_firsthit._Hits] = []
     counts = np.zeros(rays.length, np.int64)
     for part in chunks(rays.length):
         met = _shot(built.native, rays, part, None, threads, report)
@@ -287,7 +286,7 @@ def _shot(
     k: int | None,
     threads: int,
     report: Report | None,
-) -> tuple[npt.NDArray[np.int64], Arrays]:
+) -> tuple[npt.NDArray[np.int64], _firsthit._Hits]:
     """Return the offsets and the hits of some of the rays."""
     told, count = later(report, part.start), part.stop - part.start
     some = rays.part(part)
@@ -297,7 +296,7 @@ def _shot(
     return offsets.astype(np.int64), (t, identifiers, primitive, weights.reshape(-1, 2))
 
 
-def _joined(pieces: list[Arrays]) -> Arrays:
+def _joined(pieces: list[_firsthit._Hits]) -> _firsthit._Hits:
     """Return one set of arrays in place of several; each array's pieces go once it is made."""
     if len(pieces) == 1:
         return pieces[0]

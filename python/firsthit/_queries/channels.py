@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     )
     from firsthit._objects.traceable import Built
 
-    from .source import Arrays, Source
+    from .source import Source
 
 _Out = TypeVar("_Out")
 
@@ -60,7 +60,7 @@ class Channels:
 
     #: The scene as it was shot.
     _built: Built
-    _arrays: Arrays
+    _arrays: _firsthit._Hits
     #: That of a channel with one number for each hit.
     _shape: tuple[int, ...]
     #: As many as the rays were shot with.

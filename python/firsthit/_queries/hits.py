@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from firsthit import _firsthit
     from firsthit._base.types import (
         Asked,
         Far,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from firsthit._objects.traceable import Built
 
     from .leaving import LeavingRays
-    from .source import Arrays, Source
+    from .source import Source
 
     # No ArrayLike, which text is too.
     Index = (
@@ -66,7 +67,12 @@ class Hits(Channels, Plottable):
 
     @classmethod
     def _of(
-        cls, built: Built, arrays: Arrays, source: Source, shape: tuple[int, ...], threads: int
+        cls,
+        built: Built,
+        arrays: _firsthit._Hits,
+        source: Source,
+        shape: tuple[int, ...],
+        threads: int,
     ) -> Hits:
         """Return hits of rays with that source and shape; ``built`` is what was shot at."""
         hits = cls.__new__(cls)

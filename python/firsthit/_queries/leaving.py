@@ -16,7 +16,7 @@ from .rays import NO_MAXIMUM, NO_MINIMUM, Rays
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._objects.filters import Places
+    from firsthit import _firsthit
 
 
 class LeavingRays:
@@ -62,7 +62,7 @@ class LeavingRays:
 
 
 def leaving(
-    positions: npt.NDArray[np.float64], places: Places, directions: npt.ArrayLike
+    positions: npt.NDArray[np.float64], places: _firsthit._Places, directions: npt.ArrayLike
 ) -> LeavingRays:
     """Return rays from places on surfaces."""
     # Ours, as everything that is not float64 would be.

@@ -26,12 +26,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._firsthit import _Rays as Native
+    from firsthit import _firsthit
     from firsthit._objects.filters import Filters
-
-    #: Memory to which the native half copies origins and directions; ``None`` for what is not
-    #: to be copied.
-    Copies = tuple[npt.NDArray[np.float64] | None, npt.NDArray[np.float64] | None]
 
 
 def _constant(value: float) -> npt.NDArray[np.float64]:
@@ -112,7 +108,7 @@ class Rays:
             ) from None
         return cls(arrays, shape, own, filters)
 
-    def own(self) -> Copies:
+    def own(self) -> _firsthit._Copies:
         """Copy what the caller could change, for hits to keep.
 
         Large arrays of float64 stay as they are: the native half copies them to what is returned,
@@ -134,7 +130,7 @@ class Rays:
         self.arrays = tuple(arrays)
         return copies[0], copies[1]
 
-    def keep(self, copies: Copies) -> Rays:
+    def keep(self, copies: _firsthit._Copies) -> Rays:
         """Take the copies that the native half made, and forget limits and filters."""
         origins, directions = copies
         self.arrays = (
@@ -189,7 +185,7 @@ class Rays:
             return [slice(0, self.length)]
         return list(chunks(self.length))
 
-    def part(self, part: slice, *, limits: bool = True) -> Native:
+    def part(self, part: slice, *, limits: bool = True) -> _firsthit._Rays:
         """Return a part of the rays as the native half takes them: one for all, or one for each."""
         is_whole = part.stop - part.start == self.length
         arrays = self.arrays if limits else (*self.arrays[:2], NO_MINIMUM, NO_MAXIMUM)

@@ -19,7 +19,6 @@ from .source import Source
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._objects.filters import Surfaces
     from firsthit._objects.traceable import Built
 
     #: A point's place, and the object and primitive on which it lies.
@@ -61,7 +60,9 @@ def surface_points(built: Built, points: npt.ArrayLike, threads: int) -> Hits:
     return Hits._of(built, arrays, Source(None, None, rays), shape, threads)
 
 
-def end(name: str, given: Any, skip: Pair | None) -> tuple[npt.NDArray[Any], Surfaces | None]:
+def end(
+    name: str, given: Any, skip: Pair | None
+) -> tuple[npt.NDArray[Any], _firsthit._Surfaces | None]:
     """Return points and the surfaces that they lie on."""
     if isinstance(given, Hits):
         if skip is not None:
@@ -72,7 +73,7 @@ def end(name: str, given: Any, skip: Pair | None) -> tuple[npt.NDArray[Any], Sur
 
 
 def end_part(
-    points: npt.NDArray[Any], skip: Surfaces | None, shape: tuple[int, ...], part: slice
+    points: npt.NDArray[Any], skip: _firsthit._Surfaces | None, shape: tuple[int, ...], part: slice
 ) -> _firsthit._Ends:
     """Return some of the ends as the native half takes them."""
     if points.size == 3:

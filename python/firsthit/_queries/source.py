@@ -23,14 +23,6 @@ if TYPE_CHECKING:
     from firsthit._objects.traceable import Built
     from firsthit._sensors.sensor import Sensor
 
-    #: Distances, objects, primitives and two barycentric weights, as the native half fills them.
-    Arrays = tuple[
-        npt.NDArray[np.float64],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.int32],
-        npt.NDArray[np.float64],
-    ]
-
 #: What is neither float64 nor one of the arrays.
 _DTYPES: dict[str, type[np.generic]] = {
     "front": np.bool_,
@@ -42,7 +34,7 @@ _DTYPES: dict[str, type[np.generic]] = {
 _FEW = SMALL // 16
 
 
-def hits_arrays(length: int) -> Arrays:
+def hits_arrays(length: int) -> _firsthit._Hits:
     """Return uninitialised arrays for ``length`` hits."""
     # `empty` would do the same for few, but its checks take 1 us of the 11 of a call with one ray.
     make: Callable[..., npt.NDArray[Any]] = np.empty if length < _FEW else empty
@@ -115,7 +107,7 @@ class Source:
         return self._made["both"]
 
     def compute(
-        self, name: str, built: Built, arrays: Arrays, threads: int, report: Report | None
+        self, name: str, built: Built, arrays: _firsthit._Hits, threads: int, report: Report | None
     ) -> npt.NDArray[Any]:
         """Compute a channel of the hits in ``arrays``, flat."""
         if self.is_whole:
@@ -137,7 +129,7 @@ class Source:
         return self.camera
 
     def _distances(
-        self, name: str, built: Built, arrays: Arrays, threads: int
+        self, name: str, built: Built, arrays: _firsthit._Hits, threads: int
     ) -> npt.NDArray[np.float64]:
         camera, (t, identifiers, *_) = self._camera_of(name), arrays
         if self.rays is None and self.pixels is not None:
@@ -171,7 +163,7 @@ class Source:
         return distances
 
     def _compute_of_rays(
-        self, name: str, built: Built, arrays: Arrays, threads: int, report: Report | None
+        self, name: str, built: Built, arrays: _firsthit._Hits, threads: int, report: Report | None
     ) -> npt.NDArray[Any]:
         rays = self.rays if self.rays is not None else Rays.of(*self.both())
         pieces = []
