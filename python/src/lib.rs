@@ -88,7 +88,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::sensor::{Pattern, Sensor, Trajectory, axes_from, lidar_models};
     #[pymodule_export]
-    use crate::shading::{check_shader, draws, resolve, shader_settings};
+    use crate::shading::{check_light, check_shader, draws, resolve, shader_settings};
     #[pymodule_export]
     use crate::shape::{Mesh, Shape, polygons};
     #[pymodule_export]

@@ -171,6 +171,13 @@ pub(crate) fn shader_settings(name: &str) -> Vec<(&'static str, &'static str)> {
     list.map(|setting| (setting.name, form(setting))).collect()
 }
 
+/// Refuses a light that cannot be.
+#[pyfunction]
+pub(crate) fn check_light(py: Python<'_>, light: LightIn) -> PyResult<()> {
+    let checked = light_in(&light).map(drop);
+    checked.map_err(|error| raise(py, &error))
+}
+
 /// All settings of a shader, some of which are given; refuses what makes no sense.
 #[pyfunction]
 pub(crate) fn check_shader(

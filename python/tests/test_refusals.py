@@ -48,7 +48,7 @@ def test_names_that_no_file_holds_are_refused_and_the_scene_goes_on(name):
     ],
 )
 def test_lights_are_at_places_and_have_directions(light, name):
-    with pytest.raises(ValueError, match=f"{name} must be finite"):
+    with pytest.raises(ValueError, match=f"{name} must be three finite numbers"):
         light()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -32,6 +33,21 @@ def settle(immutable: object, **values: object) -> None:
     """Give something its attributes that cannot be changed later."""
     for name, value in values.items():
         object.__setattr__(immutable, name, value)
+
+
+def settle_numbers(immutable: Any, **values: npt.ArrayLike) -> None:
+    """Give a dataclass attributes that cannot be changed: one number, or else three."""
+    ones = [field.name for field in fields(immutable) if field.type == "float"]
+    for name, value in values.items():
+        settle(immutable, **{name: (number if name in ones else vector)(name, value)})
+
+
+def direction(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:
+    """Return three numbers that are finite, and not all zero."""
+    way = vector(name, value)
+    if not (any(way) and all(map(math.isfinite, way))):
+        raise ValueError(f"{name} must be a finite direction, not zero, got {way}")
+    return way
 
 
 def vector(name: str, value: npt.ArrayLike) -> tuple[float, float, float]:

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import color_of, count, flag, number, numbers, settle, vector, vectors
+from firsthit._base.arrays import (
+    color_of,
+    count,
+    direction,
+    flag,
+    number,
+    numbers,
+    settle,
+    vector,
+    vectors,
+)
 from firsthit._base.errors import warn
 
 from .lights import DirectionalLight, light_of
@@ -352,9 +362,7 @@ class Environment:
     ) -> None:
         settle(self, _kind=kind, _vectors=tuple(directions), _numbers=tuple(settings), _map=texels)
         settle(self, strength=number("strength", strength), seen=flag("seen", seen))
-        settle(self, up=None if up is None else vector("up", up))
-        if self.up is not None and not (any(self.up) and all(map(math.isfinite, self.up))):
-            raise ValueError(f"up must be a finite direction, not zero, got {self.up}")
+        settle(self, up=None if up is None else direction("up", up))
         _firsthit.check_environment(self._native())
 
     def _native(self) -> _firsthit._Environment:
@@ -392,10 +400,7 @@ def _turn(rotate: Turn) -> tuple[tuple[Vector, ...], float]:
     if isinstance(rotate, tuple | list):
         if len(rotate) != 2:
             raise ValueError(f"rotate must be degrees, or an axis and degrees, got {rotate!r}")
-        direction = vector("rotate", rotate[0])
-        if not (any(direction) and all(map(math.isfinite, direction))):
-            raise ValueError(f"rotate must have a finite axis, not zero, got {direction}")
-        axis, rotate = (direction,), rotate[1]
+        axis, rotate = (direction("rotate's axis", rotate[0]),), rotate[1]
     degrees = number("rotate", rotate)
     if not math.isfinite(degrees):
         raise ValueError(f"rotate must be finite, got {degrees}")

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firsthit._base.arrays import color_of, number, settle, vector
+from firsthit import _firsthit
+from firsthit._base.arrays import color_of, direction, settle, settle_numbers
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit import _firsthit
     from firsthit._base.types import Vector
 
 
@@ -48,14 +48,7 @@ class DirectionalLight:
         color: npt.ArrayLike = (1.0, 1.0, 1.0),
         angle_degrees: float = 0.0,
     ) -> None:
-        settle(
-            self,
-            direction=_direction("direction", direction),
-            color=color_of("color", color, is_light=True),
-            angle_degrees=number("angle_degrees", angle_degrees),
-        )
-        if not 0 <= self.angle_degrees <= 180:
-            raise ValueError(f"angle_degrees must be from 0 to 180, got {self.angle_degrees}")
+        _settle(self, direction=direction, color=color, angle_degrees=angle_degrees)
 
 
 @dataclass(frozen=True, init=False)
@@ -80,8 +73,7 @@ class PointLight:
     intensity: Vector
 
     def __init__(self, position: npt.ArrayLike, intensity: npt.ArrayLike = (1.0, 1.0, 1.0)) -> None:
-        settle(self, position=_place("position", position))
-        settle(self, intensity=color_of("intensity", intensity, is_light=True))
+        _settle(self, position=position, intensity=intensity)
 
 
 @dataclass(frozen=True, init=False)
@@ -121,11 +113,8 @@ class SpotLight:
         inner_angle: float = 0.0,
         outer_angle: float = math.pi / 4,
     ) -> None:
-        settle(self, position=_place("position", position))
-        settle(self, direction=_direction("direction", direction))
-        settle(self, intensity=color_of("intensity", intensity, is_light=True))
-        settle(self, inner_angle=number("inner_angle", inner_angle))
-        settle(self, outer_angle=number("outer_angle", outer_angle))
+        given = {"inner_angle": inner_angle, "outer_angle": outer_angle}
+        _settle(self, position=position, direction=direction, intensity=intensity, **given)
         if not 0 <= self.inner_angle < self.outer_angle <= math.pi / 2:
             raise ValueError(
                 "inner_angle must be from 0 to below outer_angle, and that at most a quarter turn, "
@@ -163,8 +152,7 @@ class SphereLight:
         radius: float = 1.0,
         emission: npt.ArrayLike = (1.0, 1.0, 1.0),
     ) -> None:
-        settle(self, center=_place("center", center), radius=_positive("radius", radius))
-        settle(self, emission=color_of("emission", emission, is_light=True))
+        _settle(self, center=center, radius=radius, emission=emission)
 
 
 @dataclass(frozen=True, init=False)
@@ -200,9 +188,7 @@ class DiscLight:
         radius: float = 1.0,
         emission: npt.ArrayLike = (1.0, 1.0, 1.0),
     ) -> None:
-        settle(self, center=_place("center", center), normal=_direction("normal", normal))
-        settle(self, radius=_positive("radius", radius))
-        settle(self, emission=color_of("emission", emission, is_light=True))
+        _settle(self, center=center, normal=normal, radius=radius, emission=emission)
 
 
 @dataclass(frozen=True, init=False)
@@ -237,9 +223,7 @@ class RectangleLight:
         edge_v: npt.ArrayLike,
         emission: npt.ArrayLike = (1.0, 1.0, 1.0),
     ) -> None:
-        settle(self, center=_place("center", center), edge_u=_direction("edge_u", edge_u))
-        settle(self, edge_v=_direction("edge_v", edge_v))
-        settle(self, emission=color_of("emission", emission, is_light=True))
+        _settle(self, center=center, edge_u=edge_u, edge_v=edge_v, emission=emission)
         if not np.any(np.cross(self.edge_u, self.edge_v)):
             raise ValueError(f"edge_v must not be parallel to edge_u, got {self.edge_v}")
 
@@ -273,28 +257,7 @@ class Sky:
         up: npt.ArrayLike = (0.0, 0.0, 1.0),
     ) -> None:
         settle(self, horizon=color_of("horizon", horizon), zenith=color_of("zenith", zenith))
-        settle(self, up=_direction("up", up))
-
-
-def _place(name: str, value: npt.ArrayLike) -> Vector:
-    place = vector(name, value)
-    if not all(map(math.isfinite, place)):
-        raise ValueError(f"{name} must be finite, got {place}")
-    return place
-
-
-def _direction(name: str, value: npt.ArrayLike) -> Vector:
-    direction = _place(name, value)
-    if not any(direction):
-        raise ValueError(f"{name} must be a direction, not zero, got {direction}")
-    return direction
-
-
-def _positive(name: str, value: float) -> float:
-    positive = number(name, value)
-    if not 0 < positive < math.inf:
-        raise ValueError(f"{name} must be a positive, finite number, got {positive}")
-    return positive
+        settle(self, up=direction("up", up))
 
 
 Light = DirectionalLight | PointLight | SpotLight | SphereLight | DiscLight | RectangleLight
@@ -307,6 +270,16 @@ _KINDS: dict[str, type[Light]] = {
     "disc": DiscLight,
     "rectangle": RectangleLight,
 }
+
+
+def _settle(light: Light, **given: npt.ArrayLike) -> None:
+    """Give a light its settings, which the native half checks."""
+    for name, value in given.items():
+        if name in ("color", "intensity", "emission"):
+            settle(light, **{name: color_of(name, value, is_light=True)})
+        else:
+            settle_numbers(light, **{name: value})
+    _firsthit.check_light(light_native(light))
 
 
 def light_native(light: Light) -> _firsthit._Light:

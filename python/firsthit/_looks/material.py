@@ -5,6 +5,7 @@ from __future__ import annotations
 import marshal
 import math
 from dataclasses import dataclass, fields
+from inspect import signature
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 from weakref import WeakValueDictionary
@@ -15,6 +16,8 @@ from firsthit import _firsthit
 from firsthit._base.arrays import color_of, flag, number, numbers, settle, text, vector
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy.typing as npt
 
     from firsthit._base.types import AlphaMode, Filter, MaterialKind, Vector, Wrap
@@ -165,54 +168,6 @@ def _rows(picture_from_uv: npt.ArrayLike) -> tuple[Vector, Vector]:
     if rows.shape != (2, 3) or not np.all(np.isfinite(rows)):
         raise ValueError(f"picture_from_uv must be (2, 3) and finite, got {rows.tolist()}")
     return vector("picture_from_uv", rows[0]), vector("picture_from_uv", rows[1])
-
-
-#: What the textures beside those of colour and alpha are for.
-_ROLES = (
-    "metallic_roughness",
-    "normal",
-    "occlusion",
-    "emission",
-    "transmission",
-    "specular",
-    "specular_color",
-    "clearcoat",
-    "clearcoat_roughness",
-    "clearcoat_normal",
-    "sheen_color",
-    "sheen_roughness",
-)
-#: The settings of all kinds.
-_SETTINGS = (
-    "metallic",
-    "roughness",
-    "ior",
-    "specular",
-    "specular_color",
-    "transmission",
-    "solid",
-    "attenuation_color",
-    "attenuation_distance",
-    "clearcoat",
-    "clearcoat_roughness",
-    "clearcoat_normal_scale",
-    "sheen_color",
-    "sheen_roughness",
-    "absorption",
-)
-#: What needs not be shown.
-_PLAIN = {
-    "alpha": 1.0,
-    "alpha_mode": "opaque",
-    "cutoff": 0.5,
-    "unlit": False,
-    "double_sided": True,
-    "name": "",
-    "kind": "matte",
-    "emission": (0.0, 0.0, 0.0),
-    "normal_scale": 1.0,
-    "occlusion_strength": 1.0,
-}
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -396,26 +351,8 @@ class Material:
         normal_scale: float = 1.0,
         occlusion_strength: float = 1.0,
     ) -> None:
+        given = locals()
         settle(self, color=color_of("color", color), alpha=number("alpha", alpha))
-        settle(self, texture=texture, alpha_texture=alpha_texture)
-        settle(
-            self,
-            metallic_roughness_texture=metallic_roughness_texture,
-            normal_texture=normal_texture,
-            occlusion_texture=occlusion_texture,
-            emission_texture=emission_texture,
-            transmission_texture=transmission_texture,
-            specular_texture=specular_texture,
-            specular_color_texture=specular_color_texture,
-            clearcoat_texture=clearcoat_texture,
-            clearcoat_roughness_texture=clearcoat_roughness_texture,
-            clearcoat_normal_texture=clearcoat_normal_texture,
-            sheen_color_texture=sheen_color_texture,
-            sheen_roughness_texture=sheen_roughness_texture,
-            emission=color_of("emission", emission, is_light=True),
-            normal_scale=number("normal_scale", normal_scale),
-            occlusion_strength=number("occlusion_strength", occlusion_strength),
-        )
         settle(self, alpha_mode=text("alpha_mode", alpha_mode), cutoff=number("cutoff", cutoff))
         if not 0 <= self.alpha <= 1:
             raise ValueError(f"alpha must be from 0 to 1, got {self.alpha}")
@@ -423,33 +360,21 @@ class Material:
             raise ValueError(f"cutoff must be finite, got {self.cutoff}")
         settle(self, unlit=flag("unlit", unlit))
         settle(self, double_sided=flag("double_sided", double_sided), name=text("name", name))
-        for name in ("texture", "alpha_texture", *(f"{role}_texture" for role in _ROLES)):
-            if not isinstance(getattr(self, name), Texture | None):
-                raise TypeError(f"{name} must be a Texture, got {getattr(self, name)!r}")
-        numbers_of = {
-            "metallic": metallic,
-            "roughness": roughness,
-            "ior": ior,
-            "specular": specular,
-            "transmission": transmission,
-            "attenuation_distance": attenuation_distance,
-            "clearcoat": clearcoat,
-            "clearcoat_roughness": clearcoat_roughness,
-            "clearcoat_normal_scale": clearcoat_normal_scale,
-            "sheen_roughness": sheen_roughness,
-        }
-        colors_of = {
-            "specular_color": specular_color,
-            "attenuation_color": attenuation_color,
-            "sheen_color": sheen_color,
-            "absorption": absorption,
-        }
-        given = _given(numbers_of, colors_of)
-        if solid is not None:
-            given.append(("solid", flag("solid", solid)))
-        usual = "metal-rough" if given else "matte"
+        settle(self, emission=color_of("emission", emission, is_light=True))
+        for strength in ("normal_scale", "occlusion_strength"):
+            settle(self, **{strength: number(strength, given[strength])})
+        for role in ("texture", "alpha_texture", *_TEXTURES):
+            if not isinstance(given[role], Texture | None):
+                raise TypeError(f"{role} must be a Texture, got {given[role]!r}")
+            settle(self, **{role: given[role]})
+        settings = [
+            (key, checked(key, given[key]))
+            for key, checked in _SETTINGS.items()
+            if given[key] is not None
+        ]
+        usual = "metal-rough" if settings else "matte"
         settle(self, kind=usual if kind is None else text("kind", kind))
-        everything = _firsthit.check_material(self._native(given))
+        everything = _firsthit.check_material(self._native(settings))
         settle(self, **(dict.fromkeys(_SETTINGS) | dict(everything)))
 
     def __repr__(self) -> str:
@@ -466,7 +391,7 @@ class Material:
         return [(name, value) for name, value in settings if value is not None]
 
     def _native(self, settings: _firsthit._Settings | None = None) -> _firsthit._Material:
-        textures = [(role, getattr(self, f"{role}_texture")) for role in _ROLES]
+        textures = [(name.removesuffix("_texture"), getattr(self, name)) for name in _TEXTURES]
         return (
             self.color,
             self.alpha,
@@ -483,20 +408,25 @@ class Material:
         )
 
 
-def _given(
-    numbers_of: dict[str, float | None], colors_of: dict[str, npt.ArrayLike | None]
-) -> _firsthit._Settings:
-    """Return the settings that are given; the native module knows which make sense."""
-    given: _firsthit._Settings = []
-    for name, value in numbers_of.items():
-        if value is not None:
-            given.append((name, number(name, value)))
-    for name, color in colors_of.items():
-        if color is not None:
-            given.append((name, color_of(name, color, is_light=True)))
-    return given
+def _radiance(name: str, value: npt.ArrayLike) -> Vector:
+    return color_of(name, value, is_light=True)
 
 
+#: The textures beside those of colour and alpha.
+_TEXTURES = [
+    each.name
+    for each in fields(Material)
+    if each.name.endswith("_texture") and each.name != "alpha_texture"
+]
+#: The settings of all kinds, and what checks a value; the native half knows which make sense.
+_SETTINGS: dict[str, Callable[[str, Any], Any]] = {
+    each.name: {"float": number, "bool": flag, "Vector": _radiance}[each.type.split(" |")[0]]
+    for each in fields(Material)
+    if each.type in ("float | None", "bool | None", "Vector | None")
+}
+#: What need not be shown.
+_PLAIN = {each.name: each.default for each in signature(Material).parameters.values()}
+_PLAIN |= {"color": None, "kind": "matte"}
 _values = attrgetter(*(each.name for each in fields(Material)))
 
 #: The materials of objects by what they are made of, and those that have only a colour by that, to

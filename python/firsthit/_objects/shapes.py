@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import cast, number, numbers, settle, table, vector
+from firsthit._base.arrays import cast, numbers, settle_numbers, table
 
 from .foreign_kinds import WANTED, reader_of
 from .mesh_file import save
@@ -18,7 +18,7 @@ from .properties import given, shaped
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -28,8 +28,17 @@ if TYPE_CHECKING:
 class Shape:
     """Any shape. Its coordinates and lengths are in object space."""
 
+    #: The function of the native half that makes it of its numbers, in their order.
+    _make: ClassVar[Callable[..., _firsthit.Shape]]
+
+    def _settle(self, **given: npt.ArrayLike) -> None:
+        """Take the numbers, which the native half checks."""
+        settle_numbers(self, **given)
+        self._native()
+
     def _native(self) -> _firsthit.Shape:
-        raise NotImplementedError
+        numbers_: Any = fields(self)  # type: ignore[arg-type] # all but a mesh are dataclasses
+        return self._make(*(getattr(self, field.name) for field in numbers_))
 
 
 @dataclass(frozen=True, init=False)
@@ -55,15 +64,12 @@ class Sphere(Shape):
     Sphere(center=(0.0, 1.0, 0.0), radius=1.0)
     """
 
+    _make = _firsthit.Shape.sphere
     center: Vector
     radius: float
 
     def __init__(self, center: npt.ArrayLike, radius: float) -> None:
-        settle(self, center=vector("center", center), radius=number("radius", radius))
-        self._native()
-
-    def _native(self) -> _firsthit.Shape:
-        return _firsthit.Shape.sphere(self.center, self.radius)
+        self._settle(center=center, radius=radius)
 
 
 @dataclass(frozen=True, init=False)
@@ -83,15 +89,12 @@ class Plane(Shape):
         For values that make no sense, with their name.
     """
 
+    _make = _firsthit.Shape.plane
     point: Vector
     normal: Vector
 
     def __init__(self, point: npt.ArrayLike, normal: npt.ArrayLike) -> None:
-        settle(self, point=vector("point", point), normal=vector("normal", normal))
-        self._native()
-
-    def _native(self) -> _firsthit.Shape:
-        return _firsthit.Shape.plane(self.point, self.normal)
+        self._settle(point=point, normal=normal)
 
 
 @dataclass(frozen=True, init=False)
@@ -113,17 +116,13 @@ class Disc(Shape):
         For values that make no sense, with their name.
     """
 
+    _make = _firsthit.Shape.disc
     center: Vector
     normal: Vector
     radius: float
 
     def __init__(self, center: npt.ArrayLike, normal: npt.ArrayLike, radius: float) -> None:
-        settle(self, center=vector("center", center), normal=vector("normal", normal))
-        settle(self, radius=number("radius", radius))
-        self._native()
-
-    def _native(self) -> _firsthit.Shape:
-        return _firsthit.Shape.disc(self.center, self.normal, self.radius)
+        self._settle(center=center, normal=normal, radius=radius)
 
 
 @dataclass(frozen=True, init=False)
@@ -143,15 +142,12 @@ class Box(Shape):
         For values that make no sense, with their name.
     """
 
+    _make = _firsthit.Shape.box
     low: Vector
     high: Vector
 
     def __init__(self, low: npt.ArrayLike, high: npt.ArrayLike) -> None:
-        settle(self, low=vector("low", low), high=vector("high", high))
-        self._native()
-
-    def _native(self) -> _firsthit.Shape:
-        return _firsthit.Shape.box(self.low, self.high)
+        self._settle(low=low, high=high)
 
 
 @dataclass(frozen=True, init=False)
@@ -173,17 +169,13 @@ class Cylinder(Shape):
         For values that make no sense, with their name.
     """
 
+    _make = _firsthit.Shape.cylinder
     bottom: Vector
     top: Vector
     radius: float
 
     def __init__(self, bottom: npt.ArrayLike, top: npt.ArrayLike, radius: float) -> None:
-        settle(self, bottom=vector("bottom", bottom), top=vector("top", top))
-        settle(self, radius=number("radius", radius))
-        self._native()
-
-    def _native(self) -> _firsthit.Shape:
-        return _firsthit.Shape.cylinder(self.bottom, self.top, self.radius)
+        self._settle(bottom=bottom, top=top, radius=radius)
 
 
 @dataclass(frozen=True, init=False)
@@ -207,6 +199,7 @@ class Cone(Shape):
         For values that make no sense, with their name.
     """
 
+    _make = _firsthit.Shape.cone
     bottom: Vector
     top: Vector
     radius: float
@@ -215,13 +208,7 @@ class Cone(Shape):
     def __init__(
         self, bottom: npt.ArrayLike, top: npt.ArrayLike, radius: float, top_radius: float = 0.0
     ) -> None:
-        settle(self, bottom=vector("bottom", bottom), top=vector("top", top))
-        settle(self, radius=number("radius", radius))
-        settle(self, top_radius=number("top_radius", top_radius))
-        self._native()
-
-    def _native(self) -> _firsthit.Shape:
-        return _firsthit.Shape.cone(self.bottom, self.top, self.radius, self.top_radius)
+        self._settle(bottom=bottom, top=top, radius=radius, top_radius=top_radius)
 
 
 class Mesh(Shape):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import color_of, text, vector
+from firsthit._base.arrays import color_of, direction, text, vector
 from firsthit._base.log import timed
 from firsthit._looks.display import Display, as_display
 from firsthit._looks.edges import Edges
@@ -317,10 +316,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
 
     @up.setter
     def up(self, up: npt.ArrayLike) -> None:
-        direction = vector("up", up)
-        if not (any(direction) and all(map(math.isfinite, direction))):
-            raise ValueError(f"up must be a finite direction, not zero, got {direction}")
-        self._up, self._up_is_guessed = direction, False
+        self._up, self._up_is_guessed = direction("up", up), False
 
     @property
     def background(self) -> Sky | Vector | str | None:
