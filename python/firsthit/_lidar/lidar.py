@@ -696,13 +696,7 @@ class Lidar(OtherSensor):
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         """Pickle by what it was made from."""
-        return _again, (self._made, self._pose, self._trajectory)
-
-
-def _again(
-    made: tuple[str, tuple[Any, ...]], pose: list[list[float]], trajectory: Trajectory | None
-) -> Lidar:
-    return Lidar._standing(made, None, pose, trajectory)
+        return Lidar._standing, (self._made, None, self._pose, self._trajectory)
 
 
 def _placed(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -376,17 +377,8 @@ class Environment:
         kind = "map" if self._kind == "placed" else self._kind
         return f"Environment({kind}, strength={self.strength:g}, seen={self.seen})"
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        *parts, strength, seen, up = self._native()
-        texels = None if self._map is None else self._map.array()
-        return _again, (*parts[:3], texels, strength, seen, up)
 
-
-def _again(*parts: Any) -> Environment:
-    """Return an environment that was pickled."""
-    kind, directions, settings, texels, *others = parts
-    made = None if texels is None else _firsthit.EnvironmentMap(texels)
-    return Environment._of(kind, directions, settings, made, *others)
+copyreg.pickle(_firsthit.EnvironmentMap, lambda made: (_firsthit.EnvironmentMap, (made.array(),)))
 
 
 def environment_of(native: _firsthit._Environment) -> Environment:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import marshal
 import math
 from dataclasses import dataclass, fields
@@ -146,21 +147,8 @@ class Texture:
         rows, columns, _ = self.texels.shape
         return f"Texture({columns} x {rows} texels)"
 
-    def __reduce__(self) -> tuple[Any, tuple[object, ...]]:
-        """Pickle by value."""
-        return _texture, (self.texels, self._wrap, self._filter, self._rows, self._second_uvs)
 
-
-def _texture(
-    texels: Any,
-    wrap: Any,
-    filter_name: Any,
-    rows: Any,
-    second_uvs: bool,  # noqa: FBT001 - pickled by place
-) -> Texture:
-    return Texture(
-        texels, wrap=wrap, filter=filter_name, picture_from_uv=rows, second_uvs=second_uvs
-    )
+copyreg.pickle(_firsthit.Texels, lambda made: (_firsthit.Texels, (made.array(),)))
 
 
 def _rows(picture_from_uv: npt.ArrayLike) -> tuple[Vector, Vector]:

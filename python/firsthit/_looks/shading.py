@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, get_args
 
 from firsthit import _firsthit
@@ -72,11 +73,7 @@ class Shader:
         return f"Shader({self.name!r}{settings})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _shader, (self.name, dict(self.settings))
-
-
-def _shader(name: ShaderName, settings: dict[str, Setting]) -> Shader:
-    return Shader(name, **settings)
+        return partial(Shader, **dict[str, Any](self.settings)), (self.name,)
 
 
 def _value(name: str, domains: dict[str, str], value: Any) -> Setting:

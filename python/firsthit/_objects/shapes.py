@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import math
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -561,15 +562,14 @@ class Mesh(Shape):
         plural = "" if triangles == 1 else "s"
         return f"Mesh({vertices:,} vertices, {triangles:,} triangle{plural})"
 
-    def __reduce__(self) -> tuple[object, ...]:
-        """Pickle by value; which properties are labels does not show in their arrays."""
-        mesh = self._mesh
-        arrays = (mesh.vertices(), mesh.triangles(), tuple(mesh.attributes()))
-        return _mesh_of, (type(self), *arrays, list(mesh.labels()), mesh.properties())
+
+def _reduced(mesh: _firsthit.Mesh) -> tuple[Any, ...]:
+    """Pickle by value; which properties are labels does not show in their arrays."""
+    arrays = mesh.vertices(), mesh.triangles(), tuple(mesh.attributes())
+    return _firsthit.Mesh, (*arrays, list(mesh.labels()), mesh.properties())
 
 
-def _mesh_of(kind: type[Mesh], *native: Any) -> Mesh:
-    return kind._wrap(_firsthit.Mesh(*native))
+copyreg.pickle(_firsthit.Mesh, _reduced)
 
 
 def _attribute(name: str, value: Any, columns: int) -> npt.NDArray[np.float32]:

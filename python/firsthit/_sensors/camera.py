@@ -21,7 +21,7 @@ from .sensor import Sensor
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -225,21 +225,19 @@ class Camera(ReadCameras, Sensor):
         return camera
 
     @classmethod
-    def _from_view(cls, view: _firsthit._View) -> Camera:
-        """Return the camera from which the view was taken."""
-        vectors_, pixels, words, parameters = view
-        position, aim, up = (vector("view", each) for each in vectors_)
-        return _taken(cls, position, aim, up, pixels, words, tuple(parameters))
-
-    @classmethod
-    def _given(cls, view: _firsthit._View) -> Camera:
-        """Return the camera of a view that was taken from none."""
-        (position, aim, up), pixels, words, parameters = view
-        aimed = vector("view", aim)
+    def _again(
+        cls,
+        is_taken: bool,  # noqa: FBT001 - pickled by place
+        vectors_: tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike],
+        pixels: tuple[int, int],
+        words: tuple[Projection, RayStart],
+        parameters: Sequence[tuple[str, float]],
+    ) -> Camera:
+        """Return the camera of arguments as `_arguments` has them, if need be taken from one."""
+        where, aim, up = (vector("view", each) for each in vectors_)
+        native = _firsthit.Camera(where, aim, up, pixels, *words, parameters, is_exact=is_taken)
         camera = cls.__new__(cls)
-        where, upwards = vector("view", position), vector("view", up)
-        native = _firsthit.Camera(where, aimed, upwards, pixels, *words, parameters, is_exact=False)
-        camera._take(native, aimed)
+        camera._take(native, None if is_taken else aim)
         return camera
 
     @classmethod
@@ -810,7 +808,7 @@ class Camera(ReadCameras, Sensor):
         down = None if rows is None else count("rows", rows)
         across = None if columns is None else count("columns", columns)
         native = _firsthit.Camera.framing(scene._native(), above, text("view", view), down, across)
-        return cls._from_view(native.view())
+        return cls._of(native)
 
     @property
     def position(self) -> npt.NDArray[np.float64]:
@@ -1201,9 +1199,8 @@ class Camera(ReadCameras, Sensor):
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         """Pickle by what it was made from."""
-        if self._is_taken:
-            return _taken, (type(self), *self._arguments)
-        return _given, (type(self), *self._arguments)
+        vectors_, others = self._arguments[:3], self._arguments[3:]
+        return type(self)._again, (self._is_taken, vectors_, *others)
 
 
 def warn_before_viewplane(scene: _firsthit.Scene, camera: Sensor) -> None:
@@ -1262,33 +1259,3 @@ def _span(name: str, part: object, length: int) -> tuple[int, int]:
     if not 0 <= first < last <= length:
         raise ValueError(f"{name} must be a part of 0 to {length}, got {first} to {last}")
     return first, last
-
-
-def _taken(
-    kind: type[Camera],
-    position: Vector,
-    aim: Vector,
-    up: Vector,
-    pixels: tuple[int, int],
-    words: tuple[Projection, RayStart],
-    parameters: tuple[tuple[str, float], ...],
-) -> Camera:
-    """Return the camera from which the arguments were taken."""
-    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, is_exact=True)
-    return kind._of(native)
-
-
-def _given(
-    kind: type[Camera],
-    position: Vector,
-    aim: Vector,
-    up: Vector,
-    pixels: tuple[int, int],
-    words: tuple[Projection, RayStart],
-    parameters: tuple[tuple[str, float], ...],
-) -> Camera:
-    """Return the camera that was made from the arguments."""
-    camera = kind.__new__(kind)
-    native = _firsthit.Camera(position, aim, up, pixels, *words, parameters, is_exact=False)
-    camera._take(native, aim)
-    return camera

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -122,13 +123,9 @@ class RollingShutter(_Moving):
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
         """Pickle by what it was made from."""
-        return _rolling_shutter, self._arguments
-
-
-def _rolling_shutter(
-    camera: Camera, trajectory: Trajectory, start: float, readout: float, direction: Readout
-) -> RollingShutter:
-    return RollingShutter(camera, trajectory, start=start, readout=readout, direction=direction)
+        camera, trajectory, start, readout, direction = self._arguments
+        how: dict[str, Any] = {"start": start, "readout": readout, "direction": direction}
+        return partial(RollingShutter, **how), (camera, trajectory)
 
 
 class Pushbroom(_Moving):

@@ -103,5 +103,4 @@ def from_native(
     settled: bool,
 ) -> NamedCamera:
     """Return the camera that the native half read; it is as it is where it is ``settled``."""
-    camera = Camera._from_view(view) if settled else Camera._given(view)
-    return NamedCamera(name, camera, has_size)
+    return NamedCamera(name, Camera._again(settled, *view), has_size)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copyreg
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
@@ -326,20 +327,13 @@ class Trajectory:
             f"{self.interpolation}, {self._body})"
         )
 
-    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
-        """Pickle by what it was made from."""
-        times, positions, rotations, words = self._native.parts()
-        return _again, (times, positions, rotations, words, self._body)
+
+def _reduced(native: _firsthit.Trajectory) -> tuple[Any, ...]:
+    times, positions, rotations, words = native.parts()
+    return _firsthit.Trajectory, (times, positions, rotations, *words)
 
 
-def _again(
-    times: npt.NDArray[np.float64],
-    positions: npt.NDArray[np.float64],
-    rotations: npt.NDArray[np.float64],
-    words: tuple[Interpolation, Extrapolation],
-    body: BodyName,
-) -> Trajectory:
-    return Trajectory._of(_firsthit.Trajectory(times, positions, rotations, *words), body)
+copyreg.pickle(_firsthit.Trajectory, _reduced)
 
 
 def _flat(array: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
