@@ -86,7 +86,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::section::Section;
     #[pymodule_export]
-    use crate::sensor::{Pattern, Sensor, Trajectory, axes_from, lidar_models};
+    use crate::sensor::{Pattern, Sensor, Trajectory, axes_from};
     #[pymodule_export]
     use crate::shading::{check_light, check_shader, draws, resolve, shader_settings};
     #[pymodule_export]

@@ -415,12 +415,6 @@ impl Pattern {
     }
 }
 
-/// The names of the models of laser scanners.
-#[pyfunction]
-pub(crate) fn lidar_models() -> &'static [&'static str] {
-    LidarModel::NAMES
-}
-
 /// A trajectory.
 #[pyclass(frozen, module = "firsthit._firsthit")]
 pub(crate) struct Trajectory(firsthit::Trajectory);

@@ -176,8 +176,8 @@ def test_what_coco_cannot_hold_is_refused(tmp_path):
         (pictures(), {"classes": ["car"]}, ValueError, "its class is 'post', not car"),
         (pictures(), {"classes": ["car", "car"]}, ValueError, "must be different names"),
         (pictures(keypoints=mixed), {}, ValueError, "another instance of class 'car' has other"),
-        (pictures(), {"masks": "all"}, ValueError, "masks must be 'visible' or 'amodal'"),
-        (pictures(), {"form": "png"}, ValueError, "form must be 'polygon' or 'rle'"),
+        (pictures(), {"masks": "all"}, ValueError, "masks must be one of visible, amodal"),
+        (pictures(), {"form": "png"}, ValueError, "form must be one of polygon, rle"),
         ({"a.png": 1}, {}, TypeError, "picture 'a.png' must be Annotations, got 1"),
         ("a.png", {}, TypeError, "pictures must be Annotations by file name"),
     ]:
@@ -432,7 +432,7 @@ def test_what_kitti_cannot_hold_is_refused(tmp_path):
         (one_thing(there, camera=parallel), {}, "KITTI's cameras are perspective"),
         (one_thing(there), {"up": "z"}, "up must be one of"),
         (one_thing(there), {"up": "+x"}, "forward and up must be different axes"),
-        (one_thing(there), {"box": "3d"}, "box must be 'amodal' or 'visible'"),
+        (one_thing(there), {"box": "3d"}, "box must be one of visible, amodal"),
         (one_thing(there), {"occlusion": (0.2, 0.8)}, "occlusion must be two shares"),
         ({"a.png": one_thing(there), "a.jpg": one_thing(there)}, {}, "have their labels in 'a'"),
     ]:
@@ -486,8 +486,8 @@ def test_a_picture_of_nothing_has_an_empty_file_and_yolo_refuses_the_rest(tmp_pa
     behind = street()
     behind.add(fh.Sphere((0, -9, 0), 1), name="post")
     for given, words, match in [
-        (pictures(), {"task": "pose"}, "task must be 'detect' or 'segment'"),
-        (pictures(), {"masks": "all"}, "masks must be 'visible' or 'amodal'"),
+        (pictures(), {"task": "pose"}, "task must be one of detect, segment"),
+        (pictures(), {"masks": "all"}, "masks must be one of visible, amodal"),
         (pictures(), {"classes": ["car"]}, "train/000007.png: instance 2 .* its class is 'post'"),
         (fh.annotate(behind, level(), classes=CLASSES, unseen=True), {}, "its visible mask has no"),
     ]:

@@ -85,7 +85,7 @@ def test_a_scene_says_what_lines_its_pictures_have_and_files_keep_it(tmp_path: P
         ({"width": 0}, "a width above 0 and up to 1000 pixels, got 0"),
         ({"width": math.nan}, "a width above 0 and up to 1000 pixels, got NaN"),
         ({"angle": 200}, "edge angle must be from 0 to 180 degrees, got 200"),
-        ({"kinds": "ridge"}, "kinds must be some of silhouette, .*, got 'ridge'"),
+        ({"kinds": "ridge"}, "kinds must be one of silhouette, .*, got 'ridge'"),
         ({"kinds": 5}, "kinds must be a sequence, got 5"),
         ({"kinds": ()}, "edge kinds must be at least one, got none"),
         ({"hidden": (1, 2, 3)}, "hidden must be True, False, or a dash and a gap"),

@@ -115,7 +115,7 @@ def test_wrong_keypoints_are_refused_by_name():
     for words, error, match in [
         ({"points": [1]}, TypeError, "points must be a dict"),
         ({"points": {"a": (1, 2)}}, ValueError, "keypoint 'a' must be three numbers"),
-        ({"points": {}, "frame": "camera"}, ValueError, "frame must be 'object' or 'world'"),
+        ({"points": {}, "frame": "camera"}, ValueError, "frame must be one of object, world"),
         ({"points": {"a": (0, 0, 0)}, "skeleton": [("a", "b")]}, ValueError, "got 'b'"),
         ({"points": {}, "tolerance": -1}, ValueError, "tolerance must be zero or more"),
     ]:

@@ -14,7 +14,7 @@ from firsthit import _firsthit
 from .errors import warn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Collection, Iterator
 
     import numpy.typing as npt
 
@@ -157,6 +157,13 @@ def numbers(name: str, value: Any) -> npt.NDArray[Any]:
     if array.dtype.kind not in "fiu":
         raise ValueError(f"{name} must be an array of real numbers, got dtype {array.dtype}")
     return array
+
+
+def one_of(name: str, value: _T, known: Collection[object]) -> _T:
+    """Return a word that is one of those that are known."""
+    if not isinstance(value, str) or value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(map(str, known))}, got {value!r}")
+    return value
 
 
 def listed(name: str, value: Any) -> tuple[Any, ...]:

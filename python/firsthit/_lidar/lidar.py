@@ -29,9 +29,6 @@ if TYPE_CHECKING:
 
     from .lidar_scan import LidarScan
 
-#: The models by name.
-MODELS: tuple[str, ...] = tuple(_firsthit.lidar_models())
-
 
 class Lidar(OtherSensor):
     """A laser scanner: beams, each at a time of its own, at a place or on a body that moves.
@@ -278,8 +275,6 @@ class Lidar(OtherSensor):
         """
         across = None if columns is None else count("columns", columns, 1)
         model = text("name", name).lower()
-        if model not in MODELS:
-            raise ValueError(f"lidar model must be one of {', '.join(MODELS)}, got {name!r}")
         arguments = model, number("rate", rate), across, number("start", start)
         return cls._standing(("named", arguments), position, pose, trajectory)
 

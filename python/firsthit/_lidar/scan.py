@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING
 
 from firsthit import _firsthit
-from firsthit._base.arrays import count, flag, number, numbers, threads_or_all
+from firsthit._base.arrays import count, flag, number, numbers, text, threads_or_all
 from firsthit._base.errors import warn
 from firsthit._base.progress import following
-from firsthit._base.types import Returns, Rings
 from firsthit._objects.traceable import Traceable
 
 from .lidar_scan import LidarScan, ScanOrigin, shaped
@@ -18,7 +17,7 @@ from .scan_labels import classes_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from firsthit._base.types import ObjectKey, Progress
+    from firsthit._base.types import ObjectKey, Progress, Returns, Rings
     from firsthit._scene.scene import Scene
 
     from .lidar import Lidar
@@ -40,10 +39,6 @@ def settings_of(
     rings: Rings = "maker",
 ) -> _firsthit.ScanSettings:
     """Return the checked settings of what a user gave; see `Lidar.scan`."""
-    words = ("returns", returns, get_args(Returns)), ("rings", rings, get_args(Rings))
-    for name, word, known in words:
-        if word not in known:
-            raise ValueError(f"{name} must be one of {', '.join(known)}, got {word!r}")
     spread = None
     if noise is not None:
         given = numbers("noise", noise)
@@ -51,7 +46,7 @@ def settings_of(
             raise ValueError(f"noise must be one number or two, got shape {given.shape}")
         spread = float(given.flat[0]), float(given[1]) if given.ndim else 0.0
     return _firsthit.ScanSettings(
-        returns,
+        text("returns", returns),
         None if divergence is None else number("divergence", divergence),
         count("subrays", subrays, 1),
         number("range_gate", range_gate),
@@ -61,7 +56,7 @@ def settings_of(
         spread,
         None if dropout is None else number("dropout", dropout),
         None if seed is None else count("seed", seed),
-        rings,
+        text("rings", rings),
     )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import color_of, number, numbers, settle
+from firsthit._base.arrays import color_of, number, numbers, one_of, settle
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -77,15 +77,13 @@ class Colors:
         above: npt.ArrayLike | None = None,
         missing: npt.ArrayLike | None = None,
     ) -> None:
-        if map not in MAPS:
-            raise ValueError(f"map must be one of {', '.join(MAPS)}, got {map!r}")
         ends = None if range is None else _range(range)
         if ends is None and (below is not None or above is not None):
             raise ValueError("below and above need a range: of all numbers none is outside")
         settle(
             self,
             by=_by(by),
-            map=map,
+            map=one_of("map", map, MAPS),
             range=ends,
             below=None if below is None else color_of("below", below),
             above=None if above is None else color_of("above", above),

@@ -6,13 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, get_args
 
-from firsthit._base.arrays import number, settle
+from firsthit._base.arrays import number, one_of, settle
 from firsthit._base.types import ToneMapName
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-
-_TONE_MAPS = get_args(ToneMapName)
 
 
 @dataclass(frozen=True, init=False)
@@ -48,9 +46,7 @@ class Display:
         stops = number("exposure", exposure)
         if not math.isfinite(stops):
             raise ValueError(f"exposure must be finite, got {stops}")
-        if not isinstance(tone_map, str) or tone_map not in _TONE_MAPS:
-            raise ValueError(f"tone_map must be one of {', '.join(_TONE_MAPS)}, got {tone_map!r}")
-        settle(self, exposure=stops, tone_map=tone_map)
+        settle(self, exposure=stops, tone_map=one_of("tone_map", tone_map, get_args(ToneMapName)))
 
     @property
     def _native(self) -> tuple[float, str]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
 from firsthit import _firsthit
-from firsthit._base.arrays import color_of, listed, number, settle
+from firsthit._base.arrays import color_of, listed, number, one_of, settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,8 +73,7 @@ class Edges:
     ) -> None:
         names = (kinds,) if isinstance(kinds, str) else listed("kinds", kinds)
         for name in names:
-            if name not in _KINDS:
-                raise ValueError(f"kinds must be some of {', '.join(_KINDS)}, got {name!r}")
+            one_of("kinds", name, _KINDS)
         settle(self, width=number("width", width), angle=number("angle", angle))
         settle(self, kinds=names, hidden=_dash(hidden), color=color_of("color", color))
         _firsthit.check_edges(self._native())

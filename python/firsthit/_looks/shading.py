@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, get_args
 
 from firsthit import _firsthit
-from firsthit._base.arrays import color_of, count, flag, number, settle, vector
+from firsthit._base.arrays import color_of, count, flag, number, one_of, settle, vector
 from firsthit._base.types import LightName, ShaderName
 
 from .colors import Colors
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     Setting = bool | float | Vector
 
-_SHADERS = get_args(ShaderName)
-_LIGHTS = get_args(LightName)
 
 #: Points of a pixel where nobody says, of a function of one's own.
 SAMPLES: int = _firsthit.defaults()[0]
@@ -58,8 +56,7 @@ class Shader:
     settings: tuple[tuple[str, Setting], ...]
 
     def __init__(self, name: ShaderName, **settings: Any) -> None:
-        if not isinstance(name, str) or name not in _SHADERS:
-            raise ValueError(f"shade must be one of {', '.join(_SHADERS)}, got {name!r}")
+        one_of("shade", name, get_args(ShaderName))
         domains = dict(_firsthit.shader_settings(name))
         given = [(key, _value(key, domains, value)) for key, value in settings.items()]
         settle(self, name=name, settings=tuple(_firsthit.check_shader(name, given)))
@@ -137,11 +134,9 @@ class Shading:
         **settings: Any,
     ) -> None:
         if samples is not None:
-            samples = count("samples", samples)
-            if not 1 <= samples < 2**32:
-                raise ValueError(f"samples must be from 1 to 4294967295, got {samples}")
-        if light is not None and (not isinstance(light, str) or light not in _LIGHTS):
-            raise ValueError(f"light must be one of {', '.join(_LIGHTS)}, got {light!r}")
+            samples = count("samples", samples, 1, 2**32 - 1)
+        if light is not None:
+            one_of("light", light, get_args(LightName))
         if ground is not None:
             ground = flag("ground", ground)
         if colors is not None and not isinstance(colors, Colors):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, get_args, overload
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import chunks, filled, flag, lock, text, threads_or_all
+from firsthit._base.arrays import chunks, filled, flag, lock, one_of, text, threads_or_all
 from firsthit._base.channel_hints import hint
 from firsthit._base.log import timed
 from firsthit._base.progress import following, later
@@ -149,9 +149,7 @@ class Channels:
         >>> hits.names("material")
         ('steel',)
         """
-        if channel not in get_args(NamedIdentifier):
-            known = ", ".join(get_args(NamedIdentifier))
-            raise ValueError(f"channel must be one of {known}, got {channel!r}")
+        one_of("channel", channel, get_args(NamedIdentifier))
         return tuple(self._built.native.names(channel))
 
     @property

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 
-from firsthit._base.arrays import table
+from firsthit._base.arrays import one_of, table
 from firsthit._base.log import DEBUG, timed
 from firsthit._base.turn import Turn
 from firsthit._base.types import Build
@@ -60,10 +60,7 @@ class Changes(Traceable):
     """The part of a `Scene` that changes its objects, and builds what rays are shot at."""
 
     def __init__(self, build: Build) -> None:
-        if build not in get_args(Build):
-            expected = ", ".join(map(repr, get_args(Build)))
-            raise ValueError(f"build must be one of {expected}, got {build!r}")
-        self._build_as = build
+        self._build_as = one_of("build", build, get_args(Build))
         self._objects: list[Object] = []
         #: Those that changed, by identifiers. A change replaces the object, then adds it here.
         self._moves: list[int] = []

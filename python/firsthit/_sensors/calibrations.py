@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from firsthit._base.arrays import one_of
 from firsthit._base.errors import FileFormatError
 
 from .colmap import content
@@ -185,8 +186,7 @@ def of_ros(info: _Table, pose: npt.NDArray[np.float64]) -> RosCamera:
     projection: Projection = "perspective"
     parameters: dict[str, float] = {}
     if any(given):
-        if model not in _ROS:
-            raise ValueError(f"distortion_model must be one of {', '.join(_ROS)}, got {model!r}")
+        one_of("distortion_model", model, _ROS)
         projection, order, counts = _ROS[model]
         if len(given) not in counts:
             lengths = " or ".join(map(str, counts))
@@ -308,10 +308,7 @@ def of_nerfstudio(document: _Table, size: tuple[int, int] | None) -> dict[str, C
 def _nerfstudio_camera(frame: _Table, size: tuple[int, int] | None) -> Calibration:
     is_fisheye = frame.value.get("is_fisheye") is True
     model = frame.word("camera_model", "OPENCV_FISHEYE" if is_fisheye else "OPENCV")
-    if model not in _NERFSTUDIO:
-        known = ", ".join(_NERFSTUDIO)
-        raise ValueError(f"camera_model must be one of {known}, got {model!r}")
-    projection, names = _NERFSTUDIO[model]
+    projection, names = _NERFSTUDIO[one_of("camera_model", model, _NERFSTUDIO)]
     if frame.has("h") or frame.has("w") or size is None:
         size = frame.whole("h"), frame.whole("w")
     rows, columns = size

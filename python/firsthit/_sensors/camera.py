@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, get_args
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import count, index, number, numbers, text, vector, vectors
+from firsthit._base.arrays import count, index, number, numbers, one_of, text, vector, vectors
 from firsthit._base.errors import warn
 from firsthit._base.types import Projection
 
@@ -396,9 +396,8 @@ class Camera(ReadCameras, Sensor):
         >>> camera.rays()[1][1, 1::3].tolist()[:3]  # The middles of right, left, up.
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
         """
-        if layout not in _CUBES:
-            raise ValueError(f"layout must be one of {', '.join(_CUBES)}, got {layout!r}")
-        down, across = (each * count("face", face, 1) for each in _CUBES[layout])
+        sides = _CUBES[one_of("layout", layout, _CUBES)]
+        down, across = (each * count("face", face, 1) for each in sides)
         return cls(position, aim, up, None, None, None, down, across, "cube_map", "eye")
 
     @classmethod

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import count
+from firsthit._base.arrays import count, one_of
 from firsthit._base.errors import warn
 
 from . import calibrations, conventions
@@ -140,8 +140,7 @@ class ReadCameras:
             For a file that is no camchain, a model that Kalibr does not have, a pose that is
             missing, and what `from_intrinsics` refuses; also a `ValueError`.
         """
-        if frame not in ("cam0", "imu"):
-            raise ValueError(f"frame must be cam0 or imu, got {frame!r}")
+        one_of("frame", frame, ("cam0", "imu"))
         with calibrations.Document(path) as document:
             read = calibrations.of_kalibr(document.yaml(), frame)
             return {name: cls._calibrated(each) for name, each in read.items()}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import cast, numbers, text, vectors
+from firsthit._base.arrays import cast, numbers, one_of, text, vectors
 from firsthit._base.types import BodyName, Extrapolation, Interpolation, TrajectoryFormat
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Trajectory:
                 raise ValueError(
                     f"rotations must have the shape (n, 4) or (n, 3, 3), got {turns.shape}"
                 )
-        self._body = _checked_body(body)
+        self._body = one_of("body", body, get_args(BodyName))
         self._native = _firsthit.Trajectory(
             _flat(at),
             _flat(places),
@@ -202,7 +202,7 @@ class Trajectory:
             text("interpolation", interpolation),
             text("extrapolation", extrapolation),
         )
-        return cls._of(native, _checked_body(body))
+        return cls._of(native, one_of("body", body, get_args(BodyName)))
 
     def save(
         self,
@@ -274,7 +274,7 @@ class Trajectory:
         >>> camera.in_axes("forwards-left-up").at(0)[:3, 0]  # Forwards, in the world.
         array([0., 0., 1.])
         """
-        wanted = _checked_body(body)
+        wanted = one_of("body", body, get_args(BodyName))
         return self._of(self._native.in_axes(self._body, wanted), wanted)
 
     @property
@@ -338,13 +338,6 @@ copyreg.pickle(_firsthit.Trajectory, _reduced)
 
 def _flat(array: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     return cast(array, np.float64).reshape(-1)
-
-
-def _checked_body(body: BodyName) -> BodyName:
-    known = get_args(BodyName)
-    if body not in known:
-        raise ValueError(f"body must be one of {', '.join(known)}, got {body!r}")
-    return body
 
 
 def checked(value: object) -> Trajectory:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from firsthit import _firsthit
+from firsthit._base.arrays import one_of
 from firsthit._files.whole import write
 
 from ._files import as_json, class_numbers, class_of, named, refused
@@ -75,10 +76,8 @@ def to_coco(
     >>> coco["categories"], coco["annotations"][0]["bbox"]
     ([{'id': 1, 'name': 'ball'}], [6.0, 1.0, 28.0, 28.0])
     """
-    if masks not in get_args(MaskKind):
-        raise ValueError(f"masks must be 'visible' or 'amodal', got {masks!r}")
-    if form not in get_args(MaskForm):
-        raise ValueError(f"form must be 'polygon' or 'rle', got {form!r}")
+    one_of("masks", masks, get_args(MaskKind))
+    one_of("form", form, get_args(MaskForm))
     given = named(pictures)
     numbers = class_numbers(given, classes, 1)
     points = _keypoints(given)

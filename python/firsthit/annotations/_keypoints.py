@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from firsthit._base.arrays import index, number, settle, text, vector
+from firsthit._base.arrays import index, number, one_of, settle, text, vector
 from firsthit._sensors.lines import sight
 from firsthit._sensors.project import picture
 
@@ -79,8 +79,7 @@ class Keypoints:
     ) -> None:
         if not isinstance(points, Mapping):
             raise TypeError(f"points must be a dict of points by name, got {points!r}")
-        if frame not in get_args(PointsFrame):
-            raise ValueError(f"frame must be 'object' or 'world', got {frame!r}")
+        one_of("frame", frame, get_args(PointsFrame))
         made = {
             text("the name of a keypoint", name): vector(f"keypoint {name!r}", point)
             for name, point in points.items()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
-from firsthit._base.arrays import number
+from firsthit._base.arrays import number, one_of
 from firsthit._files.whole import write
 
 from ._coco import MaskKind
@@ -118,8 +118,7 @@ def labels(
 ) -> dict[str, str]:
     """Return the text of each picture's labels, as `save_kitti` writes them."""
     length, level = meters(unit), _Upright(forward, up, number("tilt_degrees", tilt_degrees))
-    if box not in get_args(MaskKind):
-        raise ValueError(f"box must be 'amodal' or 'visible', got {box!r}")
+    one_of("box", box, get_args(MaskKind))
     full, partly = (number("occlusion", each) for each in occlusion)
     if not 0.0 <= partly <= full <= 1.0:
         raise ValueError(f"occlusion must be two shares, the larger one first, got {occlusion!r}")
@@ -155,8 +154,7 @@ class _Upright:
 
     def __init__(self, forward: Axis, up: Axis, tilt_degrees: float) -> None:
         for name, axis in (("forward", forward), ("up", up)):
-            if axis not in get_args(Axis):
-                raise ValueError(f"{name} must be one of {', '.join(get_args(Axis))}, got {axis!r}")
+            one_of(name, axis, get_args(Axis))
         if forward[1] == up[1]:
             raise ValueError(f"forward and up must be different axes, got {forward} and {up}")
         if not tilt_degrees >= 0.0:

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
+from firsthit._base.arrays import one_of
 from firsthit._files.whole import write
 
 from ._coco import MaskKind
@@ -70,10 +71,8 @@ def save_yolo(
     YOLO has one outline for each instance. Holes, and parts that do not touch, are joined to it by
     slits without a width: the pixels' centres inside are those of the mask, by the even-odd rule.
     """
-    if task not in get_args(Task):
-        raise ValueError(f"task must be 'detect' or 'segment', got {task!r}")
-    if masks not in get_args(MaskKind):
-        raise ValueError(f"masks must be 'visible' or 'amodal', got {masks!r}")
+    one_of("task", task, get_args(Task))
+    one_of("masks", masks, get_args(MaskKind))
     parts = {"train": named(pictures)}
     if validation is not None:
         parts["val"] = named(validation)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit._lidar.lidar import Lidar
@@ -67,7 +68,7 @@ def lidar(table: Table, name: str, folder: Path) -> LidarSensor:
             file = inside(folder, table["file"])
         make = _table_of(file)
     else:
-        make = _PATTERNS[table["pattern"]](table)
+        make = _of_pattern(table)
     with table.blaming():
         # What is wrong with it is said before anything is made.
         beams = make(0.0, {"pose": pose}).shape
@@ -82,13 +83,8 @@ def _at(table: Table) -> list[list[float]]:
 
 def _scan_options(table: Table) -> dict[str, Any]:
     """Return what `Lidar.scan` takes, checked."""
-    words = ("returns", "subrays", "max_returns", "rings", "classes", "intensity")
-    made: dict[str, Any] = {key: table[key] for key in words if key in table}
-    lengths = ("divergence", "range_gate", "min_range", "max_range", "dropout")
-    made |= {key: table.number(key) for key in lengths if key in table}
-    if "noise" in table:
-        noise = table.numbers("noise")
-        made["noise"] = tuple(noise) if isinstance(noise, list) else noise
+    known = (*signature(settings_of).parameters, "classes")
+    made = {key: table[key] for key in known if key in table}
     with table.blaming():
         given = {name: value for name, value in made.items() if name != "classes"}
         settings_of(**given, seed=0)
@@ -106,55 +102,9 @@ def _table_of(file: Path) -> Callable[[float, dict[str, Any]], Lidar]:
     return lambda _, where: beams.moved(where["pose"])
 
 
-def _spinning(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
-    elevations = table.numbers("elevations")
-    options: dict[str, Any] = {
-        "columns": table.get("columns", 1024),
-        "azimuth_start": table.number("azimuth_start", 180.0),
-        "azimuth_end": table.number("azimuth_end", -180.0),
-        "direction": table.get("direction", "clockwise"),
-        "rate": table.number("rate", 10.0),
-        "azimuth_offsets": table.numbers("azimuth_offsets"),
-        "firing_offsets": table.numbers("firing_offsets"),
-    }
-    return lambda start, where: Lidar.spinning(elevations, **options, start=start, **where)
-
-
-def _raster(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
-    options = {
-        "horizontal_fov": table.number("horizontal_fov"),
-        "vertical_fov": table.number("vertical_fov"),
-        "rows": table["rows"],
-        "columns": table["columns"],
-        "rate": table.number("rate", 10.0),
-        "serpentine": table.get("serpentine", False),
-    }
-    return lambda start, where: Lidar.raster(**options, start=start, **where)
-
-
-def _points(table: Table) -> dict[str, Any]:
-    return {
-        "frequencies": tuple(table.numbers("frequencies")),
-        "points": table["points"],
-        "point_rate": table.number("point_rate"),
-    }
-
-
-def _rosette(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
-    options = _points(table) | {"fov": table.number("fov"), "share": table.number("share", 0.5)}
-    return lambda start, where: Lidar.rosette(**options, start=start, **where)
-
-
-def _lissajous(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
-    fovs = {key: table.number(key) for key in ("horizontal_fov", "vertical_fov")}
-    options = _points(table) | fovs | {"phase": table.number("phase", 90.0)}
-    return lambda start, where: Lidar.lissajous(**options, start=start, **where)
-
-
-#: What `kind = "lidar"` takes one of.
-_PATTERNS = {
-    "spinning": _spinning,
-    "raster": _raster,
-    "rosette": _rosette,
-    "lissajous": _lissajous,
-}
+def _of_pattern(table: Table) -> Callable[[float, dict[str, Any]], Lidar]:
+    """Return the maker of a pattern, whose numbers the plan calls as the function does."""
+    make: Callable[..., Lidar] = getattr(Lidar, table["pattern"])
+    known = signature(make).parameters.keys() - {"position", "pose"}
+    options = {key: table[key] for key in known if key in table}
+    return lambda start, where: make(**options, start=start, **where)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from firsthit import _firsthit
-from firsthit._base.arrays import color_of, count, number
+from firsthit._base.arrays import color_of, count, number, one_of
 from firsthit._files.channels import DISTANCES, distinct, files, in_path, stored
 from firsthit._looks.colors import Colors
 from firsthit._looks.display import Display
@@ -286,9 +286,7 @@ _OF_ONE = (".png", ".npy")
 def _extensions(save: str | Sequence[str], channels: list[str]) -> list[str]:
     given = [save] if isinstance(save, str) else list(save)
     for extension in given:
-        if extension not in EXTENSIONS:
-            known = ", ".join(EXTENSIONS)
-            raise ValueError(f"save must be among {known}, got {extension!r}")
+        one_of("save", extension, EXTENSIONS)
         if extension in _OF_ONE:
             files(f"{{channel}}{extension}", channels)
     if not given:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from firsthit._base.arrays import count
+from firsthit._base.arrays import count, one_of
 from firsthit._base.errors import FileFormatError
 from firsthit._files.channels import distinct
 from firsthit._files.whole import write
@@ -142,8 +142,7 @@ def shoot_many(
     """
     how = How.of(on, part, threads, verify, progress)
     size = count("part_size", part_size, 1)
-    if save not in EXTENSIONS:
-        raise ValueError(f"save must be one of {', '.join(EXTENSIONS)}, got {save!r}")
+    one_of("save", save, EXTENSIONS)
     if fold is not None and not isinstance(fold, Fold):
         raise TypeError(f"fold must be callable and have a method merge, got {fold!r}")
     if fold is None:
