@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
+from typing import Self
 
 from firsthit import _firsthit
 
@@ -53,6 +54,11 @@ class FileError(Exception):
         self.path = path
         self.place = place
 
+    @classmethod
+    def _of(cls, path: str | os.PathLike[str], what: str) -> Self:
+        """Return the error about a whole file."""
+        return cls(f"{os.fspath(path)}: {what}", os.fspath(path))
+
     def __reduce__(self) -> tuple[type["FileError"], tuple[str, str, str]]:
         """Pickle with all that was said."""
         return type(self), (str(self), self.path, self.place)
@@ -84,10 +90,9 @@ def blaming(
     except FileError:
         raise
     except OSError as error:
-        text = os.fspath(path)
         if isinstance(error, FileNotFoundError) and kind is FileReadError:
             kind = FileMissingError
-        raise kind(f"{text}: {error.strerror or error}", text) from error
+        raise kind._of(path, str(error.strerror or error)) from error
 
 
 def refuse_input(path: str | os.PathLike[str]) -> None:
@@ -96,6 +101,5 @@ def refuse_input(path: str | os.PathLike[str]) -> None:
     Writers in Python ask it; those in Rust do by themselves.
     """
     if _firsthit.is_input(Path(path)):
-        text = os.fspath(path)
         why = "is an input; it will not be overwritten (remove it first, or take another name)"
-        raise FileWriteError(f"{text}: {why}", text)
+        raise FileWriteError._of(path, why)

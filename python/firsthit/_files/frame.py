@@ -539,5 +539,4 @@ def in_file(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
 
 
 def _wrong(path: str | os.PathLike[str], name: str | None, what: str) -> FileFormatError:
-    text = os.fspath(path)
-    return FileFormatError(f"{text}: metadata of channel {name!r}: {what}", text)
+    return FileFormatError._of(path, f"metadata of channel {name!r}: {what}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
@@ -62,7 +61,7 @@ class Work:
                 seal(part.folder, self.maker.make(part.folder, task), self.parts.form.record)
             if part.is_placed:
                 return True
-        raise FileWriteError(f"{path}: something else comes in its place", os.fspath(path))
+        raise FileWriteError._of(path, "something else comes in its place")
 
 
 def checked_on(on: On) -> None:
@@ -149,5 +148,5 @@ def _look_for(path: Path) -> None:
         tries += 1
         if tries > _PATIENCE:
             why = "a worker has made it, and it is not here: do all see the folder by this path?"
-            raise FileWriteError(f"{path}: {why}", os.fspath(path))
+            raise FileWriteError._of(path, why)
         time.sleep(1.0)

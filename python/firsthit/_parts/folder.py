@@ -63,8 +63,7 @@ class Parts:
     def open(self) -> None:
         """Make the folder, and remove what was left in it long ago."""
         if self._folder.is_symlink():
-            name = os.fspath(self._folder)
-            raise FileWriteError(f"{name}: a link, not the folder of a job", name)
+            raise FileWriteError._of(self._folder, "a link, not the folder of a job")
         with blaming(self._folder, FileWriteError):
             self._folder.mkdir(exist_ok=True)
         remove_leftovers(self._folder)
@@ -118,7 +117,7 @@ class Parts:
         record = self.record(number)
         if record is None:
             path = self.path(number)
-            raise FileFormatError(f"{path}: damaged while it was read", os.fspath(path))
+            raise FileFormatError._of(path, "damaged while it was read")
         return record
 
     def there(self) -> Iterator[int]:

@@ -24,7 +24,6 @@ JOB = "job.json"
 
 def known_job(path: Path) -> dict[str, Any] | None:
     """Return what the file of a job says; ``None`` if it is not there."""
-    name = os.fspath(path)
     try:
         said = read(path)
         if not isinstance(said, dict):
@@ -34,9 +33,9 @@ def known_job(path: Path) -> dict[str, Any] | None:
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
-        raise FileReadError(f"{name}: {error.strerror or error}", name) from error
+        raise FileReadError._of(path, str(error.strerror or error)) from error
     except (ValueError, TypeError) as error:
-        raise FileFormatError(f"{name}: no job of firsthit: {error}", name) from None
+        raise FileFormatError._of(path, f"no job of firsthit: {error}") from None
     return said
 
 
@@ -53,13 +52,13 @@ def job_in(folder: Path, parts: str) -> dict[str, Any] | None:
     if known is not None:
         return known
     if folder.exists() and not folder.is_dir():
-        raise FileWriteError(f"{folder}: a file, not a folder", os.fspath(folder))
+        raise FileWriteError._of(folder, "a file, not a folder")
     if (folder / parts).exists():
         # The file comes before the parts: another run may have begun since it was looked for.
         known = known_job(path)
         if known is None:
             why = f"there are {parts} without a {JOB}, of which nobody knows the job"
-            raise FileWriteError(f"{folder}: {why}; take another folder", os.fspath(folder))
+            raise FileWriteError._of(folder, f"{why}; take another folder")
     return known
 
 
@@ -85,10 +84,10 @@ def begin_job(path: Path, said: Mapping[str, Any]) -> dict[str, Any]:
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+        raise FileWriteError._of(path, f"{error.strerror or error}") from error
     known = known_job(path)
     if known is None:
-        raise FileWriteError(f"{path}: it was removed while the job began", os.fspath(path))
+        raise FileWriteError._of(path, "it was removed while the job began")
     return known
 
 
@@ -110,7 +109,7 @@ def refuse_other(path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any]
         if known.get(key) != value:
             other, own = _shown(known.get(key)), _shown(value)
             why = f"the folder is another job's: its {key} is {other}, this one's {own}"
-            raise FileWriteError(f"{path}: {why}; take another folder", os.fspath(path))
+            raise FileWriteError._of(path, f"{why}; take another folder")
 
 
 def _shown(value: object) -> str:

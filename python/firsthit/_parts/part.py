@@ -105,7 +105,7 @@ def writing(path: Path) -> Iterator[Writing]:
     except OSError as error:
         if _is_of_others(error, beside):
             raise
-        raise FileWriteError(f"{path}: {error.strerror or error}", os.fspath(path)) from error
+        raise FileWriteError._of(path, f"{error.strerror or error}") from error
 
 
 def _is_of_others(error: OSError, beside: Path) -> bool:
@@ -158,8 +158,7 @@ def record_of(path: Path, form: Form, job: str, *, verify: bool = False) -> dict
         return None
     except OSError as error:
         if error.errno in _PASSING:
-            name = os.fspath(path)
-            raise FileReadError(f"{name}: {error.strerror}", name) from error
+            raise FileReadError._of(path, f"{error.strerror}") from error
         return None
     return dict(said)
 

@@ -123,8 +123,7 @@ def refuse_changed(path: Path, found: Mark, wanted: Mark) -> None:
     for name, value in found._asdict().items():
         if value != getattr(wanted, name):
             why = f"its {name} is {value}, not {getattr(wanted, name)}"
-            text = os.fspath(path)
-            raise FileFormatError(f"{text}: not what it was when the job began: {why}", text)
+            raise FileFormatError._of(path, f"not what it was when the job began: {why}")
 
 
 def _is_there(path: Path, mark: Mark) -> bool:

@@ -128,7 +128,7 @@ class Document:
             return
         if isinstance(error, ValueError | RecursionError):
             why = "nested too deeply" if isinstance(error, RecursionError) else str(error)
-            raise FileFormatError(f"{self.path}: {why}", self.path) from None
+            raise FileFormatError._of(self.path, why) from None
 
     def _text(self) -> str:
         read = content(self.path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +14,8 @@ from firsthit._base.errors import FileReadError, blaming
 from .conventions import quaternion
 
 if TYPE_CHECKING:
+    import os
+
     from .camera import Camera
 
 
@@ -91,10 +92,9 @@ _NO_DISTORTION = frozenset(
 
 def content(path: str | os.PathLike[str]) -> bytes:
     """Return the bytes of a regular file."""
-    text = os.fspath(path)
     # To open a pipe would wait for its other end.
     if Path(path).exists() and not Path(path).is_file():
-        raise FileReadError(f"{text}: not a regular file", text)
+        raise FileReadError._of(path, "not a regular file")
     with blaming(path, FileReadError):
         read = Path(path).read_bytes()
     _firsthit.note_input(Path(path))

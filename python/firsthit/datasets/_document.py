@@ -44,14 +44,14 @@ class Document(NamedTuple):
             with blaming(path, FileReadError):
                 if file.exists() and not file.is_file():
                     what = "a folder" if file.is_dir() else "a device or a pipe"
-                    raise FileReadError(f"{name}: {what}, not a file", name)
+                    raise FileReadError._of(path, f"{what}, not a file")
                 with file.open("rb") as opened:
                     content = opened.read(MOST_BYTES + 1)
             _firsthit.note_input(file)
         except ValueError as error:  # a name with a zero byte
             raise FileReadError(f"{name!r}: {error}", name) from error
         if len(content) > MOST_BYTES:
-            raise FileFormatError(f"{name}: a plan may have {MOST_BYTES >> 20} MiB at most", name)
+            raise FileFormatError._of(path, f"a plan may have {MOST_BYTES >> 20} MiB at most")
         return cls(content, file.parent, file)
 
     @classmethod

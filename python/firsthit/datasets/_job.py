@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any, cast
 
 from firsthit import _firsthit
@@ -83,7 +82,7 @@ def _marks(path: Path, known: dict[str, Any]) -> list[Mark]:
         if not all(isinstance(part, str) for mark in marks for part in mark):
             raise TypeError("a fingerprint is no text")
     except (KeyError, TypeError) as error:
-        raise FileFormatError(f"{path}: no job of firsthit: {error}", os.fspath(path)) from None
+        raise FileFormatError._of(path, f"no job of firsthit: {error}") from None
     return marks
 
 

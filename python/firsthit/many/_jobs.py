@@ -278,9 +278,8 @@ class Stream(Job):
                 elif record.get("rays_digest") == digest:
                     kept += 1
                 else:
-                    path = os.fspath(self.parts.path(number))
                     why = "it has other rays than those that came now; take another folder"
-                    raise FileWriteError(f"{path}: {why}", path)
+                    raise FileWriteError._of(self.parts.path(number), why)
 
         work = Work(maker, self.parts)
         try:
@@ -297,7 +296,7 @@ class Stream(Job):
             write_job(path, {**self._said, "parts": total})
         elif before != total:
             why = f"rays came in {total} batches, and in {before} before; take another folder"
-            raise FileWriteError(f"{path}: {why}", os.fspath(path))
+            raise FileWriteError._of(path, why)
         self.count = total
 
     def made(self, counts: tuple[int, int], result: Any = None) -> Made:

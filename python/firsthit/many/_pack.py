@@ -144,9 +144,9 @@ def pack(
     job = found(source, verify=False)
     if job.state.missing and not is_partial:
         which = f": {in_words(job.missing)}" if job.is_ended else ", nobody knows yet how many"
-        raise _refused(source, f"parts are missing{which}; partial packs what is there")
+        raise FileFormatError._of(source, f"parts are missing{which}; partial packs what is there")
     if not job.state.done:
-        raise _refused(source, "no part is there that could be packed")
+        raise FileFormatError._of(source, "no part is there that could be packed")
     records = Digests()
     for record in job.records():
         records.add(of_json(record))
@@ -277,7 +277,7 @@ def _refuse_alike(sample: _Sample) -> None:
     for file in sample.files:
         if file.member.lower() in known or "." not in file.member:
             what = "has no extension of its own in lower case, by which WebDataset tells files"
-            raise _refused(sample.folder / file.name, what)
+            raise FileFormatError._of(sample.folder / file.name, what)
         known.add(file.member.lower())
 
 
@@ -320,12 +320,12 @@ def _add(tar: tarfile.TarFile, sample: _Sample) -> None:
         try:
             opened = open_inside(sample.folder, file.name)
         except (OSError, ValueError) as error:
-            raise FileReadError(f"{path}: {error}", os.fspath(path)) from None
+            raise FileReadError._of(path, f"{error}") from None
         with opened:
             told = _Read(opened, path)
             tar.addfile(_entry(file.member, file.bytes), told)
             if told.sha256.hexdigest() != file.sha256 or opened.read(1):
-                raise _refused(path, _DAMAGED)
+                raise FileFormatError._of(path, _DAMAGED)
 
 
 _DAMAGED = "its sha256 is not that of its record; a run with verify makes the part again"
@@ -355,7 +355,7 @@ class _Read(io.RawIOBase):
         with blaming(self._path, FileReadError):
             piece = self._file.read(size)
         if len(piece) < size:
-            raise _refused(self._path, _DAMAGED)
+            raise FileFormatError._of(self._path, _DAMAGED)
         self.sha256.update(piece)
         return piece
 
@@ -413,8 +413,4 @@ def _refuse_strange(into: Path, shards: set[str] | None) -> None:
         is_shard = _SHARD.fullmatch(name) and (shards is None or name in shards)
         if not (is_shard or name == INDEX or _LEFT.fullmatch(name)):
             why = f"there is {name} in it, which is not of these shards; take another folder"
-            raise FileWriteError(f"{into}: {why}", os.fspath(into))
-
-
-def _refused(path: Path, why: str) -> FileFormatError:
-    return FileFormatError(f"{path}: {why}", os.fspath(path))
+            raise FileWriteError._of(into, why)

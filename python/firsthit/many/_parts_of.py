@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,6 +14,7 @@ from firsthit._parts.part import FRAMES, PARTS
 from ._jobs import MOST_IN_A_STREAM
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Iterator
 
     from firsthit._parts.part import Form
@@ -127,16 +127,14 @@ def found(out: Path, *, verify: bool) -> Found:
     """Return the parts of a folder, with the errors of `parts`."""
     said = known_job(out / JOB)
     if said is None:
-        path = os.fspath(out)
-        raise FileFormatError(f"{path}: there is no {JOB}, so no job of firsthit", path)
+        raise FileFormatError._of(out, f"there is no {JOB}, so no job of firsthit")
     form, job, count = _form_of(out, said)
     there = Parts(out, form, job, count)
     if _is_stream(said):
         there = Parts(out, form, job, MOST_IN_A_STREAM).first(count)
     if (out / form.folder).is_symlink():
         # What it leads to may be anything.
-        path = os.fspath(out / form.folder)
-        raise FileFormatError(f"{path}: a link, not the folder of a job", path)
+        raise FileFormatError._of(out / form.folder, "a link, not the folder of a job")
     whole = sorted(
         number
         for number in (there.there() if (out / form.folder).is_dir() else ())
@@ -167,5 +165,4 @@ def _form_of(out: Path, said: dict[str, Any]) -> tuple[Form, str, int]:
             count = MOST_IN_A_STREAM
         if isinstance(job, str) and type(count) is int and 0 <= count <= _MOST:
             return form, job, count
-    path = os.fspath(out / JOB)
-    raise FileFormatError(f"{path}: no job of firsthit: it does not say how many parts", path)
+    raise FileFormatError._of(out / JOB, "no job of firsthit: it does not say how many parts")

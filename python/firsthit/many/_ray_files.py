@@ -63,7 +63,7 @@ class RayFile(NamedTuple):
         reader = _READERS[self.path.suffix.lower()]
         table = reader(self.path, first, last, _version(self.path))
         if len(table["origins"]) != last - first:
-            raise _wrong(self.path, f"it has no longer {self.rows} rays")
+            raise FileFormatError._of(self.path, f"it has no longer {self.rows} rays")
         return table
 
 
@@ -92,10 +92,10 @@ def ray_files(given: Any) -> list[RayFile]:
 def _rows(path: Path) -> int:
     suffix = path.suffix.lower()
     if suffix not in FILES:
-        raise _wrong(path, f"rays are read from {', '.join(FILES)}")
+        raise FileFormatError._of(path, f"rays are read from {', '.join(FILES)}")
     if not path.is_file():
         why = "not a regular file" if path.exists() else "No such file or directory"
-        raise FileReadError(f"{path}: {why}", os.fspath(path))
+        raise FileReadError._of(path, why)
     if suffix == ".parquet":
         rows: int = _parquet(path).metadata.num_rows
         return rows
@@ -123,22 +123,24 @@ def _arrays(path: Path, _: object) -> Table:
         with np.load(path, allow_pickle=False) as file:
             there = {name: file[name] for name in file.files if name in (*_NAMES, *_LIMITS)}
     except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, MemoryError) as error:
-        raise _wrong(path, f"not an .npz of rays: {error}") from None
+        raise FileFormatError._of(path, f"not an .npz of rays: {error}") from None
     for name in _NAMES:
         if name not in there:
-            raise _wrong(path, f"it has no array {name}")
+            raise FileFormatError._of(path, f"it has no array {name}")
         if (
             there[name].ndim != 2
             or there[name].shape[1] != 3
             or there[name].dtype.kind not in "fiu"
         ):
-            raise _wrong(path, f"{name} must be numbers of the shape (n, 3)")
+            raise FileFormatError._of(path, f"{name} must be numbers of the shape (n, 3)")
     rows = len(there["origins"])
     for name, array in there.items():
         if name in _LIMITS and array.size != 1 and array.shape != (rows,):
-            raise _wrong(path, f"{name} must be one number or ({rows},), got {array.shape}")
+            raise FileFormatError._of(
+                path, f"{name} must be one number or ({rows},), got {array.shape}"
+            )
         if name in _NAMES and len(array) != rows:
-            raise _wrong(path, f"{name} must have {rows} rows, got {array.shape}")
+            raise FileFormatError._of(path, f"{name} must have {rows} rows, got {array.shape}")
     return there
 
 
@@ -159,9 +161,11 @@ def _memory(path: Path) -> npt.NDArray[Any]:
     try:
         made: npt.NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
     except (OSError, ValueError, EOFError) as error:
-        raise _wrong(path, f"not an .npy of rays: {error}") from None
+        raise FileFormatError._of(path, f"not an .npy of rays: {error}") from None
     if made.ndim != 2 or made.shape[1] != 6 or made.dtype.kind not in "fiu":
-        raise _wrong(path, f"rays must be numbers of the shape (n, 6), got {made.shape}")
+        raise FileFormatError._of(
+            path, f"rays must be numbers of the shape (n, 6), got {made.shape}"
+        )
     return made
 
 
@@ -195,14 +199,10 @@ def _parquet(path: Path) -> Any:
         file = parquet.ParquetFile(path)
         missing = [name for name in _COLUMNS if name not in file.schema_arrow.names]
     except (OSError, ValueError) as error:  # pyarrow's own errors are both
-        raise _wrong(path, f"no Parquet file: {error}") from None
+        raise FileFormatError._of(path, f"no Parquet file: {error}") from None
     if missing:
-        raise _wrong(path, f"it has no column {missing[0]}")
+        raise FileFormatError._of(path, f"it has no column {missing[0]}")
     return file
 
 
 _READERS = {".npz": _of_npz, ".npy": _of_npy, ".parquet": _of_parquet}
-
-
-def _wrong(path: Path, what: str) -> FileFormatError:
-    return FileFormatError(f"{path}: {what}", os.fspath(path))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import zipfile
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -26,6 +25,7 @@ from ._names import identity
 from ._rays import Batch, source_of
 
 if TYPE_CHECKING:
+    import os
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
@@ -255,9 +255,8 @@ def _arrays_in(folder: Path, record: dict[str, Any]) -> Arrays:
         ):
             return {name: file[name] for name in file.files}
     except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
-        text = os.fspath(path)
         why = f"damaged: {error}; with verify=True it is made again"
-        raise FileFormatError(f"{text}: {why}", text) from None
+        raise FileFormatError._of(path, why) from None
 
 
 def _folded(job: Job, fold: Fold) -> Arrays | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,6 +22,8 @@ from ._jobs import How, Job, listed, settled, shared
 from ._shared_arrays import SharedArrays
 
 if TYPE_CHECKING:
+    import os
+
     import numpy.typing as npt
 
     from firsthit._base.types import Progress, Selection
@@ -206,12 +207,10 @@ def bits(folder: str | os.PathLike[str], *, rows: slice = slice(None)) -> npt.ND
         if min(deep, wide, count, columns) < 1:
             raise ValueError(f"it has {count} x {columns} bits in blocks of {deep} x {wide} bytes")
     except OSError as error:
-        text = os.fspath(into)
-        raise FileReadError(
-            f"{text}: {error.strerror or error}; are all blocks there?", text
-        ) from None
+        why = f"{error.strerror or error}; are all blocks there?"
+        raise FileReadError._of(into, why) from None
     except (ValueError, KeyError, TypeError, IndexError, ArithmeticError) as error:
-        raise FileFormatError(f"{into}: no matrix of firsthit: {error}", os.fspath(into)) from None
+        raise FileFormatError._of(into, f"no matrix of firsthit: {error}") from None
     first, last, step = rows.indices(count)
     if step != 1:
         raise ValueError(f"rows must be a slice without steps, got {rows!r}")
@@ -225,9 +224,9 @@ def bits(folder: str | os.PathLike[str], *, rows: slice = slice(None)) -> npt.ND
                 with blaming(path, FileReadError), open_inside(into, f"c/{down}/{right}") as file:
                     chunk = np.frombuffer(file.read(deep * wide + 1), np.uint8)
             except ValueError as error:
-                raise FileFormatError(f"{into}: {error}", os.fspath(into)) from None
+                raise FileFormatError._of(into, f"{error}") from None
             if chunk.size != deep * wide:
-                raise FileFormatError(f"{path}: it has {chunk.size} bytes", os.fspath(path))
+                raise FileFormatError._of(path, f"it has {chunk.size} bytes")
             seen = np.unpackbits(chunk.reshape(deep, wide), axis=1, bitorder="little")
             left = right * 8 * wide
             width = min(8 * wide, columns - left)
@@ -241,11 +240,10 @@ def _join(job: Job, shape: tuple[int, int], block: tuple[int, int], across: int)
     """Give the blocks their names in the matrix, and write what it is."""
     into = job.out / MATRIX
     if into.is_symlink():
-        raise FileWriteError(f"{into}: a link, not a folder of the job", os.fspath(into))
+        raise FileWriteError._of(into, "a link, not a folder of the job")
     for part in range(job.count):
         if BLOCK not in job.parts.whole_record(part)["files"]:
-            path = os.fspath(job.parts.path(part))
-            raise FileFormatError(f"{path}: its record has no {BLOCK}", path)
+            raise FileFormatError._of(job.parts.path(part), f"its record has no {BLOCK}")
         down, right = divmod(part, across)
         link(job.parts.path(part) / BLOCK, into / "c" / str(down) / str(right))
     said = {
