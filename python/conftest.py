@@ -3,6 +3,8 @@
 import signal
 from pathlib import Path
 
+import firsthit
+import numpy
 import pytest
 
 # A shell lets what it starts in the background ignore Ctrl-C, and so would all that tests start. A
@@ -13,8 +15,12 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 @pytest.fixture(autouse=True)
 def _examples_write_elsewhere(
-    request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    doctest_namespace: dict[str, object],
 ) -> None:
-    """Keep what the docstrings' examples write out of the clone."""
+    """Give docstrings' examples ``fh`` and ``np``; keep what they write out of the clone."""
     if isinstance(request.node, pytest.DoctestItem):
         monkeypatch.chdir(tmp_path)
+        doctest_namespace.update(fh=firsthit, np=numpy)

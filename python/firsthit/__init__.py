@@ -4,6 +4,8 @@ A camera or arrays of rays go in; distances, identifiers, normals and pictures c
 arrays. Colours are linear, row 0 is the top row, a miss is ``inf`` in distances, ``-1`` in
 identifiers and ``nan`` elsewhere.
 
+Examples take ``import firsthit as fh`` and ``import numpy as np`` for granted, as NumPy's own do.
+
 >>> import firsthit as fh
 >>> scene = fh.Scene()
 >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")

@@ -79,7 +79,6 @@ def executor(cpus: float | None = None, *, options: Mapping[str, Any] | None = N
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> import firsthit.ray
     >>> import ray  # doctest: +SKIP
     >>> ray.init(address="auto")  # doctest: +SKIP
@@ -121,9 +120,7 @@ class Shooter:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> import firsthit.ray
-    >>> import numpy as np
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     0

@@ -42,7 +42,6 @@ def info(path: str | os.PathLike[str] | None = None) -> dict[str, Any]:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> fh.info()["instruction_set"] in {"portable", "neon", "avx2", "avx512"}
     True
     """

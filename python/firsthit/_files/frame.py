@@ -71,8 +71,6 @@ class Frame(Plottable):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import firsthit as fh
     >>> fh.Frame((2, 3), {"quality": np.zeros((2, 3))})
     Frame(3 x 2 pixels: quality)
     """
@@ -356,7 +354,6 @@ class Frame(Plottable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
         0
@@ -391,7 +388,6 @@ class Frame(Plottable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0

@@ -61,7 +61,6 @@ def read_points(path: str | os.PathLike[str]) -> Points:
     Examples
     --------
     >>> from pathlib import Path
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     >>> _ = Path("scan.xyz").write_text("0 0 3 17\n0 2 0 42\n")

@@ -69,7 +69,6 @@ class Lidar(OtherSensor):
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=5))
     0
@@ -204,7 +203,6 @@ class Lidar(OtherSensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> lidar = fh.Lidar.spinning([-10, 0, 10], columns=4)
         >>> lidar.ring[:, 0], lidar.azimuth[0], lidar.time[0]
         (array([2, 1, 0], dtype=int32), array([180.,  90.,   0., -90.]),
@@ -269,7 +267,6 @@ class Lidar(OtherSensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> fh.Lidar.named("vlp-16")
         Lidar('vlp-16', 16 x 1808 beams)
         """
@@ -658,7 +655,6 @@ class Lidar(OtherSensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Box((-4, -3, -1), (4, 3, 2)))
         0

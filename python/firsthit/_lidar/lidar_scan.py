@@ -125,7 +125,6 @@ class LidarScan:
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Box((-4, -3, -1), (4, 3, 2)))
         0
@@ -190,7 +189,6 @@ class LidarScan:
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0

@@ -55,7 +55,6 @@ class Colors:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> fh.Colors("attribute:heat", map="coolwarm", range=(-1, 1)).by
     'attribute:heat'
     """

@@ -34,7 +34,6 @@ class Display:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> fh.Display(-1, "neutral")
     Display(exposure=-1.0, tone_map='neutral')
     """

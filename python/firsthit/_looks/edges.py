@@ -52,7 +52,6 @@ class Edges:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> fh.Edges(width=1.5, kinds="silhouette").kinds
     ('silhouette',)
     """

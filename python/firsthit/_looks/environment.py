@@ -78,7 +78,6 @@ class Environment:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> ball = scene.add(fh.Sphere(center=(0, 0, 1), radius=1))
     >>> sky = fh.Environment.daylight(elevation=35, azimuth=60)

@@ -55,8 +55,6 @@ class Texture:
 
     Examples
     --------
-    >>> import firsthit as fh
-    >>> import numpy as np
     >>> checker = np.uint8([[[0], [255]], [[255], [0]]]).repeat(3, axis=2)
     >>> fh.Texture(checker, filter="nearest")
     Texture(2 x 2 texels)
@@ -249,7 +247,6 @@ class Material:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> fh.Material(color=(1, 0, 0), unlit=True).color
     (1.0, 0.0, 0.0)
     """

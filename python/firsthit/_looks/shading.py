@@ -44,7 +44,6 @@ class Shader:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> shader = fh.Shader("path", depth=4)
     >>> shader
     Shader('path', depth=4.0, roulette=3.0)

@@ -60,7 +60,6 @@ class Sphere(Shape):
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> fh.Sphere(center=(0, 1, 0), radius=1)
     Sphere(center=(0.0, 1.0, 0.0), radius=1.0)
     """
@@ -267,7 +266,6 @@ class Mesh(Shape):
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> fh.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     Mesh(3 vertices, 1 triangle)
     """
@@ -367,7 +365,6 @@ class Mesh(Shape):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> corners = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]]
         >>> fh.Mesh.of((corners, [[0, 1, 2, 3]]))
         Mesh(4 vertices, 2 triangles)
@@ -438,7 +435,6 @@ class Mesh(Shape):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 0, 0], [6, 0, 0], [5, 1, 0]]
         >>> fh.Mesh(corners, [[0, 1, 2], [3, 4, 5]]).split()
         [Mesh(3 vertices, 1 triangle), Mesh(3 vertices, 1 triangle)]
@@ -541,7 +537,6 @@ class Mesh(Shape):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.load("part.stl")  # doctest: +SKIP
         >>> part = scene.objects[0].shape  # doctest: +SKIP
         >>> thick = scene.thickness(part.vertices)  # doctest: +SKIP

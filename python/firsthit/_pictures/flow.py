@@ -171,8 +171,6 @@ def optical_flow(
     Examples
     --------
     >>> import copy
-    >>> import numpy as np
-    >>> import firsthit as fh
     >>> before = fh.Scene()
     >>> card = before.add(fh.Box((-1, -1, -1), (1, 1, 0)))
     >>> camera = fh.Camera.look_at((0, 0, 4), (0, 0, 0), (0, 1, 0), 90, rows=4, columns=4)
@@ -230,7 +228,6 @@ def disparity(
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Plane(point=(0, 0, 0), normal=(0, 0, 1)))
     0

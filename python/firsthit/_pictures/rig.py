@@ -46,7 +46,6 @@ class Rig:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> eye = fh.Camera.look_at((0, 0, 0), (1, 0, 0), (0, 0, 1), 60, rows=30, columns=40)
     >>> rig = fh.Rig.stereo(eye, baseline=0.12)
     >>> rig["right"].position

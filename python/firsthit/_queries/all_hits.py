@@ -46,7 +46,6 @@ class AllHits(Channels):
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     0

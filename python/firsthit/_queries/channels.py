@@ -138,7 +138,6 @@ class Channels:
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> for x in (0, 3):
         ...     steel = fh.Material(color="gray", name="steel")
@@ -325,8 +324,6 @@ class Channels:
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -417,7 +414,6 @@ class Channels:
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0]]
         >>> heat = {"heat": [10.0, 20.0, 40.0]}
         >>> scene = fh.Scene()
@@ -483,7 +479,6 @@ class Channels:
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0

@@ -146,7 +146,6 @@ class Hits(Channels, Plottable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -220,7 +219,6 @@ class Hits(Channels, Plottable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0

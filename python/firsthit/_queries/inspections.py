@@ -82,7 +82,6 @@ class Inspections(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> corners = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]
         >>> scene.add(fh.Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
@@ -134,7 +133,6 @@ class Inspections(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> corners = [[0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]
         >>> scene.add(fh.Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3]]))
@@ -194,7 +192,6 @@ class Inspections(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Plane(point=(0, 0, 0), normal=(0, 0, 1)), name="ground")
         0

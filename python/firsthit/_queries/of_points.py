@@ -121,7 +121,6 @@ class PointQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -205,7 +204,6 @@ class PointQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Box(low=(0, 0, 0), high=(4, 4, 0.5)))
         0
@@ -310,7 +308,6 @@ class PointQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -394,7 +391,6 @@ class PointQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -469,7 +465,6 @@ class PointQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0

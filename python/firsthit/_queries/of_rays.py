@@ -115,7 +115,6 @@ class RayQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -167,7 +166,6 @@ class RayQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -222,7 +220,6 @@ class RayQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -325,7 +322,6 @@ class RayQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -399,7 +395,6 @@ class RayQueries(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0

@@ -110,8 +110,6 @@ class Changes(Traceable):
 
         Examples
         --------
-        >>> import numpy as np
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         >>> up = np.eye(4)
@@ -151,7 +149,6 @@ class Changes(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
         >>> scene.hide("ball")
@@ -193,7 +190,6 @@ class Changes(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> for x in (0, 3):
         ...     ball = scene.add(fh.Sphere(center=(x, 0, 0), radius=1))
@@ -222,7 +218,6 @@ class Changes(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> part = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="part")
         >>> scene.replace(part, fh.Box(low=(-2, -2, -2), high=(2, 2, 2)))
@@ -265,7 +260,6 @@ class Changes(Traceable):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
         >>> sail = scene.add(fh.Mesh(corners, [[0, 1, 2]]))

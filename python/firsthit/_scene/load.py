@@ -168,7 +168,6 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> import tempfile
     >>> scene = fh.Scene()
     >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")

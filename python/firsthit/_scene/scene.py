@@ -67,7 +67,6 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Plane(point=(0, 0, 0), normal=(0, 0, 1)), name="ground")
     0
@@ -429,7 +428,6 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> ball = scene.add(fh.Sphere((0, 0, 0), 1))
         >>> scene.view(title="a ball", engine="page")

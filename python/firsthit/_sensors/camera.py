@@ -139,7 +139,6 @@ class Camera(ReadCameras, Sensor):
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> camera = fh.Camera(position=(0, 1, 5), aim=(0, 0, -1), up=(0, 1, 0), focal_length=1.0,
     ...                    width=1.6, height=0.9, rows=720, columns=1280)
     >>> origins, directions = camera.rays()
@@ -287,7 +286,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.look_at((0, -5, 0), (0, 0, 0), (0, 0, 1), 90, rows=480, columns=640)
         >>> round(camera.height, 12), camera.aim.tolist()
         (2.0, [0.0, 1.0, 0.0])
@@ -342,7 +340,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.equirectangular((0, 0, 0), (0, 1, 0), (0, 0, 1), rows=2, columns=4)
         >>> camera.rays()[1][0, 1].round(3)
         array([-0.5  ,  0.5  ,  0.707])
@@ -391,7 +388,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.cube_map((0, 0, 0), (0, 1, 0), (0, 0, 1), face=3)
         >>> camera.rays()[1][1, 1::3].tolist()[:3]  # The middles of right, left, up.
         [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
@@ -442,7 +438,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.fisheye((0, 0, 0), (0, 0, 1), (0, 1, 0), 180, rows=9, columns=9)
         >>> camera.project((1, 0, 1)).round(3)  # Half of the way to the left edge.
         array([2.25, 4.5 ])
@@ -520,7 +515,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.from_intrinsics([500, 500, 319.5, 239.5], rows=480, columns=640,
         ...                                    convention="opencv")
         >>> camera.aim.tolist(), camera.project((0, 0, 2)).tolist()
@@ -590,7 +584,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.from_opencv([600, 600, 320, 240], (-0.2, 0.05, 0, 0),
         ...                                rows=480, columns=640)
         >>> camera.projection
@@ -662,7 +655,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.from_projection_matrix(
         ...     [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]], rows=10, columns=10)
         >>> camera.aim.tolist(), camera.focal_length / camera.width
@@ -733,7 +725,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -795,7 +786,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> scene = fh.Scene()
         >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
         0
@@ -1018,7 +1008,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.look_at((0, -5, 0), (0, 0, 0), (0, 0, 1), 90, rows=480, columns=640)
         >>> camera.project([(0, 0, 0), (0, -9, 0)])
         array([[320., 240.],
@@ -1055,7 +1044,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.from_intrinsics([50, 50, 32, 24], rows=48, columns=64,
         ...                                    convention="colmap")
         >>> camera.crop(slice(4, 40), slice(8, 60)).intrinsic_matrix[:2, 2]
@@ -1089,7 +1077,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.from_intrinsics([50, 50, 32, 24], rows=48, columns=64,
         ...                                    convention="colmap")
         >>> camera.resize(24, 32).intrinsic_matrix[:2, 2]
@@ -1133,7 +1120,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.look_at((0, -5, 0), (0, 0, 0), (0, 0, 1), 45, rows=48, columns=64)
         >>> camera = camera.thin_lens(0.5, focus=(1, -1, 2))
         >>> camera.aperture, camera.focus
@@ -1164,7 +1150,6 @@ class Camera(ReadCameras, Sensor):
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Camera.look_at((0, 0, 1), (1, 0, 1), (0, 0, 1), 60, rows=4, columns=6)
         >>> moved = camera.moved([[0, -1, 0, 5], [1, 0, 0, 0], [0, 0, 1, 0]])
         >>> moved.position.tolist(), moved.aim.tolist()

@@ -68,7 +68,6 @@ class RollingShutter(_Moving):
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> drive = fh.Trajectory([0, 1], [(0, 0, 0), (8, 0, 0)])
     >>> camera = fh.Camera.look_at((0, 0, 0), (0, 0, -1), (0, 1, 0), 60, rows=4, columns=6)
     >>> sensor = fh.RollingShutter(camera, drive, start=0, readout=1)
@@ -152,8 +151,6 @@ class Pushbroom(_Moving):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import firsthit as fh
     >>> flight = fh.Trajectory([0, 10], [(0, 0, 500), (0, 700, 500)])
     >>> line = fh.Camera.look_at((0, 0, 0), (0, 0, -1), (0, 1, 0), 1, rows=1, columns=50)
     >>> fh.Pushbroom(line, flight, np.linspace(0, 10, 200)).shape

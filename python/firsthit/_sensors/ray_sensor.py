@@ -42,8 +42,6 @@ class RaySensor(OtherSensor):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     0

@@ -51,7 +51,6 @@ class Trajectory:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> drive = fh.Trajectory([0, 2], [(0, 0, 1), (4, 0, 1)], body="forwards-left-up")
     >>> drive.at(0.5)
     array([[1., 0., 0., 1.],
@@ -269,7 +268,6 @@ class Trajectory:
 
         Examples
         --------
-        >>> import firsthit as fh
         >>> camera = fh.Trajectory([0], [(0, 0, 0)], body="right-down-forwards")
         >>> camera.in_axes("forwards-left-up").at(0)[:3, 0]  # Forwards, in the world.
         array([0., 0., 1.])

@@ -170,7 +170,6 @@ def view(
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> ball = scene.add(fh.Sphere((0, 0, 0), 1))
     >>> with fh.view(scene, browser=False) as page:

@@ -104,7 +104,6 @@ def annotate(
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> for name, z in (("near", 1), ("far", -1)):
     ...     ball = scene.add(fh.Box((-1, -1, z), (1, 1, z + 0.5)), name=name)

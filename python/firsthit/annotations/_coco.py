@@ -67,7 +67,6 @@ def to_coco(
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
     0

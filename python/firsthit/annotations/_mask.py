@@ -25,7 +25,6 @@ class Mask:
 
     Examples
     --------
-    >>> import numpy as np
     >>> from firsthit.annotations import Mask
     >>> mask = Mask.of(np.array([[0, 0, 0, 0], [0, 1, 1, 0]], bool))
     >>> mask.box, mask.pixels

@@ -49,7 +49,6 @@ class Plan:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
     >>> scene.save("ball.fhs")

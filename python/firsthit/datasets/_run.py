@@ -124,7 +124,6 @@ def dataset(
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> ball = scene.add(fh.Sphere(center=(0, 0, 0), radius=1), name="ball")
     >>> scene.save("ball.fhs")

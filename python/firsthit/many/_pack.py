@@ -123,7 +123,6 @@ def pack(
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     0

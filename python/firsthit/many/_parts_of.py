@@ -71,7 +71,6 @@ def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     0

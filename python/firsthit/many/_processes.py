@@ -44,7 +44,6 @@ def processes(workers: int) -> Callable[[], Executor]:
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> pool = fh.many.processes(2)
     >>> pool
     processes(2)

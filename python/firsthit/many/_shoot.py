@@ -129,8 +129,6 @@ def shoot_many(
 
     Examples
     --------
-    >>> import firsthit as fh
-    >>> import numpy as np
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     0

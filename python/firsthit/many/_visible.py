@@ -94,7 +94,6 @@ def visible_many(
 
     Examples
     --------
-    >>> import firsthit as fh
     >>> scene = fh.Scene()
     >>> scene.add(fh.Sphere(center=(0, 0, 0), radius=1))
     0
