@@ -8,6 +8,7 @@ package: `_IN_PYTHON` names them.
 import os
 import sys
 from importlib.machinery import PathFinder
+from itertools import takewhile
 
 # `typing` and `signal` would take some milliseconds each, at a start that takes as few.
 TYPE_CHECKING = False
@@ -23,6 +24,8 @@ _NATIVE = "firsthit._firsthit"
 #: the arguments and returns the exit code. All others are in the native module.
 _IN_PYTHON = ("dataset", "pack", "parts")
 _COMMANDS = "firsthit._commands"
+#: The options that may stand before a command.
+_VERBOSITY = ("-q", "--quiet", "-v", "--verbose")
 
 
 def _native() -> "Any":
@@ -45,8 +48,10 @@ def _in_python(arguments: "list[str]") -> "tuple[str, list[str]] | None":
     """Return the command in Python that is meant, and its arguments; ``None`` if none is."""
     if len(arguments) > 1 and arguments[0] == "help" and arguments[1] in _IN_PYTHON:
         return arguments[1], ["--help"]
-    if arguments and arguments[0] in _IN_PYTHON:
-        return arguments[0], arguments[1:]
+    before = [*takewhile(_VERBOSITY.__contains__, arguments)]
+    command, rest = arguments[len(before) :][:1], arguments[len(before) + 1 :]
+    if command and command[0] in _IN_PYTHON:
+        return command[0], before + rest
     return None
 
 

@@ -114,7 +114,8 @@ _Matrix3 = list[list[float]]
 _Matrix4 = list[list[float]]
 _CameraOut = tuple[str, _View, bool]
 _PolylineOut = tuple[int, bool, _Doubles, _Doubles, _Integers, float | None, float]
-_Report = Callable[[int], object]
+#: Takes how much is done; of work in steps also the step's total, its name and its unit.
+_Report = Callable[..., object]
 
 #: A list for each property of objects, but for those that many share: these are there once.
 class _Objects(TypedDict):
@@ -397,6 +398,7 @@ class Scene:
         up: tuple[_Vector, bool],
         previous: Scene | None,
         build: str,
+        report: _Report | None,
     ) -> Scene: ...
     def bounds(self) -> list[list[float]] | None: ...
     def names(self, channel: str) -> list[str]: ...
@@ -413,7 +415,13 @@ class Scene:
 @final
 class Section:
     def __new__(
-        cls, scene: Scene, origin: _Vector, normal: _Vector, rule: str, threads: int
+        cls,
+        scene: Scene,
+        origin: _Vector,
+        normal: _Vector,
+        rule: str,
+        threads: int,
+        report: _Report | None,
     ) -> Section: ...
     def frame(self) -> tuple[_Vector, _Vector, _Vector, _Vector]: ...
     def totals(self) -> tuple[float, float]: ...
@@ -424,7 +432,14 @@ class Section:
 
 @final
 class Lint:
-    def __new__(cls, scene: Scene, ignore: list[str], places: int, threads: int) -> Lint: ...
+    def __new__(
+        cls,
+        scene: Scene,
+        ignore: list[str],
+        places: int,
+        threads: int,
+        report: _Report | None,
+    ) -> Lint: ...
     def findings(
         self,
     ) -> list[tuple[str, int, str, list[tuple[int | None, int | None, _Vector]]]]: ...
@@ -458,10 +473,13 @@ def load(
     scale: float,
     resources: Sequence[Path],
     variant: str | None,
+    report: _Report | None,
 ) -> _Model: ...
 def units() -> Sequence[tuple[str, float]]: ...
 def escaped(text: str) -> str: ...
-def open(path: Path, verify: bool) -> _Model: ...  # noqa: A001 - as the package calls it
+def open(  # noqa: A001 - as the package calls it
+    path: Path, verify: bool, report: _Report | None
+) -> _Model: ...
 def save(
     path: Path,
     scene: Scene,
@@ -473,6 +491,7 @@ def save(
     has_view: bool,
     up: _Vector,
     up_is_guessed: bool,
+    report: _Report | None,
 ) -> None: ...
 def shoot(
     scene: Scene, rays: _Rays, copies: _Copies, threads: int, out: _Hits, report: _Report | None

@@ -2,18 +2,18 @@
 
 use std::path::PathBuf;
 
-use firsthit::lint::{FindingKind, KINDS, LintSettings, Report, lint, save_marked};
+use firsthit::lint::{self, FindingKind, KINDS, LintSettings, lint, save_marked};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::collected;
 use crate::errors::raise;
-use crate::run::run;
+use crate::run::{Report, Stop, run, run_reported};
 use crate::scene::Scene;
 
 /// The findings about a scene.
 #[pyclass(frozen, module = "firsthit._firsthit")]
-pub(crate) struct Lint(Report);
+pub(crate) struct Lint(lint::Report);
 
 /// A place: its object, its primitive and its position.
 type PlaceOut = (Option<i32>, Option<i32>, [f64; 3]);
@@ -31,12 +31,14 @@ impl Lint {
         ignore: Vec<String>,
         places: usize,
         threads: usize,
+        report: Report<'_, '_>,
     ) -> PyResult<Self> {
         let kinds = ignore.iter().map(|name| FindingKind::named(name));
         let ignore = kinds.collect::<firsthit::Result<_>>();
         let ignore = ignore.map_err(|error| raise(py, &error))?;
         let settings = LintSettings { ignore, places };
-        run(py, threads, |stop| lint(&scene.0, &settings, stop)).map(Self)
+        let check = |stop: &Stop| lint(&scene.0, &settings, stop);
+        run_reported(py, threads, report, check).map(Self)
     }
 
     /// The findings.

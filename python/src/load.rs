@@ -7,6 +7,7 @@ use std::sync::Arc;
 use firsthit::fhs;
 use firsthit::load::{LoadSettings, Loaded, UNITS};
 use firsthit::scene::Label;
+use firsthit::watch::Watch;
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Background, DAffine3, Object, Shape, Texture};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
@@ -18,7 +19,7 @@ use crate::environment::{EnvironmentOut, environment_out};
 use crate::errors::raise;
 use crate::frame::DisplayIn;
 use crate::material::{MaterialOut, Texels, material_out};
-use crate::run::run;
+use crate::run::{Report, Stop, run_reported};
 use crate::scene::{LabelTuple, Scene};
 use crate::shading::{LightOut, ShadingIn, ShadingOut, light_out, shading_out};
 use crate::shape::Mesh;
@@ -91,6 +92,7 @@ pub(crate) fn load(
     scale: f64,
     resources: Vec<PathBuf>,
     variant: Option<String>,
+    report: Report<'_, '_>,
 ) -> PyResult<ModelOut> {
     let settings = LoadSettings {
         strict,
@@ -101,8 +103,9 @@ pub(crate) fn load(
         scale,
         variant,
     };
-    let load = || firsthit::load::load(&path, &settings);
-    let loaded = run(py, 0, |_| load().and_then(with_lit_scene))?;
+    let load =
+        |stop: &Stop| with_lit_scene(firsthit::load::load_watched(&path, &settings, stop)?, stop);
+    let loaded = run_reported(py, 0, report, load)?;
     Ok(taken_apart(py, loaded))
 }
 
@@ -114,16 +117,21 @@ pub(crate) fn units() -> Vec<(&'static str, f64)> {
 
 /// Opens a built scene.
 #[pyfunction]
-pub(crate) fn open(py: Python<'_>, path: PathBuf, verify: bool) -> PyResult<ModelOut> {
-    let open = || fhs::open(&path, verify);
-    let loaded = run(py, 0, |_| open().and_then(with_lit_scene))?;
+pub(crate) fn open(
+    py: Python<'_>,
+    path: PathBuf,
+    verify: bool,
+    report: Report<'_, '_>,
+) -> PyResult<ModelOut> {
+    let open = |stop: &Stop| with_lit_scene(fhs::open_watched(&path, verify, stop)?, stop);
+    let loaded = run_reported(py, 0, report, open)?;
     Ok(taken_apart(py, loaded))
 }
 
 /// Makes the scene of a file that holds one built that of all its objects, lights and its environment.
-fn with_lit_scene(mut loaded: Loaded) -> firsthit::Result<Loaded> {
+fn with_lit_scene(mut loaded: Loaded, watch: &dyn Watch) -> firsthit::Result<Loaded> {
     if let Some(built) = &loaded.scene {
-        let scene = built.with_objects(loaded.world.objects.clone())?;
+        let scene = built.with_objects_watched(loaded.world.objects.clone(), watch)?;
         let lit = scene.with_lights(loaded.world.lights.clone());
         loaded.scene = Some(lit.with_environment(loaded.world.environment.clone()));
     }
@@ -149,6 +157,7 @@ pub(crate) fn save(
     has_view: bool,
     up: [f64; 3],
     up_is_guessed: bool,
+    report: Report<'_, '_>,
 ) -> PyResult<()> {
     let appearance = shading.appearance(background.as_deref());
     let appearance = appearance.map_err(|error| raise(py, &error))?;
@@ -171,7 +180,9 @@ pub(crate) fn save(
         up_is_guessed,
         ..World::default()
     };
-    run(py, 0, |stop| fhs::save(&path, &scene.0, &world, stop))
+    run_reported(py, 0, report, |stop| {
+        fhs::save(&path, &scene.0, &world, stop)
+    })
 }
 
 /// Name, camera, whether rows, columns and width are the file's own.

@@ -2,9 +2,9 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use firsthit::watch::Watch;
@@ -18,16 +18,45 @@ use crate::errors::raise;
 /// The time between two questions to the interpreter whether Ctrl-C was pressed.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Stops the work and counts the rays done.
+/// Stops the work, and counts what is done of its rays, or of its present step.
 #[derive(Debug, Default)]
 pub(crate) struct Stop {
     is_stopped: AtomicBool,
     done: AtomicU64,
+    /// The step that began last, its total and its unit.
+    step: Mutex<Option<Step>>,
+}
+
+type Step = (String, u64, &'static str);
+
+impl Stop {
+    fn step(&self) -> MutexGuard<'_, Option<Step>> {
+        self.step.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Calls `report` with the number of rays done; of work in steps also with the step, its total and its unit.
+    fn report(&self, report: &Bound<'_, PyAny>) -> PyResult<()> {
+        let step = self.step().clone();
+        let done = self.done.load(Ordering::Relaxed);
+        match step {
+            Some((name, total, unit)) => report.call1((done.min(total), total, name, unit)),
+            // Before the first step there is nothing to tell.
+            None if done == 0 => return Ok(()),
+            None => report.call1((done,)),
+        }
+        .map(drop)
+    }
 }
 
 impl Watch for Stop {
-    fn advance(&self, rays: u64) {
-        self.done.fetch_add(rays, Ordering::Relaxed);
+    fn begin(&self, step: &str, total: u64, unit: &'static str) {
+        let mut present = self.step();
+        *present = Some((step.to_owned(), total, unit));
+        self.done.store(0, Ordering::Relaxed);
+    }
+
+    fn advance(&self, count: u64) {
+        self.done.fetch_add(count, Ordering::Relaxed);
     }
 
     fn is_stopped(&self) -> bool {
@@ -35,7 +64,8 @@ impl Watch for Stop {
     }
 }
 
-/// The caller's progress function, if there is one: it is called with the number of rays done.
+/// The caller's progress function, if there is one: it is called with the number of rays done, and for work in steps with the step's total,
+/// name and unit beside.
 pub(crate) type Report<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Calls `report` with the number of rays done.
@@ -166,12 +196,11 @@ pub(crate) fn run_reported<T: Send>(
                 if signal.is_some() {
                     continue;
                 }
-                let done = stop.done.load(Ordering::Relaxed);
                 let asked = Python::attach(|py| {
                     // Signals are the main thread's business; elsewhere this does nothing.
                     py.check_signals()?;
                     let listener = listener.as_ref();
-                    listener.map_or(Ok(()), |report| report.call1(py, (done,)).map(drop))
+                    listener.map_or(Ok(()), |report| stop.report(report.bind(py)))
                 });
                 if let Err(error) = asked {
                     stop.is_stopped.store(true, Ordering::Relaxed);
@@ -193,9 +222,6 @@ pub(crate) fn run_reported<T: Send>(
     }
     let result = result.map_err(|panic| bug(&*panic))?;
     let result = result.map_err(|error: Error| raise(py, &error))?;
-    report_done(
-        report,
-        usize::try_from(stop.done.into_inner()).unwrap_or(usize::MAX),
-    )?;
+    report.map_or(Ok(()), |report| stop.report(report))?;
     Ok(result)
 }

@@ -5,6 +5,7 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use firsthit::scene::{Build, BuildSettings, Label};
+use firsthit::watch::Watch;
 use firsthit::{DAffine3, DMat3, DVec3, Material, Object, Transform};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::ffi::PyObject;
@@ -15,7 +16,7 @@ use crate::arrays::not_contiguous;
 use crate::environment::{EnvironmentIn, environment_in};
 use crate::errors::raise;
 use crate::material::{MaterialIn, material};
-use crate::run::{guarded, run};
+use crate::run::{Report, guarded, run, run_reported};
 use crate::shading::{LightIn, light_in};
 use crate::shape::Shape;
 
@@ -82,6 +83,7 @@ impl Scene {
         up: ([f64; 3], bool),
         previous: Option<&Self>,
         build: &str,
+        report: Report<'_, '_>,
     ) -> PyResult<Self> {
         let trees: firsthit::Result<Build> = build.parse();
         let trees = BuildSettings {
@@ -95,12 +97,12 @@ impl Scene {
             .collect::<PyResult<_>>()?;
         let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
         let lights = lights.map_err(|error| raise(py, &error))?;
-        let scene = run(py, 0, |_| match previous {
+        let scene = run_reported(py, 0, report, |stop| match previous {
             Some(Self(previous)) => previous
                 .try_clone()?
                 .with_build(trees)
-                .with_objects(objects),
-            None => firsthit::Scene::build(objects, trees),
+                .with_objects_watched(objects, stop),
+            None => firsthit::Scene::build_watched(objects, trees, stop),
         })?;
         let (up, up_is_guessed) = up;
         let up = if up_is_guessed && environment.is_some() {
@@ -140,7 +142,7 @@ impl Scene {
             })
             .collect::<PyResult<_>>()?;
         let has_new_trees = !replaced.is_empty();
-        let changed = || {
+        let changed = |watch: &dyn Watch| {
             let mut scene = self.0.try_clone()?;
             if has_new_trees {
                 let mut objects = scene.objects().to_vec();
@@ -149,7 +151,7 @@ impl Scene {
                         *place = object;
                     }
                 }
-                scene = scene.with_objects(objects)?;
+                scene = scene.with_objects_watched(objects, watch)?;
             }
             if !places.is_empty() {
                 scene.move_objects(&places)?;
@@ -160,10 +162,10 @@ impl Scene {
             Ok(scene)
         };
         if self.0.objects().len() < FEW_OBJECTS && !has_new_trees {
-            let changed = guarded(|| py.detach(changed))?;
+            let changed = guarded(|| py.detach(|| changed(&())))?;
             return changed.map(Self).map_err(|error| raise(py, &error));
         }
-        run(py, 0, |_| changed()).map(Self)
+        run(py, 0, |stop| changed(stop)).map(Self)
     }
 
     /// The scene in which rays meet only the objects that have a bit in common with `mask`, and are

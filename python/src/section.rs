@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::arrays::{collected, copied};
 use crate::errors::raise;
 use crate::measure::fill;
-use crate::run::{guarded, run};
+use crate::run::{Report, Stop, guarded, run, run_reported};
 use crate::scene::Scene;
 
 /// The curves of a plane through a scene.
@@ -40,14 +40,13 @@ impl Section {
         normal: [f64; 3],
         rule: &str,
         threads: usize,
+        report: Report<'_, '_>,
     ) -> PyResult<Self> {
         let plane = SectionPlane::new(DVec3::from(origin), DVec3::from(normal));
         let plane = plane.map_err(|error| raise(py, &error))?;
         let rule = fill(py, rule)?;
-        run(py, threads, |stop| {
-            section_with(rule, &scene.0, plane, stop)
-        })
-        .map(Self)
+        let cut = |stop: &Stop| section_with(rule, &scene.0, plane, stop);
+        run_reported(py, threads, report, cut).map(Self)
     }
 
     /// The plane's origin, its normal and its two directions.

@@ -1,5 +1,6 @@
 """How calls work: small ones without threads, long ones followed, none torn by others."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -216,16 +217,78 @@ def test_what_was_made_already_says_nothing():
     assert np.shares_memory(made, again)
 
 
-def test_a_bar_is_shown_by_tqdm(capsys):
-    pytest.importorskip("tqdm")
+def test_a_line_has_rays_and_percents_and_is_gone_at_the_end(capsys):
     ball().shoot(CAMERA, progress=True)
-    assert "19.2k/19.2k" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "\r19200 of 19200 rays, 100 %" in said
+    assert said.rsplit("\r", 2)[1].strip() == ""
 
 
-def test_percents_are_shown_without_tqdm(capsys, monkeypatch):
-    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
-    fh.render(ball(), CAMERA, progress=True)
-    assert capsys.readouterr().err.endswith("\r100 %\n")
+@pytest.fixture
+def large(tmp_path):
+    """Write a file whose reading takes a while."""
+    side = 700
+    x, y = np.meshgrid(np.arange(side), np.arange(side))
+    corners = np.stack([x, y, np.sin(x) * np.cos(y)], -1).reshape(-1, 3)
+    first = (x + side * y)[:-1, :-1].ravel()
+    faces = np.concatenate(
+        [[first, first + 1, first + side + 1], [first, first + side + 1, first + side]], 1
+    ).T
+    scene = fh.Scene()
+    scene.add(fh.Mesh(corners, faces))
+    scene.save(tmp_path / "large.fhs")
+    with (tmp_path / "large.obj").open("w") as file:
+        np.savetxt(file, corners, fmt="v %g %g %g")
+        np.savetxt(file, faces + 1, fmt="f %d %d %d")
+    return tmp_path / "large.obj"
+
+
+LONG_WORK = pytest.mark.parametrize(
+    "work",
+    [
+        lambda path, told: fh.load(path, progress=told),
+        lambda path, told: fh.open(path.with_suffix(".fhs"), verify=True, progress=told),
+        lambda path, told: fh.load(path).shoot((0, 0, 9), (0, 0, -1), progress=told),
+        lambda path, told: fh.load(path).lint(progress=told),
+        lambda path, told: fh.load(path).section((9, 9, 0), (1, 0, 0), progress=told),
+        lambda path, told: fh.load(path).save(path.with_suffix(".new.fhs"), progress=told),
+    ],
+)
+
+
+@LONG_WORK
+def test_ctrl_c_ends_long_work(work, large):
+    def again_and_again():
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+        while True:
+            work(large, None)
+
+    with pytest.raises(KeyboardInterrupt):
+        again_and_again()
+
+
+@LONG_WORK
+def test_steps_are_told_to_their_ends_and_can_be_stopped(work, large):
+    told = []
+    work(large, lambda *both: told.append(both))
+    assert told
+    assert all(0 <= done <= total for done, total in told)
+    assert told[-1][0] == told[-1][1]
+
+    def enough(done, total):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        work(large, enough)
+    with pytest.raises(TypeError, match="progress must be"):
+        work(large, "yes")
+
+
+def test_steps_are_shown_with_their_names(large, capsys):
+    fh.load(large, progress=True)
+    said = capsys.readouterr().err
+    assert f"parsing {large}: " in said
+    assert "bytes, " in said
 
 
 def test_what_progress_raises_ends_the_work():

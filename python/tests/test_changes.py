@@ -155,6 +155,7 @@ def test_wrong_changes_are_refused_and_change_nothing():
         (lambda: scene.hide("no"), ValueError, "no object with the name 'no'"),
         (lambda: scene.remove([0, 7]), IndexError, "no object 7"),
         (lambda: scene.show(None), TypeError, "identifiers or names"),
+        (lambda: scene.show(), TypeError, r"to look at the scene: scene\.view\(\) in a notebook"),
         (lambda: scene.replace(0, "box"), TypeError, "shape must be"),
         (lambda: scene.replace(5, mesh(1)), IndexError, "no object 5"),
         (lambda: scene.update_vertices(1, [[0, 0, 0]]), TypeError, "must be a mesh"),

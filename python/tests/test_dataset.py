@@ -371,7 +371,7 @@ def test_progress_counts_frames_and_an_exception_from_it_ends_the_run(tmp_path):
 
 def test_progress_on_a_terminal_has_the_time_left(tmp_path, capsys, monkeypatch):
     clock = iter(range(0, 1000, 10))
-    monkeypatch.setattr("firsthit._parts.time_left.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("firsthit._base.progress.time.monotonic", lambda: next(clock))
     fh.dataset(fh.Plan.from_dict(plan(), PLANS), tmp_path, progress=True)
     said = capsys.readouterr().err
     assert "1 of 7 frames, 14 %, 2 min left" in said

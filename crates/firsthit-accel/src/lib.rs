@@ -13,5 +13,5 @@
 pub mod accel;
 pub mod shape;
 
-pub(crate) use firsthit_geometry::{error, geometry, parallel};
+pub(crate) use firsthit_geometry::{error, geometry, parallel, watch};
 pub(crate) use firsthit_simd::{memory, simd};

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Mutex, Once, PoisonError};
 
 use firsthit::error::{escape_controls, escape_controls_of_json};
@@ -47,6 +48,18 @@ fn with_report<T>(work: impl FnOnce(&mut Option<Report>) -> T) -> T {
 /// Starts a report if one `is_wanted`; warnings are then kept for it.
 pub(crate) fn begin_report(is_wanted: bool) {
     with_report(|report| *report = is_wanted.then(Report::default));
+}
+
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Keeps whether the run says nothing but results, warnings and errors.
+pub(crate) fn be_quiet(is_quiet: bool) {
+    IS_QUIET.store(is_quiet, Relaxed);
+}
+
+/// Whether lines for people are left out: it was asked for, or a report takes their place.
+pub(crate) fn is_quiet() -> bool {
+    IS_QUIET.load(Relaxed) || with_report(|report| report.is_some())
 }
 
 /// Sends the report to standard error, since standard output takes data.

@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use firsthit::error::escaped;
 use firsthit::image::{color_of_identifier, write_whole};
@@ -13,7 +12,7 @@ use serde_json::json;
 use crate::console::json_text;
 use crate::failure::Failure;
 use crate::output::{self, Order};
-use crate::progress::Interrupt;
+use crate::progress::Progress;
 
 /// The identifier of a miss.
 const MISS: i32 = -1;
@@ -45,13 +44,8 @@ pub(crate) fn check(path: &Path, orders: &[Order]) -> Result<(), Failure> {
 }
 
 /// Writes the table.
-pub(crate) fn write(
-    path: &Path,
-    rows: &[Row<'_>],
-    interrupted: &AtomicBool,
-) -> Result<(), Failure> {
-    let watch = Interrupt(interrupted);
-    write_whole(path, &watch, |out| {
+pub(crate) fn write(path: &Path, rows: &[Row<'_>], progress: &Progress) -> Result<(), Failure> {
+    write_whole(path, progress, |out| {
         if is_json(path) {
             write_json(rows, out)
         } else {

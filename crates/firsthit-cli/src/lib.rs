@@ -31,6 +31,7 @@ use clap::{CommandFactory, FromArgMatches};
 
 use args::{Cli, Command};
 use failure::Failure;
+use progress::Progress;
 
 /// Runs the program with its arguments, the first of which is its own name, and returns the exit code: 0
 /// done, 1 outputs that differ or findings of lint, 2 wrong usage, 3 bad input, 4 the output could not be written, 5 a limit was reached, 70 a bug of
@@ -77,12 +78,13 @@ where
 /// The program's exit code and message: 2 for a file that is neither a 3D file nor an output, 3 for
 /// a bad one, 5 where a limit is reached.
 pub fn info(file: &Path) -> Result<String, (u8, String)> {
-    let args = ["firsthit", "info", "--json", "--"].map(OsString::from);
+    let args = ["firsthit", "info", "--quiet", "--json", "--"].map(OsString::from);
     let args = args.into_iter().chain([file.into()]).collect();
     let told = match parse(args) {
         Ok(Cli {
             command: Command::Info(args),
-        }) => commands::info::text(&args),
+            verbosity,
+        }) => commands::info::text(&args, &Progress::new(&verbosity)),
         Ok(_) => unreachable!("the command is info"),
         Err(error) => Err(Failure::usage(error)),
     };
@@ -96,26 +98,27 @@ fn parse(args: Vec<OsString>) -> Result<Cli, clap::Error> {
 }
 
 fn dispatch(cli: Cli) -> Result<(), Failure> {
-    let interrupted = progress::catch_interrupts();
+    let progress = &Progress::new(&cli.verbosity);
+    progress.catch_interrupts();
     match cli.command {
-        Command::Render(args) => commands::render::run(&args, &interrupted),
-        Command::View(args) => commands::view::run(&args, &interrupted),
-        Command::Shoot(args) => commands::shoot::run(&args, &interrupted),
-        Command::Build(args) => commands::build::run(&args, &interrupted),
-        Command::Nearest(args) => commands::nearest::run(&args, &interrupted),
-        Command::Inside(args) => commands::inside::run(&args, &interrupted),
-        Command::Visible(args) => commands::visible::run(&args, &interrupted),
-        Command::Thickness(args) => commands::thickness::run(&args, &interrupted),
-        Command::Probe(args) => commands::probe::run(&args, &interrupted),
-        Command::Info(args) => commands::info::run(&args),
+        Command::Render(args) => commands::render::run(&args, progress),
+        Command::View(args) => commands::view::run(&args, progress),
+        Command::Shoot(args) => commands::shoot::run(&args, progress),
+        Command::Build(args) => commands::build::run(&args, progress),
+        Command::Nearest(args) => commands::nearest::run(&args, progress),
+        Command::Inside(args) => commands::inside::run(&args, progress),
+        Command::Visible(args) => commands::visible::run(&args, progress),
+        Command::Thickness(args) => commands::thickness::run(&args, progress),
+        Command::Probe(args) => commands::probe::run(&args, progress),
+        Command::Info(args) => commands::info::run(&args, progress),
         Command::Diff(args) => commands::diff::run(&args),
-        Command::Section(args) => commands::section::run(&args, &interrupted),
-        Command::Lint(args) => commands::lint::run(&args, &interrupted),
-        Command::Scan(args) => commands::scan::run(&args, &interrupted),
+        Command::Section(args) => commands::section::run(&args, progress),
+        Command::Lint(args) => commands::lint::run(&args, progress),
+        Command::Scan(args) => commands::scan::run(&args, progress),
         Command::Dataset(_) => commands::in_python::run("dataset"),
         Command::Parts(_) => commands::in_python::run("parts"),
         Command::Pack(_) => commands::in_python::run("pack"),
-        Command::Demo(args) => commands::demo::run(&args, &interrupted),
+        Command::Demo(args) => commands::demo::run(&args, progress),
         Command::Schema { plan } => commands::schema::run(plan),
         Command::Completions { shell } => commands::completions::run(shell),
     }

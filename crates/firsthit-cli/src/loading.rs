@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use firsthit::error::escaped;
-use firsthit::load::{self, LoadSettings, load};
+use firsthit::load::{self, LoadSettings, load_watched};
 use firsthit::scene::{Build, BuildSettings};
 use firsthit::world::World;
 use firsthit::{Color, Object, Scene};
@@ -11,6 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::args::{LoadArgs, PickArgs, RunArgs};
 use crate::failure::Failure;
+use crate::progress::Progress;
 
 /// A scene with what its file says beside it.
 pub(crate) struct Loaded {
@@ -36,8 +37,9 @@ pub(crate) fn read(
     args: &LoadArgs,
     build: BuildSettings,
     neutral: Option<Color>,
+    progress: &Progress,
 ) -> Result<Loaded, Failure> {
-    read_with(path, &settings(path, args), |_| build, neutral)
+    read_with(path, &settings(path, args), |_| build, neutral, progress)
 }
 
 /// The settings of the arguments for the file at `path`.
@@ -68,6 +70,7 @@ pub(crate) fn read_with(
     settings: &LoadSettings,
     build: impl FnOnce(&World) -> BuildSettings,
     neutral: Option<Color>,
+    progress: &Progress,
 ) -> Result<Loaded, Failure> {
     let load::Loaded {
         world: mut model,
@@ -76,7 +79,7 @@ pub(crate) fn read_with(
         vertices,
         scene: built,
         ..
-    } = load(path, settings)?;
+    } = load_watched(path, settings, progress)?;
     let is_neutral = |object: &Object| object.materials().is_empty();
     if neutral.is_some() && !model.objects.iter().any(is_neutral) {
         let why = "--color does nothing here: every object has a material of its own";
@@ -97,8 +100,10 @@ pub(crate) fn read_with(
     Ok(Loaded {
         scene: match built {
             // What the file does not hold is built.
-            Some(built) => built.with_build(build).with_objects(objects)?,
-            None => Scene::build(objects, build)?,
+            Some(built) => built
+                .with_build(build)
+                .with_objects_watched(objects, progress)?,
+            None => Scene::build_watched(objects, build, progress)?,
         },
         warnings,
         model,

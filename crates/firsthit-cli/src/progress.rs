@@ -1,53 +1,23 @@
-//! Progress on a terminal, and Ctrl-C.
+//! Progress on a terminal, a log of the steps, and Ctrl-C.
 
 use std::fmt::Write;
 use std::io::IsTerminal;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use firsthit::watch::Watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::console::{say, say_interrupted};
+use crate::args::VerbosityArgs;
+use crate::console::{be_quiet, counted, is_quiet, say, say_interrupted};
 use crate::failure::INTERRUPTED;
 
 /// The time that a computation gets to notice that it is interrupted.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Turns Ctrl-C into a flag, and ends the program if that has not ended it within a moment. Nothing is lost
-/// by that: outputs are whole files from one instant to the next, or not there.
-pub(crate) fn catch_interrupts() -> Arc<AtomicBool> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&interrupted);
-    // Fails only where somebody else has a handler: then Ctrl-C is theirs.
-    let _ = ctrlc::try_set_handler(move || {
-        if flag.swap(true, Ordering::SeqCst) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        let end = || {
-            say_interrupted();
-            std::process::exit(i32::from(INTERRUPTED));
-        };
-        let after_grace = move || {
-            std::thread::sleep(GRACE);
-            if IS_KEEPING.load(Ordering::SeqCst) {
-                say(
-                    "firsthit: note: what is done is kept after this sample; Ctrl-C again ends at once",
-                );
-                while IS_KEEPING.load(Ordering::SeqCst) {
-                    std::thread::sleep(GRACE / 10);
-                }
-                std::thread::sleep(GRACE);
-            }
-            end();
-        };
-        if std::thread::Builder::new().spawn(after_grace).is_err() {
-            end();
-        }
-    });
-    interrupted
-}
+/// The unit of steps whose speed is shown.
+pub(crate) const RAYS: &str = "rays";
 
 /// Whether somebody keeps what is done before it ends.
 static IS_KEEPING: AtomicBool = AtomicBool::new(false);
@@ -68,44 +38,144 @@ impl Drop for Keeping {
     }
 }
 
-/// The flag of Ctrl-C alone, for what is not counted in rays.
-pub(crate) struct Interrupt<'a>(pub(crate) &'a AtomicBool);
-
-impl Watch for Interrupt<'_> {
-    fn is_stopped(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
-/// Follows a computation: a bar on standard error if that is a terminal, and the flag of Ctrl-C.
-pub(crate) struct Progress<'a> {
+/// Follows the run, step by step: a bar on standard error if that is a terminal, a line for each step that is done if
+/// those are asked for, and the flag of Ctrl-C.
+pub(crate) struct Progress {
     bar: ProgressBar,
-    interrupted: &'a AtomicBool,
+    interrupted: Arc<AtomicBool>,
+    is_verbose: bool,
+    step: Mutex<Option<Step>>,
 }
 
-impl<'a> Progress<'a> {
-    pub(crate) fn new(rays: u64, quiet: bool, interrupted: &'a AtomicBool) -> Self {
-        let visible = !quiet && std::io::stderr().is_terminal();
-        let target = if visible {
+/// A step that is not done.
+struct Step {
+    name: String,
+    total: u64,
+    unit: &'static str,
+    began: Instant,
+}
+
+impl Progress {
+    pub(crate) fn new(args: &VerbosityArgs) -> Self {
+        be_quiet(args.quiet);
+        let target = if !is_quiet() && std::io::stderr().is_terminal() {
             ProgressDrawTarget::stderr()
         } else {
             ProgressDrawTarget::hidden()
         };
-        let style = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {speed}  {eta}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::with_draw_target(Some(rays), target)
-            .with_style(style.with_key("speed", speed));
-        Self { bar, interrupted }
+        Self {
+            bar: ProgressBar::with_draw_target(None, target),
+            interrupted: Arc::default(),
+            is_verbose: args.verbose,
+            step: Mutex::default(),
+        }
     }
+
+    /// Turns Ctrl-C into a flag, and ends the program if that has not ended it within a moment. Nothing is lost
+    /// by that: outputs are whole files from one instant to the next, or not there.
+    pub(crate) fn catch_interrupts(&self) {
+        let (flag, bar) = (Arc::clone(&self.interrupted), self.bar.clone());
+        // Fails only where somebody else has a handler: then Ctrl-C is theirs.
+        let _ = ctrlc::try_set_handler(move || {
+            if flag.swap(true, Ordering::SeqCst) {
+                std::process::exit(i32::from(INTERRUPTED));
+            }
+            let bar = bar.clone();
+            let end = move || {
+                bar.finish_and_clear();
+                say_interrupted();
+                std::process::exit(i32::from(INTERRUPTED));
+            };
+            let at_once = end.clone();
+            let after_grace = move || {
+                std::thread::sleep(GRACE);
+                if IS_KEEPING.load(Ordering::SeqCst) {
+                    say(
+                        "firsthit: note: what is done is kept after this sample; Ctrl-C again ends at once",
+                    );
+                    while IS_KEEPING.load(Ordering::SeqCst) {
+                        std::thread::sleep(GRACE / 10);
+                    }
+                    std::thread::sleep(GRACE);
+                }
+                end();
+            };
+            if std::thread::Builder::new().spawn(after_grace).is_err() {
+                at_once();
+            }
+        });
+    }
+
+    /// Ends the step: the bar is gone, and the step is logged.
+    pub(crate) fn end(&self) {
+        let step = self
+            .step
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
+        if let Some(step) = step {
+            self.bar.finish_and_clear();
+            if self.is_verbose {
+                say(step.line());
+            }
+        }
+    }
+}
+
+impl Step {
+    /// The line of the log, such as `firsthit: reading a.ply: 190042305 bytes, 0.12 s, 203 MB`.
+    fn line(&self) -> String {
+        let Self { name, total, .. } = self;
+        let seconds = self.began.elapsed().as_secs_f64();
+        let count = counted(*total, self.unit.trim_end_matches('s'));
+        let memory =
+            memory_in_use().map_or_else(String::new, |bytes| format!(", {} MB", bytes / 1_000_000));
+        format!("firsthit: {name}: {count}, {seconds:.2} s{memory}")
+    }
+}
+
+/// The bytes of memory that the process has now, where the system tells.
+fn memory_in_use() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let mut lines = status.lines();
+    let line = lines.find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+    Some(1024 * kibibytes)
+}
+
+fn style(unit: &str) -> ProgressStyle {
+    let of_rays = if unit == RAYS { "{speed}  " } else { "" };
+    let template = format!("{{msg}}  {{wide_bar}} {{percent:>3}} %  {of_rays}{{eta}}");
+    let style = ProgressStyle::with_template(&template);
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    style.with_key("speed", speed)
 }
 
 fn speed(state: &ProgressState, out: &mut dyn Write) {
     let _ = write!(out, "{:.2} Mrays/s", state.per_sec() / 1e6);
 }
 
-impl Watch for Progress<'_> {
-    fn advance(&self, rays: u64) {
-        self.bar.inc(rays);
+impl Watch for Progress {
+    fn begin(&self, step: &str, total: u64, unit: &'static str) {
+        self.end();
+        let began = Step {
+            name: step.to_owned(),
+            total,
+            unit,
+            began: Instant::now(),
+        };
+        *self.step.lock().unwrap_or_else(PoisonError::into_inner) = Some(began);
+        self.bar.reset();
+        self.bar.set_style(style(unit));
+        self.bar.set_length(total);
+        self.bar.set_message(step.to_owned());
+    }
+
+    fn advance(&self, count: u64) {
+        self.bar.inc(count);
+        if Some(self.bar.position()) >= self.bar.length() {
+            self.end();
+        }
     }
 
     fn is_stopped(&self) -> bool {
@@ -113,8 +183,8 @@ impl Watch for Progress<'_> {
     }
 }
 
-impl Drop for Progress<'_> {
+impl Drop for Progress {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        self.end();
     }
 }

@@ -30,7 +30,7 @@ pub mod io;
 
 pub(crate) use firsthit_accel::shape;
 pub(crate) use firsthit_camera::camera;
-pub(crate) use firsthit_geometry::{error, geometry, inputs};
+pub(crate) use firsthit_geometry::{error, geometry, inputs, watch};
 #[cfg(feature = "exr")]
 pub(crate) use firsthit_image::image;
 pub(crate) use firsthit_scene::scene;

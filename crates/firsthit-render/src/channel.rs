@@ -20,7 +20,7 @@ use crate::parallel;
 use crate::scene::{Catalog, Object, Scene, SurfaceInteraction};
 use crate::sensor::{Record, Sensor};
 use crate::shoot::{Hits, Prefetcher};
-use crate::watch::{OnlyStops, Watch};
+use crate::watch::{OnlyStops, Watch, stop_if_asked};
 
 /// Rays, what they met, and all that channels are made from.
 #[derive(Clone, Copy)]
@@ -314,9 +314,7 @@ fn make_at_hits(
         }
     }
     let fill = |(index, parts): (usize, &mut Vec<ChannelChunk<'_>>)| {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         let first = index * CHUNK;
         let count = (count - first).min(CHUNK);
         fill(shots, first, count, parts);

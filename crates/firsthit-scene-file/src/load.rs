@@ -12,6 +12,7 @@ use crate::io::{FORMATS, Format, ModelFormat, Report, format_of, read};
 use crate::scene::EnvironmentMap;
 #[cfg(feature = "scene-file")]
 use crate::scene_file;
+use crate::watch::Watch;
 use crate::world::{World, WorldFormat, unknown_variant};
 
 pub use crate::io::{LoadSettings, UNITS, polygons};
@@ -91,17 +92,26 @@ fn formats() -> impl Iterator<Item = Reader> + Clone {
 /// [`Error::TooLarge`]: crate::error::Error::TooLarge
 /// [`Error::Limit`]: crate::error::Error::Limit
 pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
+    load_watched(path, settings, &())
+}
+
+/// As [`load`]; `watch` follows it, and may end it.
+///
+/// # Errors
+///
+/// The errors of [`load`], and [`Error::Interrupted`](crate::error::Error::Interrupted).
+pub fn load_watched(path: &Path, settings: &LoadSettings, watch: &dyn Watch) -> Result<Loaded> {
     // A folder is refused as such, before its extension is.
     read::refuse_folder(path)?;
     let format = format_of(path, formats())?;
     check_scale(format, settings)?;
-    let mut report = Report::new(path, settings.clone());
+    let mut report = Report::new(path, settings.clone(), watch);
     #[cfg(feature = "fhs")]
     if format.format().name == fhs::FORMAT.format.name && !read::is_named_as_packed(path) {
         let block = read::mapped_file(path)?;
         return with_variant(fhs::open_mapped(block.into(), &mut report)?, settings);
     }
-    let bytes = read::regular_file(path, settings.max_memory)?;
+    let bytes = read::regular_file(path, settings.max_memory, watch)?;
     with_variant(format.load(bytes.into(), &mut report)?, settings)
 }
 
@@ -123,7 +133,7 @@ fn with_variant(loaded: Loaded, settings: &LoadSettings) -> Result<Loaded> {
 pub fn load_bytes(name: &Path, bytes: &[u8], settings: &LoadSettings) -> Result<Loaded> {
     let format = format_of(name, formats())?;
     check_scale(format, settings)?;
-    let mut report = Report::new(name, settings.clone());
+    let mut report = Report::new(name, settings.clone(), &());
     report.source.in_memory = true;
     with_variant(format.load(bytes.into(), &mut report)?, settings)
 }
@@ -161,7 +171,7 @@ pub fn load_environment(
     path: &Path,
     settings: &LoadSettings,
 ) -> Result<(EnvironmentMap, Vec<String>)> {
-    let mut report = Report::new(path, settings.clone());
+    let mut report = Report::new(path, settings.clone(), &());
     let map = crate::io::load_environment(&mut report)?;
     Ok((map, report.take_lines()))
 }

@@ -13,5 +13,5 @@
 pub mod scene;
 
 pub(crate) use firsthit_accel::{accel, shape};
-pub(crate) use firsthit_geometry::{error, geometry, parallel, sampling};
+pub(crate) use firsthit_geometry::{error, geometry, parallel, sampling, watch};
 pub(crate) use firsthit_simd::{memory, simd};

@@ -19,6 +19,14 @@ LOGGER = logging.getLogger("firsthit")
 LOGGER.addHandler(logging.NullHandler())
 
 
+def log_steps() -> None:
+    """Write what is logged to standard error, as the program does by ``-v``."""
+    lines = logging.StreamHandler()
+    lines.setFormatter(logging.Formatter("firsthit: %(message)s"))
+    LOGGER.addHandler(lines)
+    LOGGER.setLevel(DEBUG)
+
+
 @contextmanager
 def timed(what: str, *about: object, level: int = logging.INFO) -> Iterator[None]:
     """Log something when it is done, with its seconds; what fails says so by its exception."""

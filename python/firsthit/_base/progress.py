@@ -1,25 +1,22 @@
-"""Progress of long computations: a bar, a line of percents, or the caller's function."""
+"""Progress of long computations: a line with the time that is left, or the caller's function."""
 
 from __future__ import annotations
 
-import importlib
 import sys
+import time
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from .types import Progress
 
-    #: Takes how many rays are done.
-    Report = Callable[[int], object]
+    #: Takes how much is done; of work in steps also the step's total, its name and its unit.
+    Report = Callable[..., object]
 
-
-class _Bar(Protocol):
-    def to(self, done: int) -> object: ...
-
-    def close(self) -> object: ...
+#: How often the line changes, in seconds.
+_PAUSE = 0.1
 
 
 def check(progress: Progress | None) -> None:
@@ -29,19 +26,34 @@ def check(progress: Progress | None) -> None:
 
 
 @contextmanager
-def following(progress: Progress | None, total: int) -> Iterator[Report | None]:
-    """Yield the report for ``progress`` out of ``total``; ``None`` if none is wanted."""
+def following(
+    progress: Progress | None,
+    total: int | None = None,
+    kept: int | None = None,
+    unit: str = "rays",
+) -> Iterator[Report | None]:
+    """Yield the report for ``progress`` out of ``total``; ``None`` if none is wanted.
+
+    ``kept`` is what was done before, which is told at once. Where nobody knows the total it is what
+    is done.
+    """
     check(progress)
     if progress is None or progress is False:
         yield None
-    elif progress is True:
-        bar = _bar(total)
-        try:
-            yield bar.to
-        finally:
-            bar.close()
-    else:
-        yield lambda done: progress(done, total)
+        return
+    line = _Line(total, kept or 0, unit)
+
+    def tell(done: int, total: int | None = total, *_: str) -> None:
+        if callable(progress):
+            progress(done, done if total is None else total)
+
+    report: Report = line.to if progress is True else tell
+    try:
+        if kept is not None:
+            report(kept)
+        yield report
+    finally:
+        line.close()
 
 
 def later(report: Report | None, before: int) -> Report | None:
@@ -49,40 +61,54 @@ def later(report: Report | None, before: int) -> Report | None:
     return None if report is None else lambda done: report(before + done)
 
 
-def _bar(total: int) -> _Bar:
-    try:
-        made = importlib.import_module("tqdm.auto").tqdm
-    except ImportError:
-        return _Percents(total)
-    return _Tqdm(made(total=total, unit=" rays", unit_scale=True))
+class _Line:
+    """A line on standard error that is written anew, from its start for each step."""
 
+    def __init__(self, total: int | None, kept: int, unit: str) -> None:
+        self._step, self._kept = (total, "", unit), kept
+        self._began, self._shown = time.monotonic(), -1.0
+        self._width = 0
 
-class _Tqdm:
-    """A bar of tqdm, whose updates are increments."""
-
-    def __init__(self, bar: object) -> None:
-        self._bar = bar
-
-    def to(self, done: int) -> None:
-        bar = self._bar
-        bar.update(done - bar.n)  # type: ignore[attr-defined]
+    def to(self, done: int, total: int | None = None, name: str = "", unit: str = "") -> None:
+        now = time.monotonic()
+        if name and self._step != (total, name, unit):
+            self._step, self._kept = (total, name, unit), 0
+            self._began, self._shown = now, -1.0
+        total, name, unit = self._step
+        if now - self._shown < _PAUSE and (total is None or done < total):
+            return
+        self._shown = now
+        text = f"{name}: {done}" if name else str(done)
+        if total is None:
+            self._write(f"{text} {unit}")
+            return
+        text += f" of {total} {unit}, {100 * done // max(total, 1)} %"
+        if self._kept < done < total:
+            left = (now - self._began) / (done - self._kept) * (total - done)
+            text += f", {_in_words(left)} left"
+        self._write(text)
 
     def close(self) -> None:
-        self._bar.close()  # type: ignore[attr-defined]
+        if self._width:
+            self._write("")
+            self._write_plain("\r")
 
+    def _write(self, text: str) -> None:
+        self._write_plain("\r" + text.ljust(self._width))
+        self._width = len(text)
 
-class _Percents:
-    """A line of percents, for when tqdm is not installed."""
-
-    def __init__(self, total: int) -> None:
-        self._total, self._shown = total, -1
-
-    def to(self, done: int) -> None:
-        percents = 100 * done // max(self._total, 1)
-        if percents != self._shown:
-            self._shown = percents
-            sys.stderr.write(f"\r{percents:3d} %")
+    def _write_plain(self, text: str) -> None:
+        try:
+            sys.stderr.write(text)
             sys.stderr.flush()
+        except (OSError, ValueError):
+            pass  # That nobody listens is no reason to stop.
 
-    def close(self) -> None:
-        sys.stderr.write("\n")
+
+def _in_words(seconds: float) -> str:
+    """Return a time as people say it: ``40 s``, ``3 min``, ``5 h``."""
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    if seconds < 99.5 * 60:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.0f} h"

@@ -171,7 +171,8 @@ Wrap = Literal["repeat", "mirror", "clamp"]
 Filter = Literal["linear", "nearest"]
 AlphaMode = Literal["opaque", "mask", "blend"]
 
-#: ``True`` for a bar, or a function that is called with (done, total) about twenty times a second.
+#: ``True`` for a line with the time that is left, or a function that is called with (done, total)
+#: about twenty times a second.
 #: An exception that it raises ends the work.
 Progress = bool | Callable[[int, int], object]
 

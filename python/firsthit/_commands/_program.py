@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from firsthit import _firsthit
 from firsthit._base.errors import FileError, FileWriteError
+from firsthit._base.log import log_steps
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -34,7 +35,8 @@ class UsageError(Exception):
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are exceptions, and whose options cannot be shortened.
 
-    It knows ``--version`` and ``--json``, as every command of the program does.
+    It knows ``--version``, ``--json``, ``--quiet`` and ``--verbose``, as every command of the
+    program does.
     """
 
     def __init__(self, command: str, about: str, examples: str) -> None:
@@ -51,6 +53,13 @@ class Parser(argparse.ArgumentParser):
             "--json",
             action="store_true",
             help="report the run and its warnings as one JSON object, on standard output",
+        )
+        verbosity = self.add_mutually_exclusive_group()
+        verbosity.add_argument(
+            "-q", "--quiet", action="store_true", help="print only results, warnings and errors"
+        )
+        verbosity.add_argument(
+            "-v", "--verbose", action="store_true", help="print a line for each step that is done"
         )
 
     def error(self, message: str) -> NoReturn:
@@ -74,8 +83,11 @@ def run(
     said = _Said(as_json="--json" in _before_dashes(argv))
     try:
         with said.hearing():
-            text, report = work(parser.parse_args([*argv]))
-        said.done(text, report)
+            arguments = parser.parse_args([*argv])
+            if arguments.verbose:
+                log_steps()
+            text, report = work(arguments)
+        said.done(None if arguments.quiet else text, report)
     except SystemExit as ended:  # argparse, after --help and --version
         return int(ended.code or 0)
     except BaseException as error:

@@ -83,7 +83,6 @@ def _parser() -> Parser:
         help="the number of threads, with --workers of each; the result is the same for any "
         "[default: all cores, with --workers cores / N]",
     )
-    add("-q", "--quiet", action="store_true", help="print only warnings and errors")
     return parser
 
 
@@ -115,7 +114,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         text += f"\ndigest {made.digest}"
     seconds = round(time.monotonic() - began, 3)
     report = {"output": arguments.output, **made._asdict(), "seconds": seconds}
-    return None if arguments.quiet else text, report
+    return text, report
 
 
 def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
@@ -141,7 +140,7 @@ def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dic
         "bytes": cost.bytes,
         "plan": plan.digest,
     }
-    return None if arguments.quiet else "\n".join(lines), report
+    return "\n".join(lines), report
 
 
 def _ups(plan: Plan, scenes: Sequence[Checked]) -> list[str]:

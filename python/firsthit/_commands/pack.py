@@ -71,7 +71,6 @@ def _parser() -> Parser:
         action="store_true",
         help="pack what is there while other parts are missing",
     )
-    add("-q", "--quiet", action="store_true", help="print only warnings and errors")
     return parser
 
 
@@ -96,4 +95,4 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         **made._asdict(),
         "shards": [path.name for path in made.shards],
     }
-    return None if arguments.quiet else text, report
+    return text, report

@@ -64,7 +64,6 @@ def _parser() -> Parser:
         action="store_true",
         help="compare the bytes of all files with their sha256, not only their sizes",
     )
-    add("-q", "--quiet", action="store_true", help="print only warnings and errors")
     return parser
 
 
@@ -90,7 +89,7 @@ def _told(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         "missing": [[one.start, one.stop - 1] for one in job.missing],
         "digest": state.digest,
     }
-    return None if arguments.quiet else "\n".join(lines), report
+    return "\n".join(lines), report
 
 
 def _kind(said: dict[str, Any]) -> tuple[str, str]:

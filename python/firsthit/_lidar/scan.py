@@ -76,7 +76,7 @@ def scanned(
         classes_of(scene.objects, classes)
     if (warning := settings.warning()) is not None:
         warn(warning)
-    native = scene._native()
+    native = scene._ready(progress).native
     with following(progress, lidar.rows * lidar.columns * settings.lines()) as report:
         columns = _firsthit.scan_columns(
             native, lidar._native, settings, threads_or_all(threads), report

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Build, Selection, Vector
+    from firsthit._base.progress import Report
+    from firsthit._base.types import Build, Progress, Selection, Vector
     from firsthit._looks.environment import Environment
     from firsthit._looks.lights import Light
 
@@ -48,6 +49,7 @@ class Built:
         native: _firsthit.Scene | None = None,
         previous: _firsthit.Scene | None = None,
         build: Build = "auto",
+        report: Report | None = None,
     ) -> None:
         """Build it, unless ``native`` is that already; ``previous`` lends what did not change."""
         self.objects, self.lights, self.around = objects, lights, around
@@ -65,6 +67,7 @@ class Built:
                 (up, is_guessed),
                 previous,
                 build,
+                report,
             )
 
     def changed(self, changed: Mapping[int, Object]) -> Built:
@@ -169,7 +172,7 @@ def _seen_again(
 class Traceable:
     """A scene to trace rays through, with its direction upwards: a `Scene`."""
 
-    def _ready(self) -> Built:
+    def _ready(self, progress: Progress | None = None) -> Built:
         """Return what rays are shot at, with what it was built from."""
         raise NotImplementedError
 

@@ -9,10 +9,10 @@ from itertools import chain, repeat
 from typing import TYPE_CHECKING, Any, Protocol
 
 from firsthit._base.errors import FileWriteError
+from firsthit._base.progress import following
 
 from .engine import Task, results
 from .part import discard, seal, writing
-from .time_left import following
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

@@ -105,7 +105,8 @@ class Picture(NamedTuple):
         if own is not None and lines is not None and "color" in names and "edge" not in asked:
             asked.append("edge")
         camera = scene._view() if camera is None else camera
-        built = scene._ready().seen(None, given["objects"], given["blend_below"])
+        ready = scene._ready(given.get("progress"))
+        built = ready.seen(None, given["objects"], given["blend_below"])
         filters, native = Filters.of(None, given["cull"], None), built.native
         if given["environment"] is not None:
             native = built.lit_by(given["environment"], scene.up)

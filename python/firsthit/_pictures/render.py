@@ -252,6 +252,7 @@ def render(
         color_range=color_range,
         threads=threads,
         dtype=dtype,
+        progress=progress,
     )
     with timed("rendered %d x %d pixels", *picture.part.shape[::-1]):
         return picture.frame(progress)
@@ -356,5 +357,6 @@ def render_progressively(
         color_map=color_map,
         color_range=color_range,
         threads=threads,
+        progress=progress,
     )
     return picture.frames(progress)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, Selection, Side
+    from firsthit._base.types import FillRule, Progress, Selection, Side
     from firsthit._sensors.camera import Camera
 
     from .explain import Explanation
@@ -36,6 +36,7 @@ class Inspections(Traceable):
         rule: FillRule = "nonzero",
         objects: Selection | None = None,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> Section:
         """Cut all meshes by a plane.
 
@@ -58,6 +59,8 @@ class Inspections(Traceable):
             Cut these only, by identifiers or names; all but hidden ones if left out.
         threads : int, optional
             The number of threads; all cores if left out. The result is the same for any number.
+        progress : bool or callable, optional
+            As for `load`.
 
         Returns
         -------
@@ -92,15 +95,20 @@ class Inspections(Traceable):
         >>> cut.polylines
         (Polyline(object 0, closed, 3 points),)
         """
-        built, use = self._ready().seen(None, objects), threads_or_all(threads)
+        built, use = self._ready(progress).seen(None, objects), threads_or_all(threads)
         plane = vector("origin", origin), vector("normal", normal)
-        section = Section(built, *plane, rule, use)
+        section = Section(built, *plane, rule, use, progress)
         for doubt in section._native.warnings():
             warn(doubt)
         return section
 
     def lint(
-        self, *, ignore: Iterable[str] = (), places: int = 10, threads: int | None = None
+        self,
+        *,
+        ignore: Iterable[str] = (),
+        places: int = 10,
+        threads: int | None = None,
+        progress: Progress | None = None,
     ) -> LintReport:
         """Look for what may be wrong with the meshes.
 
@@ -118,6 +126,8 @@ class Inspections(Traceable):
             How many places of each kind the report has.
         threads : int, optional
             The number of threads; all cores if left out. The result is the same for any number.
+        progress : bool or callable, optional
+            As for `load`.
 
         Returns
         -------
@@ -143,7 +153,8 @@ class Inspections(Traceable):
         if isinstance(ignore, str):
             raise TypeError(f"ignore must be several names, got {ignore!r}")
         use = threads_or_all(threads)
-        return LintReport(self._ready(), tuple(ignore), count("places", places), use)
+        built, most = self._ready(progress), count("places", places)
+        return LintReport(built, tuple(ignore), most, use, progress)
 
     def explain(
         self,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from firsthit import _firsthit
 from firsthit._base.arrays import locked
+from firsthit._base.progress import following
 from firsthit._objects.object import identified
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._base.types import ObjectKey
+    from firsthit._base.types import ObjectKey, Progress
     from firsthit._objects.traceable import Built
 
 
@@ -63,9 +64,17 @@ class Finding:
 class LintReport:
     """The findings about a scene, from `Scene.lint`. Iterating gives them. Read-only."""
 
-    def __init__(self, built: Built, ignore: tuple[str, ...], places: int, threads: int) -> None:
+    def __init__(
+        self,
+        built: Built,
+        ignore: tuple[str, ...],
+        places: int,
+        threads: int,
+        progress: Progress | None = None,
+    ) -> None:
         self._built, self._settings = built, (ignore, places)
-        self._native = _firsthit.Lint(built.native, list(ignore), places, threads)
+        with following(progress) as report:
+            self._native = _firsthit.Lint(built.native, list(ignore), places, threads, report)
         self._findings = tuple(
             Finding(kind, count, note, tuple(Place(o, p, locked(xyz)) for o, p, xyz in places))
             for kind, count, note, places in self._native.findings()

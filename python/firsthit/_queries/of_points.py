@@ -130,7 +130,7 @@ class PointQueries(Traceable):
         >>> bool(scene.visible(hits, (0, 3, 5)))
         True
         """
-        built = self._ready().seen(None, objects, blend_below)
+        built = self._ready(progress).seen(None, objects, blend_below)
         ends = end("a", a, skip_a), end("b", b, skip_b)
         leading = [array.shape[:-1] for array, _ in ends]
         skipped = [array.shape for _, skip in ends if skip is not None for array in skip]
@@ -210,7 +210,7 @@ class PointQueries(Traceable):
         >>> scene.thickness([[1, 1, 0.5], [0, 2, 0.25]])
         array([0.5, 4. ])
         """
-        built, use = self._ready().seen(None, objects), threads_or_all(threads)
+        built, use = self._ready(progress).seen(None, objects), threads_or_all(threads)
         hits = points if isinstance(points, Hits) else surface_points(built, points, use)
         ways = -hits.normal if directions is None else of_length_one(directions)
         rays, how = rays_through(hits, ways), (directions is None, rule)
@@ -321,7 +321,7 @@ class PointQueries(Traceable):
                [False,  True],
                [False, False]])
         """
-        built = self._ready().seen(None, objects)
+        built = self._ready(progress).seen(None, objects)
         array = vectors("points", points)
         each, with_rules = is_by_object(by), flag("return_rules", return_rules)
         use, how = threads_or_all(threads), (each, rule)
@@ -401,7 +401,7 @@ class PointQueries(Traceable):
         array([[0., 0., 1.],
                [0., 1., 0.]])
         """
-        built, array = self._ready().seen(None, objects), vectors("points", points)
+        built, array = self._ready(progress).seen(None, objects), vectors("points", points)
         use, shape = threads_or_all(threads), array.shape[:-1]
         many = 1 if k is None else whole("k", k, 1, 2**31 - 1)
         within = number("radius", radius)
@@ -471,7 +471,7 @@ class PointQueries(Traceable):
         >>> scene.signed_distance([[0, 0, 3], [0, 0.75, 0]])
         array([ 2.  , -0.25])
         """
-        built, array = self._ready().seen(None, objects), vectors("points", points)
+        built, array = self._ready(progress).seen(None, objects), vectors("points", points)
         use, how = threads_or_all(threads), (rule, flag("allow_open", allow_open))
         some, shape = plain(array.reshape(-1, 3)), array.shape[:-1]
         with following(progress, len(some)) as report:

@@ -83,9 +83,10 @@ class RayQueries(Traceable):
             The number of threads, here and for the attributes of the hits; all cores if left out.
             The result is the same for any number.
         progress : bool or callable, optional
-            ``True`` shows a bar, by tqdm if that is installed. A function is called with the number
+            ``True`` shows a line with the time that is left. A function is called with the number
             of rays that are done and the number of all rays, in the calling thread, about twenty
-            times a second and at the end. An exception that it raises ends the work.
+            times a second and at the end; before that with those of triangles, where trees are
+            built. An exception that it raises ends the work.
         dtype : {float64, float32}, optional
             The type of ``t``, ``range`` and ``z``; float64 if left out, whatever the rays' type.
             Everything is computed in float64 in any case. The float32 is the nearest one, with two
@@ -125,7 +126,7 @@ class RayQueries(Traceable):
         array([0., 0., 1.])
         """
         given = origins, directions, t_min, t_max, of_each_ray(mask), cull, skip
-        built = self._ready().seen(mask, objects, blend_below)
+        built = self._ready(progress).seen(mask, objects, blend_below)
         return first_hits(built, given, threads, progress, dtype)
 
     def occluded(
@@ -174,7 +175,7 @@ class RayQueries(Traceable):
         False
         """
         rays = rays_of(origins, directions, t_min, t_max, of_each_ray(mask), cull, skip)
-        built = self._ready().seen(mask, objects, blend_below)
+        built = self._ready(progress).seen(mask, objects, blend_below)
         return answers(_firsthit.occluded, np.bool_, built, rays, threads, progress)
 
     def count(
@@ -227,7 +228,7 @@ class RayQueries(Traceable):
         array([2, 1, 0])
         """
         rays = rays_of(origins, directions, t_min, t_max, of_each_ray(mask), cull, skip)
-        built = self._ready().seen(mask, objects, blend_below)
+        built = self._ready(progress).seen(mask, objects, blend_below)
         counts = answers(_firsthit.count, np.uint32, built, rays, threads, progress)
         # Of unsigned numbers, one less than none is four billion.
         return counts.astype(np.int64)
@@ -338,7 +339,7 @@ class RayQueries(Traceable):
         """
         wanted = None if k is None else whole("k", k, 1)
         rays = rays_of(origins, directions, t_min, t_max, of_each_ray(mask), cull, skip)
-        built = self._ready().seen(mask, objects, blend_below)
+        built = self._ready(progress).seen(mask, objects, blend_below)
         use = threads_or_all(threads)
         with following(progress, rays.length) as report:
             if wanted is None:
@@ -406,7 +407,7 @@ class RayQueries(Traceable):
         >>> scene.path_length([[0, 0, 5], [0, 0, 0]], [0, 0, -2], by=None)
         array([6., 3.])
         """
-        built, how = self._ready().seen(None, objects), (is_by_object(by), rule)
+        built, how = self._ready(progress).seen(None, objects), (is_by_object(by), rule)
         if isinstance(origins, LeavingRays):
             raise ValueError("origins must not be LeavingRays: give their origin and direction")
         rays = rays_of(origins, directions, t_min, t_max)

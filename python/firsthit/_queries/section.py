@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
 from firsthit._base.arrays import lock, locked
+from firsthit._base.progress import following
 
 if TYPE_CHECKING:
     import os
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, Vector
+    from firsthit._base.types import FillRule, Progress, Vector
     from firsthit._objects.traceable import Built
 
 
@@ -54,10 +55,17 @@ class Section:
     """The curves in which a plane cuts the meshes of a scene, from `Scene.section`. Read-only."""
 
     def __init__(
-        self, built: Built, origin: Vector, normal: Vector, rule: FillRule, threads: int
+        self,
+        built: Built,
+        origin: Vector,
+        normal: Vector,
+        rule: FillRule,
+        threads: int,
+        progress: Progress | None = None,
     ) -> None:
         self._made_from = built, origin, normal, rule
-        self._native = _firsthit.Section(built.native, origin, normal, rule, threads)
+        with following(progress) as report:
+            self._native = _firsthit.Section(built.native, origin, normal, rule, threads, report)
         self._polylines: tuple[Polyline, ...] | None = None
 
     @property

@@ -14,6 +14,7 @@ import numpy as np
 
 from firsthit._base.arrays import one_of, table
 from firsthit._base.log import DEBUG, timed
+from firsthit._base.progress import following
 from firsthit._base.turn import Turn
 from firsthit._base.types import Build
 from firsthit._objects.foreign_kinds import WANTED, reader_of
@@ -35,7 +36,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit import _firsthit
-    from firsthit._base.types import ForeignMesh, ObjectKey, Selection, Vector
+    from firsthit._base.progress import Report
+    from firsthit._base.types import ForeignMesh, ObjectKey, Progress, Selection, Vector
     from firsthit._looks.environment import Environment
     from firsthit._looks.lights import Light
     from firsthit._objects.object import Object
@@ -160,8 +162,8 @@ class Changes(Traceable):
         """
         self._change_each(objects, _is_hidden=True)
 
-    def show(self, objects: Selection) -> None:
-        """Show objects again that were hidden.
+    def show(self, objects: Selection | None = None) -> None:
+        """Show objects again that were hidden. To look at the scene, see `Scene.view`.
 
         Parameters
         ----------
@@ -173,6 +175,11 @@ class Changes(Traceable):
         IndexError, ValueError, TypeError
             As `hide`.
         """
+        if objects is None:
+            raise TypeError(
+                "show takes identifiers or names of hidden objects; to look at the scene: "
+                "scene.view() in a notebook, firsthit.view(scene) elsewhere"
+            )
         self._change_each(objects, _is_hidden=False)
 
     def remove(self, objects: Selection) -> None:
@@ -307,7 +314,7 @@ class Changes(Traceable):
         built = Built(self._objects[:], self._lights[:], self._around(), native)
         self._last = Last(built, self._moves, len(self._moves))
 
-    def _ready(self) -> Built:
+    def _ready(self, progress: Progress | None = None) -> Built:
         """Return what rays are shot at: the objects and lights there are now, built."""
         current = self._current()
         if current is not None:
@@ -316,8 +323,9 @@ class Changes(Traceable):
             # Another thread may have built it while this one waited.
             current = self._current()
             if current is None:
-                with timed("built %d objects", len(self._objects), level=DEBUG):
-                    current = self._build()
+                what = "built %d objects", len(self._objects)
+                with following(progress) as report, timed(*what, level=DEBUG):
+                    current = self._build(report)
             return current
 
     def _current(self) -> Built | None:
@@ -339,7 +347,7 @@ class Changes(Traceable):
             return None, (0.0, 0.0, 1.0), False
         return self._environment, self._up, self._up_is_guessed
 
-    def _build(self) -> Built:
+    def _build(self, report: Report | None) -> Built:
         """Build what there is now, and remember it.
 
         A signal's handler or another thread may add and move objects at any step. What this build
@@ -364,7 +372,7 @@ class Changes(Traceable):
         lights, objects = self._lights[:], self._objects[:]
         while len(lights) < len(self._lights):
             lights, objects = self._lights[:], self._objects[:]
-        previous = None if last is None else last.built.native
-        built = Built(objects, lights, around, previous=previous, build=self._build_as)
+        before = None if last is None else last.built.native
+        built = Built(objects, lights, around, None, before, self._build_as, report)
         self._last = Last(built, moves, 0)
         return built

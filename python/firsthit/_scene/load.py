@@ -12,6 +12,7 @@ from firsthit._base.arrays import vector as as_vector
 from firsthit._base.errors import FileFormatError, warn
 from firsthit._base.log import timed
 from firsthit._base.memory import uncollected
+from firsthit._base.progress import following
 from firsthit._looks.colors import from_native as colors_from
 from firsthit._looks.display import Display
 from firsthit._looks.edges import Edges
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from firsthit._base.types import Build, Unit
+    from firsthit._base.types import Build, Progress, Unit
     from firsthit._queries.lint import LintReport
 
 
@@ -44,6 +45,7 @@ def load(
     resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     build: Build = "auto",
     variant: str | None = None,
+    progress: Progress | None = None,
 ) -> Scene:
     """Read a 3D file: a mesh, a scene file (TOML), or a built scene (.fhs, see `open`).
 
@@ -78,6 +80,9 @@ def load(
         The variant of a glTF file's materials, by its name (``KHR_materials_variants``); of the
         files that a scene file names, those that have it are read so. If left out, the materials
         are those that the file shows without one.
+    progress : bool or callable, optional
+        ``True`` shows each step and the time that is left; a function is called with what is done
+        of the present step, and its total. An exception that it raises ends the work.
 
     Returns
     -------
@@ -111,12 +116,10 @@ def load(
         resources = (resources,)
     folders = [*map(Path, resources)]
     named = None if variant is None else text("variant", variant)
-    factor = _factor(units, scale)
+    strictly, factor = flag("strict", strict), _factor(units, scale)
     with uncollected():
-        with timed("read %s", path):
-            model = _firsthit.load(
-                Path(path), flag("strict", strict), *limits, factor, folders, named
-            )
+        with timed("read %s", path), following(progress) as report:
+            model = _firsthit.load(Path(path), strictly, *limits, factor, folders, named, report)
         for doubt in model["warnings"]:
             warn(doubt)
         return _filled(scene, model, path)
@@ -131,13 +134,14 @@ def _factor(units: Unit | None, scale: float) -> float:
     return factor if units is None else metres[units] * factor
 
 
-def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noqa: A001 - fh.open
+def open(  # noqa: A001 - fh.open
+    path: str | os.PathLike[str], *, verify: bool = False, progress: Progress | None = None
+) -> Scene:
     """Open a scene that `Scene.save`, or ``firsthit build``, wrote to a ``.fhs`` file.
 
     On Linux the file is mapped into memory as it is, with its trees, and processes that open the
     same file share it. Nothing is built. What is indexed is checked, so that no file does harm. The
-    answers are those of the scene that was saved, to the last bit. Ctrl-C is raised when that is
-    done, not before.
+    answers are those of the scene that was saved, to the last bit.
 
     Parameters
     ----------
@@ -146,6 +150,8 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
     verify : bool
         Whether to compare all of the file with its checksums, which takes longer. Without it only
         the structure is compared; wrong coordinates in a damaged file make wrong answers.
+    progress : bool or callable, optional
+        As for `load`.
 
     Returns
     -------
@@ -178,8 +184,8 @@ def open(path: str | os.PathLike[str], *, verify: bool = False) -> Scene:  # noq
     8.0
     """
     with uncollected():
-        with timed("opened %s", path):
-            model = _firsthit.open(Path(path), flag("verify", verify))
+        with timed("opened %s", path), following(progress) as report:
+            model = _firsthit.open(Path(path), flag("verify", verify), report)
         return _filled(Scene(), model, path)
 
 
@@ -241,6 +247,7 @@ def lint(  # type: ignore[overload-overlap] # A text is one path.
     resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = ...,
     build: Build = ...,
     variant: str | None = ...,
+    progress: Progress | None = ...,
 ) -> LintReport: ...
 
 
@@ -259,6 +266,7 @@ def lint(
     resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = ...,
     build: Build = ...,
     variant: str | None = ...,
+    progress: Progress | None = ...,
 ) -> tuple[LintReport, ...]: ...
 
 
@@ -276,6 +284,7 @@ def lint(
     resources: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     build: Build = "auto",
     variant: str | None = None,
+    progress: Progress | None = None,
 ) -> LintReport | tuple[LintReport, ...]:
     """Look for what may be wrong with a 3D file, or with several.
 
@@ -285,7 +294,7 @@ def lint(
         The file, as for `load`; or several.
     ignore, places, threads
         As for `Scene.lint`.
-    strict, max_memory, max_texture, units, scale, resources, build, variant
+    strict, max_memory, max_texture, units, scale, resources, build, variant, progress
         As for `load`.
 
     Returns
@@ -317,8 +326,9 @@ def lint(
             resources=resources,
             build=build,
             variant=variant,
+            progress=progress,
         )
-        return scene.lint(ignore=ignore, places=places, threads=threads)
+        return scene.lint(ignore=ignore, places=places, threads=threads, progress=progress)
 
     return report(path) if isinstance(path, str | PathLike) else tuple(map(report, path))
 

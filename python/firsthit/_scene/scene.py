@@ -10,6 +10,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import color_of, direction, text, vector
 from firsthit._base.log import timed
+from firsthit._base.progress import following
 from firsthit._looks.display import Display, as_display
 from firsthit._looks.edges import Edges
 from firsthit._looks.environment import Environment
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
         Build,
         ForeignMesh,
         LightName,
+        Progress,
         SceneLike,
         Selection,
         Vector,
@@ -55,8 +57,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any
     unit, the scene unit. Adding is cheap: the trees for rays are built by the first call that needs
-    them, and later calls build only what has changed. Ctrl-C ends queries at once, but not a
-    build: it is raised when that is done.
+    them, and later calls build only what has changed. Ctrl-C ends queries and builds at once.
 
     Parameters
     ----------
@@ -207,7 +208,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
             raise TypeError(f"light must be a light, got {light!r}")
         self._lights.append(light)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | os.PathLike[str], *, progress: Progress | None = None) -> None:
         """Save the scene, built, to a ``.fhs`` file, which `open` maps into memory as it is.
 
         The file holds objects, meshes with their trees, materials, textures, lights, cameras, names
@@ -218,6 +219,8 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         ----------
         path : path-like
             The file; its name must end with ``.fhs``.
+        progress : bool or callable, optional
+            As for `load`.
 
         Raises
         ------
@@ -235,8 +238,9 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         # Under another name it would be read as something else.
         if Path(path).suffix.lower() != ".fhs":
             raise ValueError(f"path must end in .fhs, got {path}")
-        built, shading, background = self._ready(), self._shading, self._background
-        with timed("wrote %s", path):
+        shading, background = self._shading, self._background
+        built = self._ready(progress)
+        with following(progress) as report, timed("wrote %s", path):
             _firsthit.save(
                 Path(path),
                 built.native,
@@ -248,6 +252,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
                 self._has_view,
                 self._up,
                 self._up_is_guessed,
+                report,
             )
 
     @property

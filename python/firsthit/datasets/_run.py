@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from firsthit._base.arrays import flag, threads_or_all
 from firsthit._base.errors import FileError
 from firsthit._base.log import timed
+from firsthit._base.progress import check
 from firsthit._parts.drive import checked_on, drive
 from firsthit._parts.folder import Parts
 from firsthit._parts.job import range_of
 from firsthit._parts.part import FRAMES, remove_leftovers
 from firsthit._parts.scene_store import forget, opened
-from firsthit._parts.time_left import checked_progress
 
 from ._frame import FrameMaker
 from ._job import claim
@@ -141,7 +141,7 @@ def dataset(
     threads_or_all(threads)
     folder, is_verified = Path(out).absolute(), flag("verify", verify)
     checked_on(on)
-    checked_progress(progress)
+    check(progress)
     wanted = range_of(part, made.frames)
     run = uuid.uuid4().hex
     marks = claim(run, folder, made, threads)

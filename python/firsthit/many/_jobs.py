@@ -14,6 +14,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import flag, threads_or_all
 from firsthit._base.errors import FileWriteError
+from firsthit._base.progress import check
 from firsthit._parts.digest import of_json
 from firsthit._parts.drive import Work, checked_on, drive, is_here, make
 from firsthit._parts.engine import Task
@@ -30,7 +31,6 @@ from firsthit._parts.job import (
 from firsthit._parts.mark import mark_of
 from firsthit._parts.part import PARTS, remove_leftovers
 from firsthit._parts.scene_store import BUILT, SharedScene, forget, read
-from firsthit._parts.time_left import checked_progress
 from firsthit._scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ class How(NamedTuple):
         threads_or_all(threads)
         checked_on(on)
         checked_part(part)
-        checked_progress(progress)
+        check(progress)
         return cls(on, part, threads, flag("verify", verify), progress)
 
 

@@ -13,13 +13,13 @@ from urllib.parse import quote
 
 from firsthit._base.arrays import count, flag
 from firsthit._base.errors import FileFormatError, FileReadError, FileWriteError, blaming
+from firsthit._base.progress import following
 from firsthit._parts.digest import Digests, canonical, of_file, of_json
 from firsthit._parts.files import writing_file
 from firsthit._parts.folder import in_words
 from firsthit._parts.inside import open_inside
 from firsthit._parts.job import known_job, refuse_other, write_job
 from firsthit._parts.part import remove_leftovers
-from firsthit._parts.time_left import following
 
 from ._parts_of import found
 

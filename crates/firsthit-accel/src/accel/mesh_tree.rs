@@ -40,7 +40,7 @@ pub struct MeshTree {
     /// The cost of a ray through the mesh's box when the tree was [built](Self::build); see
     /// `build/refit.rs`.
     pub(super) cost: f64,
-    /// Whether it was [built in little time](Self::build_quick).
+    /// Whether it was [built in little time](Self::build_watched).
     pub(super) is_quick: bool,
 }
 
@@ -54,7 +54,7 @@ impl MeshTree {
             + self.present.as_deref().map_or(0, size_of_val)
     }
 
-    /// Whether it was [built in little time](Self::build_quick).
+    /// Whether it was [built in little time](Self::build_watched).
     #[doc(hidden)]
     #[inline]
     pub fn is_quick(&self) -> bool {

@@ -19,7 +19,7 @@ pub(crate) use queries::{
     BuildArgs, DiffArgs, InPythonArgs, InfoArgs, LintArgs, ListArgs, NearestArgs, ProbeArgs,
     SectionArgs, ShootArgs, SolidArgs, StreamFormat, ViewArgs, VisibleArgs,
 };
-pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs};
+pub(crate) use run::{CulledSide, LoadArgs, PickArgs, RunArgs, TreeArgs, VerbosityArgs};
 pub(crate) use scan::{PlaceArgs, ScanArgs, ScannerArgs};
 
 use clap::{Parser, Subcommand};
@@ -32,6 +32,8 @@ use crate::help;
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
+    #[command(flatten)]
+    pub(crate) verbosity: VerbosityArgs,
 }
 
 #[derive(Debug, Subcommand)]

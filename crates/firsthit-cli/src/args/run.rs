@@ -79,15 +79,24 @@ pub(crate) struct PickArgs {
     pub(crate) blend_below: Option<f64>,
 }
 
+/// How much is said on standard error: options of every command.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "General")]
+pub(crate) struct VerbosityArgs {
+    /// Print only results, warnings and errors
+    #[arg(short, long, global = true)]
+    pub(crate) quiet: bool,
+    /// Print a line for each step that is done: how much it was, the seconds, and the memory in use
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
+}
+
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
 pub(crate) struct RunArgs {
     /// The number of threads; the result is the same for any [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
     pub(crate) threads: Option<u16>,
-    /// Print only warnings and errors
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
     /// Report the run and its warnings as one JSON object: on standard output, or on standard error if the results go to
     /// standard output
     #[arg(long)]

@@ -1,5 +1,4 @@
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::error::escaped;
@@ -9,13 +8,13 @@ use firsthit::scene::BuildSettings;
 use serde_json::json;
 
 use crate::args::BuildArgs;
-use crate::console::{counted, end_report, say, warn};
+use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, with_threads};
 use crate::output;
-use crate::progress::Interrupt;
+use crate::progress::Progress;
 
-pub(crate) fn run(args: &BuildArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &BuildArgs, progress: &Progress) -> Result<(), Failure> {
     let started = Instant::now();
     let named = PathBuf::from(args.file.file_name().unwrap_or_default()).with_extension("fhs");
     let path = args.output.as_ref().unwrap_or(&named);
@@ -29,11 +28,17 @@ pub(crate) fn run(args: &BuildArgs, interrupted: &AtomicBool) -> Result<(), Fail
     inputs::note(&args.file);
     output::check_other(path, &[])?;
     with_threads(&args.run, || {
-        let loaded = loading::read(&args.file, &args.load, BuildSettings::default(), None)?;
+        let loaded = loading::read(
+            &args.file,
+            &args.load,
+            BuildSettings::default(),
+            None,
+            progress,
+        )?;
         output::check_other(path, &[])?;
         warn(&loaded.warnings);
         let scene = &loaded.scene;
-        fhs::save(path, scene, &loaded.model, &Interrupt(interrupted))?;
+        fhs::save(path, scene, &loaded.model, progress)?;
         let bytes = path.metadata().map_or(0, |written| written.len());
         let seconds = started.elapsed().as_secs_f64();
         if args.run.json {
@@ -45,7 +50,7 @@ pub(crate) fn run(args: &BuildArgs, interrupted: &AtomicBool) -> Result<(), Fail
                 "seconds": seconds,
             });
             end_report(done).map_err(|error| Failure::stdout(&error))?;
-        } else if !args.run.quiet {
+        } else if !is_quiet() {
             say(line(path, scene.triangles(), bytes, seconds));
         }
         Ok(())

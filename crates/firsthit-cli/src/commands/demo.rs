@@ -1,5 +1,4 @@
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use firsthit::shade::Lambert;
 use firsthit::{DisplayTransform, Shader, Shading, example};
@@ -8,15 +7,16 @@ use super::render::{Job, picture, settings, without_channels};
 use crate::args::DemoArgs;
 use crate::asked;
 use crate::camera::check_size;
-use crate::console::warn;
+use crate::console::{is_quiet, warn};
 use crate::failure::Failure;
 use crate::loading::with_threads;
 use crate::output;
+use crate::progress::Progress;
 
 /// The embedded scene is small: it can be made well.
 const DEFAULT_SAMPLES: u32 = 16;
 
-pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &DemoArgs, progress: &Progress) -> Result<(), Failure> {
     check_size("--size", args.size)?;
     let default = [PathBuf::from("demo.png")];
     let outputs = if args.output.is_empty() {
@@ -26,7 +26,7 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
     };
     let with_channels = |path: &PathBuf| (path.clone(), asked::channels(&args.channels, path));
     let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
-    let orders = output::orders(&outputs, args.run.quiet || args.run.json)?;
+    let orders = output::orders(&outputs, is_quiet())?;
     let samples = [("--samples", args.samples.is_some())];
     warn(&without_channels(samples, &orders));
     let usual = DisplayTransform::default();
@@ -53,6 +53,6 @@ pub(crate) fn run(args: &DemoArgs, interrupted: &AtomicBool) -> Result<(), Failu
             cull: None,
             edges: None,
         };
-        picture(&job, &orders, &args.run, interrupted)
+        picture(&job, &orders, &args.run, progress)
     })
 }

@@ -7,6 +7,7 @@ use firsthit::image::{FORMATS, format_of, is_point_cloud};
 use firsthit::load::LoadSettings;
 use firsthit::shape::{Property, PropertyOf};
 use firsthit::shoot::Cpu;
+use firsthit::watch::Watch as _;
 use firsthit::{Bounds, Object, Scene, Shape};
 use serde_json::{Value, json};
 
@@ -19,50 +20,54 @@ use crate::console::{counted, json_text, warn};
 use crate::failure::Failure;
 use crate::hints::{number, span, triple};
 use crate::loading::{self, Loaded, NO_RAYS, has_model_extension, with_all_cores};
+use crate::progress::Progress;
 
-pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &InfoArgs, progress: &Progress) -> Result<(), Failure> {
     std::io::stdout()
-        .write_all(text(args)?.as_bytes())
+        .write_all(text(args, progress)?.as_bytes())
         .map_err(|error| Failure::stdout(&error))
 }
 
 /// The report as text or as JSON, with a line break at the end.
-pub(crate) fn text(args: &InfoArgs) -> Result<String, Failure> {
+pub(crate) fn text(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
     match format_of(&args.file) {
         // A PLY may be either.
         Ok(format) if !has_model_extension(&args.file) || is_point_cloud(&args.file) => {
             info_output::text(args, format)
         }
         _ if info_las::is_las(&args.file) => info_las::text(args),
-        Err(_) if !has_model_extension(&args.file) => of_model(args).map_err(|failure| {
+        Err(_) if !has_model_extension(&args.file) => of_model(args, progress).map_err(|failure| {
             let known = FORMATS.iter().flat_map(|format| format.extensions);
             let known: Vec<String> = known.map(|known| format!(".{known}")).collect();
             failure.with(&format!("; or an output: {}, .las, .laz", known.join(", ")))
         }),
-        _ => of_model(args),
+        _ => of_model(args, progress),
     }
 }
 
-fn of_model(args: &InfoArgs) -> Result<String, Failure> {
+fn of_model(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
     let settings = LoadSettings {
         verify: true,
         ..loading::settings(&args.file, &args.load)
     };
-    let loaded = with_all_cores(|| loading::read_with(&args.file, &settings, |_| NO_RAYS, None))?;
+    let read = || loading::read_with(&args.file, &settings, |_| NO_RAYS, None, progress);
+    let loaded = with_all_cores(read)?;
     let most = most_listed(args);
     if !args.json {
         warn(&loaded.warnings);
     }
+    let triangles = loaded.scene.triangles();
+    progress.begin("measuring", triangles, "triangles");
     with_all_cores(|| {
         Ok(if args.json {
-            json_text(&as_json(&loaded, most)) + "\n"
+            json_text(&as_json(&loaded, most, progress)) + "\n"
         } else {
-            as_text(&loaded, most)
+            as_text(&loaded, most, progress)
         })
     })
 }
 
-fn as_json(loaded: &Loaded, most: usize) -> Value {
+fn as_json(loaded: &Loaded, most: usize, progress: &Progress) -> Value {
     let Loaded {
         scene,
         warnings,
@@ -93,6 +98,7 @@ fn as_json(loaded: &Loaded, most: usize) -> Value {
         for (name, value) in solids.as_json(object, &mut shell_room) {
             described[name] = value;
         }
+        progress.advance(object.triangles() as u64);
         described
     };
     let objects = scene.objects().iter().enumerate().take(most);
@@ -140,7 +146,7 @@ fn corners(bounds: Bounds) -> Value {
     }
 }
 
-fn as_text(loaded: &Loaded, most: usize) -> String {
+fn as_text(loaded: &Loaded, most: usize, progress: &Progress) -> String {
     let Loaded { scene, model, .. } = loaded;
     let mut lines = vec![
         format!("triangles  {}", scene.triangles()),
@@ -185,6 +191,7 @@ fn as_text(loaded: &Loaded, most: usize) -> String {
         };
         let properties = properties(object).iter().map(property);
         entry.extend(listed(most, "       ", properties));
+        progress.advance(object.triangles() as u64);
         entry.join("\n")
     };
     lines.extend(listed(most, "  ", objects.map(object)));

@@ -1,5 +1,3 @@
-use std::sync::atomic::AtomicBool;
-
 use firsthit::channel::INSIDE;
 use firsthit::image::Data;
 use firsthit::measure::{Grouping, Rule, inside_with};
@@ -13,9 +11,9 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::rays;
 
-pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &SolidArgs, progress: &Progress) -> Result<(), Failure> {
     let rule = args.fill.rule.unwrap_or_default();
-    let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
+    let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress| {
         let points: Vec<_> = points.iter().copied().map(DVec3::from).collect();
         let found = inside_with(rule, scene, &points, Grouping::Union, progress)?;
         let held = found.is_inside.iter().filter(|&&is_inside| is_inside);
@@ -33,7 +31,7 @@ pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Fail
         (INSIDE, "point"),
         rays::read_positions,
         ask,
-        interrupted,
+        progress,
     )
 }
 

@@ -1,6 +1,5 @@
 use std::io::Write;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use firsthit::Scene;
 use firsthit::error::{escape_controls, escaped};
@@ -14,7 +13,7 @@ use crate::failure::Failure;
 use crate::hints::{self, extent};
 use crate::loading::{self, with_count};
 use crate::output;
-use crate::progress::Interrupt;
+use crate::progress::Progress;
 
 /// The number of places of each kind in texts for people.
 const PLACES_IN_TEXT: usize = 3;
@@ -22,7 +21,7 @@ const PLACES_IN_TEXT: usize = 3;
 /// The number of places of each kind in JSON for programs.
 const PLACES_IN_JSON: usize = 100;
 
-pub(crate) fn run(args: &LintArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
     let outputs = args.output.as_slice();
     if let Some(path) = &args.output {
         let extension = path.extension().unwrap_or_default();
@@ -39,13 +38,14 @@ pub(crate) fn run(args: &LintArgs, interrupted: &AtomicBool) -> Result<(), Failu
     with_count(args.threads, || {
         let (mut files, mut checked, mut is_clean) = (Vec::new(), Vec::new(), true);
         for file in &args.files {
-            let loaded = loading::read(file, &args.load, args.trees.settings(None), None)?;
+            let loaded =
+                loading::read(file, &args.load, args.trees.settings(None), None, progress)?;
             warn(&loaded.warnings);
             output::check_files(outputs)?;
-            let (scene, watch) = (&loaded.scene, Interrupt(interrupted));
-            let report = lint(scene, &settings, &watch)?;
+            let scene = &loaded.scene;
+            let report = lint(scene, &settings, progress)?;
             if let Some(path) = &args.output {
-                save_marked(scene, &report, path, &watch)?;
+                save_marked(scene, &report, path, progress)?;
             }
             is_clean &= report.is_clean();
             checked = report.checked().iter().map(|kind| kind.name).collect();

@@ -1,18 +1,18 @@
 //! A list of questions, and a channel of answers.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::Scene;
 use firsthit::channel::ChannelKind;
 use firsthit::image::{Data, Frame};
 use firsthit::render::origin;
+use firsthit::watch::Watch as _;
 use serde_json::{Map, Value, json};
 
 use super::sinks::{self, Sinks};
 use crate::args::ListArgs;
-use crate::console::{counted, end_report, say, warn};
+use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
@@ -36,29 +36,29 @@ pub(super) fn run<const COLUMNS: usize>(
     args: &ListArgs,
     (kind, noun): (&'static ChannelKind, &str),
     read: impl FnOnce(&Path) -> Result<Vec<[f64; COLUMNS]>, Failure> + Send,
-    ask: impl FnOnce(&Scene, &[[f64; COLUMNS]], &Progress<'_>) -> Result<Answers, Failure> + Send,
-    interrupted: &AtomicBool,
+    ask: impl FnOnce(&Scene, &[[f64; COLUMNS]], &Progress) -> Result<Answers, Failure> + Send,
+    progress: &Progress,
 ) -> Result<(), Failure> {
     sinks::announce(&args.output);
     let outputs = (&args.output[..], args.format);
     let inputs = [args.file.as_path(), args.points.as_path()];
-    let sinks = Sinks::new(outputs, &inputs, &[kind], &args.run)?;
+    let sinks = Sinks::new(outputs, &inputs, &[kind])?;
     let started = Instant::now();
     with_threads(&args.run, || {
         let list = read(&args.points)?;
         let trees = args.trees.settings(Some(list.len() as u64 * RAYS));
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
+        } = loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
         sinks.check()?;
         warn(&warnings);
-        let progress = Progress::new(list.len() as u64, sinks.is_quiet, interrupted);
-        let answers = ask(&scene, &list, &progress)?;
-        drop(progress);
+        progress.begin("asking", list.len() as u64, "rows");
+        let answers = ask(&scene, &list, progress)?;
+        progress.end();
         warn(&answers.warnings);
         let mut frame = Frame::new([list.len()]).from_origin(origin(&scene, None, None, &[kind]));
         frame.push(kind.channel(answers.data))?;
-        sinks.write(&frame, interrupted)?;
+        sinks.write(&frame, progress)?;
         let seconds = started.elapsed().as_secs_f64();
         if args.run.json {
             let mut done = Map::new();
@@ -71,7 +71,7 @@ pub(super) fn run<const COLUMNS: usize>(
             done.insert("triangles".into(), json!(scene.triangles()));
             done.insert("seconds".into(), json!(seconds));
             end_report(Value::Object(done)).map_err(|error| Failure::stdout(&error))?;
-        } else if !args.run.quiet {
+        } else if !is_quiet() {
             let (names, asked) = (sinks.names(), counted(list.len() as u64, noun));
             let summary = answers.summary;
             say(format_args!("{names}: {asked}, {summary}, {seconds:.2} s"));

@@ -1,4 +1,3 @@
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::Scene;
@@ -8,12 +7,13 @@ use firsthit::nearest::{
     ClosestPoints, NearestSettings, SignSettings, closest_points, signed_distances_from,
 };
 use firsthit::render::origin;
+use firsthit::watch::Watch as _;
 use serde_json::json;
 
 use super::cloud::{Summary, with_column};
 use super::sinks::{self, Sinks};
 use crate::args::NearestArgs;
-use crate::console::{counted, end_report, say, warn};
+use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
 use crate::output;
@@ -23,7 +23,7 @@ use crate::rays;
 /// The number of rays through a tree that take the time of a search for a nearest point.
 const RAYS: u64 = 10;
 
-pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &NearestArgs, progress: &Progress) -> Result<(), Failure> {
     // With a cloud alone nothing goes to standard output.
     let is_asked = !args.output.is_empty() || args.format.is_some();
     if is_asked || args.cloud.is_empty() {
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
     let kinds = kinds(args)?;
     let outputs = (&args.output[..], args.format);
     let inputs = [args.file.as_path(), args.points.as_path()];
-    let sinks = Sinks::new(outputs, &inputs, &kinds, &args.run)?;
+    let sinks = Sinks::new(outputs, &inputs, &kinds)?;
     let sinks = sinks.beside(output::clouds(&args.cloud)?, is_asked)?;
     let started = Instant::now();
     with_threads(&args.run, || {
@@ -41,12 +41,12 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
         let trees = args.trees.settings(Some(points.len() as u64 * RAYS));
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
+        } = loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
         sinks.check()?;
         warn(&warnings);
-        let progress = Progress::new(work(args, points.len()), sinks.is_quiet, interrupted);
-        let found = search(args, &scene, points, &progress)?;
-        drop(progress);
+        progress.begin("measuring", work(args, points.len()), "points");
+        let found = search(args, &scene, points, progress)?;
+        progress.end();
         let count = points.len();
         let summary = Summary::of(&found.distance);
         let is_found = found.object.iter().filter(|&&object| object >= 0).count();
@@ -57,9 +57,9 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
         }
         if let (Some(distance), false) = (frame.channel("distance"), args.cloud.is_empty()) {
             let cloud = with_column(cloud, distance.clone(), origin)?;
-            sinks.write_clouds(&cloud, interrupted)?;
+            sinks.write_clouds(&cloud, progress)?;
         }
-        sinks.write(&frame, interrupted)?;
+        sinks.write(&frame, progress)?;
         let seconds = started.elapsed().as_secs_f64();
         if args.run.json {
             let done = json!({
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &NearestArgs, interrupted: &AtomicBool) -> Result<(), Fa
                 "seconds": seconds,
             });
             end_report(done).map_err(|error| Failure::stdout(&error))?;
-        } else if !args.run.quiet {
+        } else if !is_quiet() {
             let (names, asked) = (sinks.names(), counted(count as u64, "point"));
             let summary =
                 summary.map_or(String::new(), |summary| format!(", {}", summary.in_words()));
@@ -108,7 +108,7 @@ fn search(
     args: &NearestArgs,
     scene: &Scene,
     points: &[[f64; 3]],
-    progress: &Progress<'_>,
+    progress: &Progress,
 ) -> Result<ClosestPoints, Failure> {
     let wanted = NearestSettings {
         count: args.count.map_or(1, |count| count as usize),

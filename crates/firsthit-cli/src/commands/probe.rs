@@ -1,5 +1,4 @@
 use std::io::Write;
-use std::sync::atomic::AtomicBool;
 
 use firsthit::explain::{ExplainSettings, Explanation, explain, explain_pixel};
 use firsthit::{Ray, RayFilter};
@@ -12,19 +11,25 @@ use crate::console::{end_report, warn};
 use crate::explanation;
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_count};
-use crate::progress::Interrupt;
+use crate::progress::Progress;
 
 /// An explanation shoots no more rays than this.
 const FEW: u64 = 100;
 
-pub(crate) fn run(args: &ProbeArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &ProbeArgs, progress: &Progress) -> Result<(), Failure> {
     check(&args.camera)?;
     let ends = ends(args.t_min, args.t_max)?;
     with_count(args.threads, || {
-        let loaded = loading::read(&args.file, &args.load, args.trees.settings(Some(FEW)), None)?
-            .picked(&args.pick)?;
+        let loaded = loading::read(
+            &args.file,
+            &args.load,
+            args.trees.settings(Some(FEW)),
+            None,
+            progress,
+        )?
+        .picked(&args.pick)?;
         warn(&loaded.warnings);
-        let (explained, guessed) = probe(args, ends, &loaded, &Interrupt(interrupted))?;
+        let (explained, guessed) = probe(args, ends, &loaded, progress)?;
         if args.json {
             let mut done = explanation::json(&explained);
             if let Some(fields) = done.as_object_mut() {
@@ -46,7 +51,7 @@ fn probe<'a>(
     args: &ProbeArgs,
     (t_min, t_max): (f64, f64),
     loaded: &'a Loaded,
-    watch: &Interrupt<'_>,
+    progress: &Progress,
 ) -> Result<(Explanation<'a>, Vec<String>), Failure> {
     let Loaded { scene, model, .. } = loaded;
     let filter = RayFilter {
@@ -64,11 +69,11 @@ fn probe<'a>(
     }
     if let Some((origin, direction)) = args.ray {
         let ray = Ray::new(origin, direction);
-        return Ok((explain(scene, &ray, &settings, watch)?, Vec::new()));
+        return Ok((explain(scene, &ray, &settings, progress)?, Vec::new()));
     }
     let base = of_file(&args.camera, model)?;
     let chosen = camera(&args.camera, (&args.file, &base), scene, model)?;
     let pixel = args.pixel.unwrap_or_default();
-    let explained = explain_pixel(scene, &chosen.camera, pixel, &settings, watch)?;
+    let explained = explain_pixel(scene, &chosen.camera, pixel, &settings, progress)?;
     Ok((explained, chosen.guessed))
 }

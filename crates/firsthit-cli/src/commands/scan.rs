@@ -1,24 +1,24 @@
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use firsthit::error::escaped;
 use firsthit::image::SCAN_EXTENSIONS;
 use firsthit::scan::{Returns, Scan, ScanSettings, scan};
 use firsthit::scene::{Build, BuildSettings};
+use firsthit::watch::Watch as _;
 use firsthit::{DVec3, Scene, inputs};
 use serde_json::json;
 
 use super::scanner::Scanner;
 use crate::args::ScanArgs;
 use crate::camera::axis;
-use crate::console::{counted, end_report, say, warn};
+use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::hints::{extent, number, place, span};
 use crate::loading::{self, Loaded, called, with_threads};
 use crate::output;
-use crate::progress::{Interrupt, Progress};
+use crate::progress::{Progress, RAYS};
 
-pub(crate) fn run(args: &ScanArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &ScanArgs, progress: &Progress) -> Result<(), Failure> {
     let outputs = outputs(args)?;
     let settings = settings(args)?;
     inputs::note(&args.file);
@@ -33,21 +33,20 @@ pub(crate) fn run(args: &ScanArgs, interrupted: &AtomicBool) -> Result<(), Failu
             build: Build::Auto,
             rays: Some(lines),
         };
-        let loaded = loading::read(&args.file, &args.load, build, None)?;
+        let loaded = loading::read(&args.file, &args.load, build, None, progress)?;
         warn(&loaded.warnings);
         let up = loaded.model.up_in(&loaded.scene);
         let is_guessed = scanner.needs_up(&args.place) && loaded.model.up_is_guessed;
         let guessed = is_guessed.then(|| format!("up {} (--up)", axis(up)));
-        let is_quiet = args.run.quiet || args.run.json;
-        let progress = Progress::new(lines, is_quiet, interrupted);
-        let (scan, start) = turns(args, (&scanner, up), &settings, &loaded, &progress)?;
-        drop(progress);
+        progress.begin("scanning", lines, RAYS);
+        let (scan, start) = turns(args, (&scanner, up), &settings, &loaded, progress)?;
+        progress.end();
         output::check_files(&outputs)?;
         if scan.is_empty() {
             warn(&[why_none(&loaded.scene, start, &settings)]);
         }
         for path in &outputs {
-            scan.write(path, &Interrupt(interrupted))?;
+            scan.write(path, progress)?;
         }
         let returns = scan.len() as u64;
         if args.run.json {
@@ -64,7 +63,7 @@ pub(crate) fn run(args: &ScanArgs, interrupted: &AtomicBool) -> Result<(), Failu
             });
             return end_report(done).map_err(|error| Failure::stdout(&error));
         }
-        if !args.run.quiet {
+        if !is_quiet() {
             let mut what = format!("{} of {rows} x {columns} beams", counted(returns, "return"));
             if scanner.turns > 1 {
                 what = format!("{what} in {} turns", scanner.turns);
@@ -133,7 +132,7 @@ fn turns(
     (scanner, up): (&Scanner<'_>, DVec3),
     settings: &ScanSettings,
     loaded: &Loaded,
-    progress: &Progress<'_>,
+    progress: &Progress,
 ) -> Result<(Scan, DVec3), Failure> {
     let last = scanner.turns - 1;
     if let Some(seed) = settings.seed

@@ -1,4 +1,3 @@
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::error::escaped;
@@ -7,14 +6,14 @@ use firsthit::section::{Section, SectionFormat, SectionPlane, section_with};
 use serde_json::{Value, json};
 
 use crate::args::SectionArgs;
-use crate::console::{counted, end_report, say, warn};
+use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::hints::{extent, number, place, triple};
 use crate::loading::{self, Loaded, NO_RAYS, with_threads};
 use crate::output;
-use crate::progress::Interrupt;
+use crate::progress::Progress;
 
-pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &SectionArgs, progress: &Progress) -> Result<(), Failure> {
     for path in &args.output {
         SectionFormat::of(path)?;
     }
@@ -22,22 +21,22 @@ pub(crate) fn run(args: &SectionArgs, interrupted: &AtomicBool) -> Result<(), Fa
     output::check_files(&args.output)?;
     with_threads(&args.run, || {
         let started = Instant::now();
-        let loaded = loading::read(&args.file, &args.load, NO_RAYS, None)?.picked(&args.pick)?;
+        let loaded =
+            loading::read(&args.file, &args.load, NO_RAYS, None, progress)?.picked(&args.pick)?;
         warn(&loaded.warnings);
         output::check_files(&args.output)?;
-        let watch = Interrupt(interrupted);
         let rule = args.fill.rule.unwrap_or_default();
-        let cut = section_with(rule, &loaded.scene, plane(args, &loaded)?, &watch)?;
+        let cut = section_with(rule, &loaded.scene, plane(args, &loaded)?, progress)?;
         warn(cut.warnings());
         for path in &args.output {
-            cut.save(path, &watch)?;
+            cut.save(path, progress)?;
         }
         let seconds = started.elapsed().as_secs_f64();
         if args.run.json {
             return end_report(as_json(args, &cut, seconds))
                 .map_err(|error| Failure::stdout(&error));
         }
-        if !args.run.quiet {
+        if !is_quiet() {
             as_text(args, &cut, extent(loaded.scene.bounds()))
                 .iter()
                 .for_each(say);

@@ -1,11 +1,11 @@
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use firsthit::channel::{ChannelKind, RAY};
 use firsthit::image::{Holds, format_of};
 use firsthit::render::work;
 use firsthit::shoot::All;
+use firsthit::watch::Watch as _;
 use firsthit::{Rays as _, Scene};
 use serde_json::json;
 
@@ -15,11 +15,11 @@ use super::shot::{Counts, shot, shot_all};
 use super::sinks::{self, Sinks};
 use crate::args::ShootArgs;
 use crate::asked;
-use crate::console::{counted, end_report, say, warn};
+use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_threads};
 use crate::output;
-use crate::progress::Progress;
+use crate::progress::{Progress, RAYS};
 use crate::rays::{self, Feed, Limits, RayArrays, RayLines};
 
 const DEFAULT_CHANNELS: [&str; 3] = ["t", "object", "primitive"];
@@ -41,7 +41,7 @@ fn channels(args: &ShootArgs) -> Vec<String> {
 
 /// The channels that are computed: of all hits, first the numbers of their rays.
 fn kinds(args: &ShootArgs) -> Result<Vec<&'static ChannelKind>, Failure> {
-    let is_quiet = args.run.quiet || args.run.json;
+    let is_quiet = is_quiet();
     let mut kinds = output::kinds(&channels(args), output::ChannelSource::Rays, is_quiet)?;
     if several(args).is_some() {
         kinds.insert(0, RAY);
@@ -72,13 +72,13 @@ fn limits(args: &ShootArgs) -> Result<Limits, Failure> {
     })
 }
 
-pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &ShootArgs, progress: &Progress) -> Result<(), Failure> {
     sinks::announce(&args.output);
     let several = several(args);
     let kinds = kinds(args)?;
     let inputs = [Some(&args.file), Some(&args.rays), args.directions.as_ref()];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().map(PathBuf::as_path).collect();
-    let sinks = Sinks::new((&args.output, args.format), &inputs, &kinds, &args.run)?;
+    let sinks = Sinks::new((&args.output, args.format), &inputs, &kinds)?;
     let started = Instant::now();
     with_threads(&args.run, || {
         let limits = limits(args)?;
@@ -86,22 +86,22 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
         let trees = args.trees.settings(source.count());
         let Loaded {
             scene, warnings, ..
-        } = loading::read(&args.file, &args.load, trees, None)?.picked(&args.pick)?;
+        } = loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
         sinks.check()?;
         kinds.iter().try_for_each(|kind| kind.check(&scene))?;
         warn(&warnings);
         let counts = match source {
             RayInput::Arrays(rays) => {
-                all_at_once(&rays, &scene, (several, &kinds), &sinks, interrupted)?
+                all_at_once(&rays, &scene, (several, &kinds), &sinks, progress)?
             }
             RayInput::Stdin(feed) => {
-                let is_stopped = || interrupted.load(Ordering::Relaxed);
+                let is_stopped = || progress.is_stopped();
                 if rays::is_text(&feed.mark(&is_stopped)?) {
                     let lines = RayLines::new(limits);
-                    shoot_stream::answer(&feed, lines, (&scene, &kinds), interrupted)?
+                    shoot_stream::answer(&feed, lines, (&scene, &kinds), progress)?
                 } else {
                     let rays = rays::read_bytes(feed.all(&is_stopped)?, limits)?;
-                    all_at_once(&rays, &scene, (several, &kinds), &sinks, interrupted)?
+                    all_at_once(&rays, &scene, (several, &kinds), &sinks, progress)?
                 }
             }
         };
@@ -120,7 +120,7 @@ pub(crate) fn run(args: &ShootArgs, interrupted: &AtomicBool) -> Result<(), Fail
                 "seconds": seconds,
             });
             end_report(done).map_err(|error| Failure::stdout(&error))?;
-        } else if !args.run.quiet {
+        } else if !is_quiet() {
             let share = 100.0 * counts.hits as f64 / counts.rays.max(1) as f64;
             let crossings = counted(counts.crossings, "hit");
             let crossings = several.map_or(String::new(), |_| format!(", {crossings}"));
@@ -166,16 +166,14 @@ fn all_at_once(
     scene: &Scene,
     (several, kinds): (Option<All>, &[&ChannelKind]),
     sinks: &Sinks,
-    interrupted: &AtomicBool,
+    progress: &Progress,
 ) -> Result<Counts, Failure> {
-    let is_quiet = sinks.is_quiet;
-    let total = work(rays.len(), kinds, 1);
-    let progress = Progress::new(total, is_quiet, interrupted);
+    progress.begin("shooting", work(rays.len(), kinds, 1), RAYS);
     let (frame, counts) = match several {
-        Some(query) => shot_all(scene, rays, (query, kinds), &progress)?,
-        None => shot(scene, rays, kinds, &progress)?,
+        Some(query) => shot_all(scene, rays, (query, kinds), progress)?,
+        None => shot(scene, rays, kinds, progress)?,
     };
-    drop(progress);
-    sinks.write(&frame, interrupted)?;
+    progress.end();
+    sinks.write(&frame, progress)?;
     Ok(counts)
 }

@@ -1,10 +1,10 @@
 //! Answers lines of rays as they come, for a program that waits for each answer.
 
 use std::io::{self, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use firsthit::channel::ChannelKind;
 use firsthit::image::Frame;
+use firsthit::watch::Watch as _;
 use firsthit::{Rays as _, Scene};
 use rayon::prelude::*;
 
@@ -23,9 +23,9 @@ pub(super) fn answer(
     feed: &Feed,
     mut lines: RayLines,
     (scene, kinds): (&Scene, &[&ChannelKind]),
-    interrupted: &AtomicBool,
+    progress: &Progress,
 ) -> Result<Counts, Failure> {
-    let is_stopped = || interrupted.load(Ordering::Relaxed);
+    let is_stopped = || progress.is_stopped();
     let mut out = io::stdout().lock();
     let mut counts = Counts::default();
     let mut has_header = false;
@@ -34,8 +34,7 @@ pub(super) fn answer(
         let (rays, read) = lines.read(text.as_deref().unwrap_or_default());
         let is_answer = !rays.is_empty() || (text.is_none() && read.is_ok() && !has_header);
         if is_answer {
-            let progress = Progress::new(rays.len() as u64, true, interrupted);
-            let (frame, more) = shot(scene, &rays, kinds, &progress)?;
+            let (frame, more) = shot(scene, &rays, kinds, progress)?;
             let written = write(&frame, !has_header, &mut out);
             written.map_err(|error| Failure::stdout(&error))?;
             has_header = true;

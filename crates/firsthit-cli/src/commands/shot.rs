@@ -34,7 +34,7 @@ pub(super) fn shot(
     scene: &Scene,
     rays: &RayArrays,
     kinds: &[&ChannelKind],
-    progress: &Progress<'_>,
+    progress: &Progress,
 ) -> Result<(Frame, Counts), Failure> {
     let hits = trace(scene, rays, First, progress)?;
     let shots = ChannelInput {
@@ -61,7 +61,7 @@ pub(super) fn shot_all(
     scene: &Scene,
     rays: &RayArrays,
     (query, kinds): (All, &[&ChannelKind]),
-    progress: &Progress<'_>,
+    progress: &Progress,
 ) -> Result<(Frame, Counts), Failure> {
     let all = trace(scene, rays, query, progress)?;
     let numbers = all.ray_numbers()?;

@@ -1,17 +1,17 @@
 //! The destinations of a list's results: files, and standard output.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::ChannelKind;
 use firsthit::image::{Frame, WriteSettings};
 use serde_json::{Value, json};
 
-use crate::args::{RunArgs, StreamFormat};
+use crate::args::StreamFormat;
 use crate::console::report_beside_data;
 use crate::failure::Failure;
 use crate::hits_csv::stream_csv;
 use crate::output::{self, Target};
+use crate::progress::Progress;
 
 /// Says where reports go. Before anything fails: failures are reported too.
 pub(super) fn announce(outputs: &[PathBuf]) {
@@ -25,7 +25,6 @@ pub(super) struct Sinks {
     files: Vec<Target>,
     clouds: Vec<Target>,
     stdout: Option<StreamFormat>,
-    pub(super) is_quiet: bool,
 }
 
 impl Sinks {
@@ -35,7 +34,6 @@ impl Sinks {
         (outputs, format): (&[PathBuf], Option<StreamFormat>),
         inputs: &[&Path],
         kinds: &[&'static ChannelKind],
-        run: &RunArgs,
     ) -> Result<Self, Failure> {
         let stdout = |path: &&PathBuf| path.as_path() == Path::new("-");
         let streams = match outputs.iter().filter(stdout).count() {
@@ -65,12 +63,10 @@ impl Sinks {
             ));
         }
         let stdout = streams.then_some(format);
-        let is_quiet = run.quiet || run.json;
         Ok(Self {
             files,
             clouds: Vec::new(),
             stdout,
-            is_quiet,
         })
     }
 
@@ -90,18 +86,14 @@ impl Sinks {
     }
 
     /// Writes the files beside.
-    pub(super) fn write_clouds(
-        &self,
-        cloud: &Frame,
-        interrupted: &AtomicBool,
-    ) -> Result<(), Failure> {
-        output::write(cloud, &self.clouds, WriteSettings::default(), interrupted)?;
+    pub(super) fn write_clouds(&self, cloud: &Frame, progress: &Progress) -> Result<(), Failure> {
+        output::write(cloud, &self.clouds, WriteSettings::default(), progress)?;
         Ok(())
     }
 
     /// Writes all of it. Files first: a reader of standard output who has had enough ends the program.
-    pub(super) fn write(&self, frame: &Frame, interrupted: &AtomicBool) -> Result<(), Failure> {
-        output::write(frame, &self.files, WriteSettings::default(), interrupted)?;
+    pub(super) fn write(&self, frame: &Frame, progress: &Progress) -> Result<(), Failure> {
+        output::write(frame, &self.files, WriteSettings::default(), progress)?;
         match self.stdout {
             Some(format) => stream(frame, format),
             None => Ok(()),

@@ -1,5 +1,3 @@
-use std::sync::atomic::AtomicBool;
-
 use firsthit::Scene;
 use firsthit::channel::THICKNESS;
 use firsthit::image::Data;
@@ -13,9 +11,9 @@ use crate::hints::{extent, place};
 use crate::progress::Progress;
 use crate::rays;
 
-pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &SolidArgs, progress: &Progress) -> Result<(), Failure> {
     let rule = args.fill.rule.unwrap_or_default();
-    let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress<'_>| {
+    let ask = |scene: &Scene, points: &[[f64; 3]], progress: &Progress| {
         let lengths = thickness_with(rule, scene, points, progress)?;
         let finite = lengths.iter().copied().enumerate();
         let finite = finite.filter(|(_, length)| length.is_finite());
@@ -38,6 +36,6 @@ pub(crate) fn run(args: &SolidArgs, interrupted: &AtomicBool) -> Result<(), Fail
         (THICKNESS, "point"),
         rays::read_positions,
         ask,
-        interrupted,
+        progress,
     )
 }

@@ -4,7 +4,6 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use firsthit::error::escaped;
 use firsthit::image::write_whole;
@@ -20,9 +19,9 @@ use crate::console::{counted, say, warn};
 use crate::failure::Failure;
 use crate::loading::{self, Loaded};
 use crate::output;
-use crate::progress::Interrupt;
+use crate::progress::Progress;
 
-pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &ViewArgs, progress: &Progress) -> Result<(), Failure> {
     let asked = Asked {
         camera: &args.camera,
         light: &args.light,
@@ -39,6 +38,7 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
         &args.load,
         args.trees.settings(None),
         args.light.color,
+        progress,
     )?
     .picked(&args.pick)?;
     let Loaded {
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
         .shown(model.display, model.edges)
         .warned(warnings.iter().map(ToString::to_string).collect());
     if let Some(report) = &report {
-        return report.write(&viewer, &Interrupt(interrupted));
+        return report.write(&viewer, progress);
     }
     let server = Server::bind(viewer, args.port.unwrap_or(0)).map_err(|error| {
         let option = args.port.map(|port| format!("--port {port}"));
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &ViewArgs, interrupted: &AtomicBool) -> Result<(), Failu
     if !args.no_browser {
         open(&address);
     }
-    let is_stopped = || interrupted.load(Ordering::Relaxed);
+    let is_stopped = || progress.is_stopped();
     let server = if args.keep {
         server.lingering(None)
     } else {

@@ -1,5 +1,4 @@
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::VISIBLE;
 use firsthit::image::Data;
@@ -13,12 +12,12 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::rays;
 
-pub(crate) fn run(args: &VisibleArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &VisibleArgs, progress: &Progress) -> Result<(), Failure> {
     let read = |path: &Path| match args.from {
         Some(from) => rays::read_pairs_from(path, from),
         None => rays::read_pairs(path),
     };
-    let ask = |scene: &Scene, pairs: &[[f64; 6]], progress: &Progress<'_>| {
+    let ask = |scene: &Scene, pairs: &[[f64; 6]], progress: &Progress| {
         let ends = pairs.iter().map(|&[a, b, c, x, y, z]| {
             [DVec3::new(a, b, c), DVec3::new(x, y, z)].map(Viewpoint::new)
         });
@@ -33,5 +32,5 @@ pub(crate) fn run(args: &VisibleArgs, interrupted: &AtomicBool) -> Result<(), Fa
         })
     };
     let noun = if args.from.is_some() { "point" } else { "pair" };
-    list::run(&args.list, (VISIBLE, noun), read, ask, interrupted)
+    list::run(&args.list, (VISIBLE, noun), read, ask, progress)
 }

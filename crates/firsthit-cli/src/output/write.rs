@@ -2,7 +2,6 @@
 
 use std::io::{self, Write};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::ChannelKind;
 use firsthit::error::escaped;
@@ -13,7 +12,7 @@ use super::targets::{Target, is_png};
 use crate::console::say;
 use crate::failure::Failure;
 use crate::hits_csv::write_csv;
-use crate::progress::Interrupt;
+use crate::progress::Progress;
 
 /// The JSON about files: their names, what is in them, and how to read a picture back.
 pub(crate) fn as_json(
@@ -41,9 +40,8 @@ pub(crate) fn write(
     frame: &Frame,
     targets: &[Target],
     settings: WriteSettings,
-    interrupted: &AtomicBool,
+    progress: &Progress,
 ) -> Result<Vec<Option<String>>, Failure> {
-    let watch = Interrupt(interrupted);
     let mut legends = Vec::new();
     // All of them, or none because of what one cannot hold.
     for target in targets {
@@ -58,8 +56,8 @@ pub(crate) fn write(
             channel,
         } = target;
         match format {
-            Some(format) => format.write(frame, *channel, settings, path, &watch)?,
-            None => write_whole(path, &watch, |out| write_csv(frame, out))?,
+            Some(format) => format.write(frame, *channel, settings, path, progress)?,
+            None => write_whole(path, progress, |out| write_csv(frame, out))?,
         }
         let shown = channel.filter(|_| is_png(target));
         let shown = shown.and_then(|name| frame.channel(name));

@@ -155,6 +155,49 @@ fn quiet_says_nothing() {
     }
 }
 
+#[test]
+fn verbose_has_a_line_for_each_step() {
+    let lab = Lab::with_square();
+    for (arguments, steps) in [
+        (
+            "render square.ply --size 32x24 --channels t -o t.npz -v",
+            &[
+                "reading square.ply",
+                "parsing square.ply",
+                "building trees",
+                "shooting",
+            ][..],
+        ),
+        (
+            "-v build square.ply -o a.fhs",
+            &[
+                "reading square.ply",
+                "parsing square.ply",
+                "building trees",
+                "writing a.fhs",
+            ],
+        ),
+        (
+            "info a.fhs --verbose",
+            &["comparing checksums of a.fhs", "opening a.fhs", "measuring"],
+        ),
+        (
+            "section a.fhs --normal 1,0,0 -v",
+            &["opening a.fhs", "cutting"],
+        ),
+    ] {
+        let said = lab.ok(arguments).stderr;
+        let told = said
+            .lines()
+            .filter_map(|line| line.strip_prefix("firsthit: "));
+        let told: Vec<&str> = told.filter_map(|line| line.split(": ").next()).collect();
+        assert_eq!(told, steps, "{said}");
+    }
+    let lint = lab.run("lint a.fhs -v").stderr;
+    assert!(lint.contains("firsthit: checking meshes: "), "{lint}");
+    lab.fails("info a.fhs -q -v", 2, "cannot be used with");
+}
+
 /// With the file's own channels it was refused, and with others on the command line it was written through the link.
 #[cfg(unix)]
 #[test]

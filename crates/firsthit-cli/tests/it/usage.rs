@@ -183,7 +183,11 @@ fn wrong_usage_is_one_line_with_a_way_on() {
     }
     let nothing = lab.run("");
     assert_eq!((nothing.code, nothing.text()), (2, ""));
-    assert!(nothing.stderr.contains("Usage: firsthit <COMMAND>"));
+    assert!(
+        nothing
+            .stderr
+            .contains("Usage: firsthit [OPTIONS] <COMMAND>")
+    );
 }
 
 #[test]

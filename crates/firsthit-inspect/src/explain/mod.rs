@@ -22,7 +22,7 @@ use crate::geometry::{DVec3, Filtered, Hit, Ray, RayFilter};
 use crate::memory;
 use crate::scene::Scene;
 use crate::shoot::{All, AllHits, Encounter, Encounters, First, trace};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 use passage::{Passage, passage};
 
 /// Settings for the explanation of a ray, see [`explain`].
@@ -274,9 +274,7 @@ fn candidates<'a>(
     room.map_err(|_| memory::no_room_for("candidates of a ray"))?;
     let mut encounters = Encounters::new(scene, ray, filter);
     for (index, object) in (0_u32..).zip(scene.objects()) {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         let (reason, place) = if object.is_hidden() {
             (Reason::Hidden, None)
         } else if out.get(index as usize) == Some(&true) {

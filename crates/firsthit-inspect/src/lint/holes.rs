@@ -8,11 +8,11 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use super::report::{FindingCollector, Place, primitive};
-use super::subject::{Subject, stop_if_asked};
+use super::subject::Subject;
 use crate::error::Result;
 use crate::geometry::{DVec3, Transform, compare_points};
 use crate::shape::DisjointSets;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// An edge of one face, of an object.
 #[derive(Debug, Clone, Copy)]

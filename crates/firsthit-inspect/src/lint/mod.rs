@@ -97,12 +97,17 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
     let of_boundary_edges = |kind: &&FindingKind| matches!(kind.check, Check::BoundaryEdges(_));
     let wants_boundary_edges = checked.iter().any(of_boundary_edges);
     let mut boundary_edges = Vec::new();
+    let checks = checked.len() as u64 + 1;
+    let triangles = marks.iter().map(|marks| marks.of_triangles.len() as u64);
+    watch.begin("checking meshes", checks * triangles.sum::<u64>(), "checks");
     for index in 0..marks.len() {
         let object = usize::try_from(marks[index].objects[0]).unwrap_or(0);
         let Some((object, mesh)) = with_mesh(scene, object) else {
             continue;
         };
         let subject = Subject::new([index, object.0], mesh, object.1.transform(), watch)?;
+        let triangles = u64::from(subject.len());
+        watch.advance(triangles);
         facts.meshes.push((marks[index].objects[0], mesh));
         if wants_boundary_edges {
             add_boundary_edges(
@@ -115,6 +120,7 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
             if let Check::Mesh(check) = draft.kind.check {
                 draft.take(&mut marks, settings, |found| check(&subject, found, watch))?;
             }
+            watch.advance(triangles);
         }
     }
     for draft in &mut drafts {

@@ -13,13 +13,13 @@ use super::meeting::cross;
 use super::report::FindingCollector;
 use super::self_intersections::{face, meets};
 use super::shells::Shell;
-use super::subject::{Subject, stop_if_asked};
+use super::subject::Subject;
 use crate::accel::Bvh;
 use crate::error::Result;
 use crate::geometry::{Bounds, DVec3, Ray};
 use crate::memory;
 use crate::shape::triangle::{EdgeRule, Shear};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The number of no shell that is looked at.
 const NONE: u32 = u32::MAX;
@@ -38,7 +38,7 @@ pub(super) fn check(
     }
     let boxes: Vec<Bounds> = shells.iter().map(|shell| shell.bounds(subject)).collect();
     let count = u32::try_from(shells.len()).unwrap_or(u32::MAX);
-    let tree = Bvh::build(count, |k| boxes[k as usize], 0.0);
+    let tree = Bvh::build_watched(count, |k| boxes[k as usize], 0.0, watch)?;
     let mut stack = Vec::new();
     let mut is_beside = |k: usize| {
         let overlaps = |other: u32| other as usize != k && share(boxes[k], boxes[other as usize]);
@@ -48,7 +48,7 @@ pub(super) fn check(
     if beside.is_empty() {
         return Ok(());
     }
-    let mut all = Beside::new(subject, shells, &boxes, &beside)?;
+    let mut all = Beside::new(subject, shells, &boxes, &beside, watch)?;
     let mut overlaps = vec![false; shells.len()];
     let mut touched = vec![Vec::new(); shells.len()];
     for &k in &beside {
@@ -96,6 +96,7 @@ impl<'a> Beside<'a> {
         shells: &'a [Shell],
         boxes: &'a [Bounds],
         beside: &[usize],
+        watch: &dyn Watch,
     ) -> Result<Self> {
         let mut shell_of = memory::filled(subject.len() as usize, NONE)?;
         let mut faces = Vec::new();
@@ -109,7 +110,7 @@ impl<'a> Beside<'a> {
         }
         let count = u32::try_from(faces.len()).unwrap_or(u32::MAX);
         let bounds = |k: u32| Bounds::of(subject.corners(faces[k as usize]));
-        let tree = Bvh::build(count, bounds, 0.0);
+        let tree = Bvh::build_watched(count, bounds, 0.0, watch)?;
         let Bounds { low, high } = subject.mesh.bounds();
         Ok(Self {
             subject,

@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 use super::meeting::{Face, meet};
 use super::report::FindingCollector;
-use super::subject::{CHUNK, Subject, stop_if_asked};
+use super::subject::{CHUNK, Subject};
 use crate::accel::Bvh;
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::memory;
 use crate::parallel;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The memory of a face in bytes: its box's part of the tree while that is built, and one byte of [`UNKNOWN`], [`CLEAN`] or [`MEETING`].
 const TREE_BYTES: usize = 193;
@@ -39,8 +39,7 @@ pub(super) fn check(
             Bounds::EMPTY
         }
     };
-    let tree = Bvh::build(count, bounds, 0.0);
-    stop_if_asked(watch)?;
+    let tree = Bvh::build_watched(count, bounds, 0.0, watch)?;
     let known: Vec<AtomicU8> = (0..count).map(|_| AtomicU8::new(UNKNOWN)).collect();
     let chunks = 0..count.div_ceil(CHUNK_U32);
     let of_chunk = |chunk: u32| {

@@ -11,14 +11,14 @@
 use std::cmp::Ordering;
 
 use super::report::FindingCollector;
-use super::subject::{CHUNK, EdgeUse, Subject, stop_if_asked};
+use super::subject::{CHUNK, EdgeUse, Subject};
 use crate::accel::Bvh;
 use crate::error::Result;
 use crate::geometry::exact_sum::ExactSum;
 use crate::geometry::orientation::add_determinant;
 use crate::geometry::{Bounds, DVec3};
 use crate::shape::DisjointSets;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 pub(super) fn inside_out(
     subject: &Subject<'_>,
@@ -35,7 +35,7 @@ pub(super) fn inside_out(
     };
     let outer = of_sign(Ordering::Greater);
     let count = u32::try_from(outer.len()).unwrap_or(u32::MAX);
-    let tree = Bvh::build(count, |k| boxes[outer[k as usize]], 0.0);
+    let tree = Bvh::build_watched(count, |k| boxes[outer[k as usize]], 0.0, watch)?;
     let mut stack = Vec::new();
     for k in of_sign(Ordering::Less) {
         stop_if_asked(watch)?;
@@ -69,9 +69,12 @@ impl Shell {
 }
 
 /// The triangles that edges join.
-fn joined(subject: &Subject<'_>) -> DisjointSets {
+fn joined(subject: &Subject<'_>, watch: &dyn Watch) -> Result<DisjointSets> {
     let mut sets = DisjointSets::new(subject.welded.len());
-    for uses in subject.edge_uses() {
+    for (k, uses) in subject.edge_uses().enumerate() {
+        if k.is_multiple_of(CHUNK) {
+            stop_if_asked(watch)?;
+        }
         if let [a, b] = uses {
             sets.unite(a.triangle, b.triangle);
         }
@@ -85,7 +88,7 @@ fn joined(subject: &Subject<'_>) -> DisjointSets {
             odd.for_each(|other| sets.unite(first, other));
         }
     }
-    sets
+    Ok(sets)
 }
 
 /// The state of a set of triangles at its edges, from the best to the worst.
@@ -105,10 +108,14 @@ fn edges_of(
     subject: &Subject<'_>,
     sets: &mut DisjointSets,
     is_turned: impl Fn(u32) -> bool,
-) -> Vec<Edges> {
+    watch: &dyn Watch,
+) -> Result<Vec<Edges>> {
     let mut edges = vec![Edges::Unused; subject.welded.len()];
     let mut of_sets = Vec::new();
-    for uses in subject.edge_uses() {
+    for (k, uses) in subject.edge_uses().enumerate() {
+        if k.is_multiple_of(CHUNK) {
+            stop_if_asked(watch)?;
+        }
         by_set(uses, sets, &mut of_sets);
         for uses in of_sets.chunk_by(|a, b| a.0 == b.0) {
             let forward = (uses.iter())
@@ -123,18 +130,18 @@ fn edges_of(
             *of_set = (*of_set).max(edge);
         }
     }
-    edges
+    Ok(edges)
 }
 
 /// The closed shells, by their lowest triangle.
 pub(super) fn closed_shells(subject: &Subject<'_>, watch: &dyn Watch) -> Result<Vec<Shell>> {
-    let mut sets = joined(subject);
-    stop_if_asked(watch)?;
-    let mut edges = edges_of(subject, &mut sets, |_| false);
+    let mut sets = joined(subject, watch)?;
+    let mut edges = edges_of(subject, &mut sets, |_| false, watch)?;
     let mut turned = Vec::new();
     if edges.contains(&Edges::Even) {
         turned = subject.mesh.turned()?;
-        edges = edges_of(subject, &mut sets, |triangle| turned[triangle as usize]);
+        let is_turned = |triangle: u32| turned[triangle as usize];
+        edges = edges_of(subject, &mut sets, is_turned, watch)?;
     }
     let is_turned = |triangle: u32| turned.get(triangle as usize).is_some_and(|&turned| turned);
     let mut members: Vec<(u32, u32)> = (0..subject.len())

@@ -5,13 +5,13 @@ use std::sync::OnceLock;
 use rayon::prelude::*;
 
 use super::shells::{Shell, closed_shells};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::orientation::projection_axis;
 use crate::geometry::{DVec3, Transform};
 use crate::memory;
 use crate::parallel;
 use crate::shape::{Mesh, Welded, edges, sorted};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The number of triangles that are looked at between two questions whether to stop.
 pub(super) const CHUNK: usize = 1 << 12;
@@ -90,9 +90,8 @@ impl<'a> Subject<'a> {
                 .map(|corners| projection_axis(&corners).is_some())
                 .collect()
         });
-        let copies = copies(&welded);
-        stop_if_asked(watch)?;
-        let edges = uses_of_edges(&welded, &repeated(&welded, &copies));
+        let copies = copies(&welded, watch)?;
+        let edges = uses_of_edges(&welded, &repeated(&welded, &copies), watch)?;
         Ok(Self {
             index,
             object: i32::try_from(object).unwrap_or(i32::MAX),
@@ -151,27 +150,37 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Fails when the caller wants to stop.
-pub(super) fn stop_if_asked(watch: &dyn Watch) -> Result<()> {
-    if watch.is_stopped() {
-        return Err(Error::Interrupted);
-    }
-    Ok(())
-}
-
 /// See [`Subject::copies`].
-fn copies(welded: &[[u32; 3]]) -> Vec<Vec<u32>> {
+fn copies(welded: &[[u32; 3]], watch: &dyn Watch) -> Result<Vec<Vec<u32>>> {
     let with_number = |(k, &places): (u32, &[u32; 3])| {
         let [a, b, c] = sorted(places).0;
         packed([a, b, c, k])
     };
     let mut order: Vec<u128> = (0..).zip(welded).map(with_number).collect();
-    order.par_sort_unstable();
+    sort_by_key(&mut order, |&key| key, watch)?;
     let same = order.chunk_by(|a, b| a >> 32 == b >> 32);
     let copies = same.filter(|same| same.len() > 1);
-    copies
+    Ok(copies
         .map(|same| same.iter().map(|&key| lowest(key)).collect())
-        .collect()
+        .collect())
+}
+
+/// Sorts by keys that all differ, part by part, so that a stop is soon noticed.
+fn sort_by_key<T: Send>(
+    all: &mut [T],
+    key: impl Fn(&T) -> u128 + Copy + Sync,
+    watch: &dyn Watch,
+) -> Result<()> {
+    /// The number of entries that are sorted between two questions whether to stop.
+    const PART: usize = 1 << 20;
+    stop_if_asked(watch)?;
+    if all.len() <= PART {
+        all.par_sort_unstable_by_key(key);
+        return Ok(());
+    }
+    let (low, _, high) = all.select_nth_unstable_by_key(all.len() / 2, key);
+    sort_by_key(low, key, watch)?;
+    sort_by_key(high, key, watch)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the low bits are meant")]
@@ -193,7 +202,11 @@ fn repeated(welded: &[[u32; 3]], copies: &[Vec<u32>]) -> Vec<bool> {
 }
 
 /// The edges of triangles with three places, but for repeated ones, those of one edge side by side.
-fn uses_of_edges(welded: &[[u32; 3]], is_repeated: &[bool]) -> Vec<EdgeUse> {
+fn uses_of_edges(
+    welded: &[[u32; 3]],
+    is_repeated: &[bool],
+    watch: &dyn Watch,
+) -> Result<Vec<EdgeUse>> {
     let triangles = (0..).zip(welded).zip(is_repeated);
     let wanted = triangles
         .filter(|((_, [a, b, c]), is_repeated)| !**is_repeated && a != b && b != c && c != a);
@@ -205,6 +218,37 @@ fn uses_of_edges(welded: &[[u32; 3]], is_repeated: &[bool]) -> Vec<EdgeUse> {
         })
     };
     let mut edges: Vec<EdgeUse> = wanted.flat_map(of_triangle).collect();
-    edges.par_sort_unstable_by_key(EdgeUse::key);
-    edges
+    sort_by_key(&mut edges, EdgeUse::key, watch)?;
+    Ok(edges)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+    use super::*;
+    use crate::error::Error;
+
+    /// Stops at the third question.
+    #[derive(Default)]
+    struct Third(AtomicUsize);
+
+    impl Watch for Third {
+        fn is_stopped(&self) -> bool {
+            self.0.fetch_add(1, Relaxed) >= 2
+        }
+    }
+
+    #[test]
+    fn a_long_sort_is_a_sort_and_ends_when_it_is_stopped() {
+        let mixed = |k: u128| k.wrapping_mul(0x9e37_79b9_7f4a_7c15_f39c_c060_5ced_c835);
+        let keys: Vec<u128> = (0..3 << 20).map(mixed).collect();
+        let (mut sorted, mut by_parts) = (keys.clone(), keys.clone());
+        sorted.sort_unstable();
+        sort_by_key(&mut by_parts, |&key| key, &()).unwrap();
+        assert!(sorted == by_parts);
+        by_parts = keys;
+        let stopped = sort_by_key(&mut by_parts, |&key| key, &Third::default());
+        assert!(matches!(stopped, Err(Error::Interrupted)));
+    }
 }

@@ -5,13 +5,12 @@ use std::sync::Arc;
 
 use super::Facts;
 use super::report::FindingCollector;
-use super::subject::stop_if_asked;
 use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::scene::Scene;
 use crate::shape::{Mesh, Positions};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The distinct buffers of vertices: the first object that has it, and all its meshes.
 fn buffers<'a>(facts: &Facts<'a>) -> Vec<(i32, &'a Positions, Vec<&'a Mesh>)> {

@@ -236,7 +236,10 @@ pub fn section_with(
         Reason::new("at coordinates beyond 1e150"),
     ];
     let objects = (0..).zip(scene.objects());
-    for (identifier, object) in objects.filter(|(_, object)| !object.is_hidden()) {
+    let visible = objects.filter(|(_, object)| !object.is_hidden());
+    let triangles = visible.clone().map(|(_, object)| object.triangles() as u64);
+    watch.begin("cutting", triangles.sum(), "triangles");
+    for (identifier, object) in visible {
         match Placed::new(object) {
             None => reasons[0].add(identifier, object, &mut section),
             Some(placed) if !placed.is_in_range() => {
@@ -246,6 +249,7 @@ pub fn section_with(
                 section.cut((identifier, &placed), rule, watch)?;
             }
         }
+        watch.advance(object.triangles() as u64);
     }
     section
         .warnings

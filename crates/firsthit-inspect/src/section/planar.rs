@@ -5,11 +5,11 @@ use std::cmp::Ordering;
 
 use super::segments::CHUNK;
 use crate::accel::Bvh;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::orientation::orient_2d;
 use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// A segment from one point to another of the plane, whose third coordinate is zero. No zero in it is negative, and the points differ.
 #[derive(Debug, Clone, Copy)]
@@ -173,9 +173,7 @@ impl<'a> Lines<'a> {
     ) -> Result<Vec<T>> {
         let count = self.all.len();
         let part = |chunk: usize| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(watch)?;
             let mut stack = Vec::new();
             let lines = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
             Ok(lines.map(|line| of(line, &mut stack)).collect::<Vec<T>>())

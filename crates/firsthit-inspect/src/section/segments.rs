@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use super::plane::SectionPlane;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::arithmetic::Scalar;
 use crate::geometry::double::difference;
 use crate::geometry::exact::{Scaled, determinant};
@@ -12,7 +12,7 @@ use crate::memory;
 use crate::parallel;
 use crate::scene::Object;
 use crate::shape::{Facing, Mesh};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The number of triangles that are looked at between two questions whether to stop.
 pub(super) const CHUNK: usize = 1 << 14;
@@ -171,9 +171,7 @@ fn in_chunks<T: Send>(
     of: impl Fn(usize) -> Option<T> + Sync,
 ) -> Result<Vec<T>> {
     let part = |chunk: usize| {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(count);
         Ok(range.filter_map(&of).collect::<Vec<T>>())
     };

@@ -41,11 +41,15 @@ impl Format {
         read: fn(&[u8], &mut Report) -> Checked<T>,
     ) -> Result<T> {
         let path = report.source.path().to_owned();
-        let content = |report: &mut Report| {
+        let content = |report: &mut Report| -> Checked<T> {
             report.budget.charge_read(&path, bytes.len())?;
             let bytes = gzip::unpacked(bytes, report)?;
             check_free(bytes.len().saturating_mul(TIMES_CONTENT))?;
-            read(&bytes, report).map_err(|fault| recognize::hinted(fault, self, &bytes))
+            report.begin_parsing(bytes.len());
+            let made =
+                read(&bytes, report).map_err(|fault| recognize::hinted(fault, self, &bytes))?;
+            report.advance_until(0)?;
+            Ok(made)
         };
         content(report).map_err(|fault| fault.into_error(&path))
     }

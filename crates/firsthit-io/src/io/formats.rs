@@ -80,7 +80,7 @@ pub const FORMATS: &[ModelFormat] = &[
 /// The errors of [`ModelFormat::load`], and where `path` cannot be read.
 pub fn load_part(path: &Path, whole: &mut Report) -> Result<Model> {
     let format = format_of(path, FORMATS.iter())?;
-    let bytes = read::regular_file(path, whole.budget.left())?;
+    let bytes = read::regular_file(path, whole.budget.left(), whole.watch)?;
     let mut report = whole.part(path);
     let model = format.load(bytes.into(), &mut report)?;
     if let Some(error) = report.strict_error() {

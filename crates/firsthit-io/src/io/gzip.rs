@@ -9,6 +9,7 @@ use super::fault::{Checked, Fault};
 use super::memory_budget::size_in_words;
 use super::report::Report;
 use crate::error::Place;
+use crate::watch::{Watch, stop_if_asked};
 
 const MAGIC: &[u8] = &[0x1f, 0x8b];
 
@@ -20,7 +21,7 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
     if !bytes.starts_with(MAGIC) {
         return Ok(bytes);
     }
-    let (content, trailing) = unpack(&bytes, report.budget.left())?;
+    let (content, trailing) = unpack(&bytes, report.budget.left(), report.watch)?;
     if trailing > 0 {
         let place = Place::Byte((bytes.len() - trailing) as u64);
         report.warn("gzip", &place, || {
@@ -35,10 +36,10 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
 
 /// The content of all members of a packed file, one after the other, and how many bytes follow the last member that are
 /// neither another nor padding.
-fn unpack(packed: &[u8], most: u64) -> Checked<(Vec<u8>, usize)> {
+fn unpack(packed: &[u8], most: u64, watch: &dyn Watch) -> Checked<(Vec<u8>, usize)> {
     let (mut content, mut rest) = (Vec::new(), packed);
     while rest.starts_with(MAGIC) {
-        member(&mut rest, packed.len(), most, &mut content)?;
+        member(&mut rest, [packed.len() as u64, most], &mut content, watch)?;
     }
     // Tapes are padded with zeros.
     let is_padding = rest.iter().all(|&byte| byte == 0);
@@ -47,7 +48,12 @@ fn unpack(packed: &[u8], most: u64) -> Checked<(Vec<u8>, usize)> {
 }
 
 /// Unpacks one member, and moves `rest` behind it.
-fn member(rest: &mut &[u8], size: usize, most: u64, content: &mut Vec<u8>) -> Checked<()> {
+fn member(
+    rest: &mut &[u8],
+    [size, most]: [u64; 2],
+    content: &mut Vec<u8>,
+    watch: &dyn Watch,
+) -> Checked<()> {
     let mut decoder = GzDecoder::new(&mut *rest);
     loop {
         let too_large = || {
@@ -68,14 +74,14 @@ fn member(rest: &mut &[u8], size: usize, most: u64, content: &mut Vec<u8>) -> Ch
         match decoder.by_ref().take(piece).read_to_end(content) {
             Ok(0) => return Ok(()),
             Ok(read) if read as u64 > left => return Err(too_large()),
-            Ok(_) => {}
+            Ok(_) => stop_if_asked(watch)?,
             Err(error) => {
-                let at = size - decoder.get_ref().len();
+                let at = size - decoder.get_ref().len() as u64;
                 let what = match error.kind() {
                     std::io::ErrorKind::UnexpectedEof => "truncated: the packed content ends here",
                     _ => "the packed content is damaged",
                 };
-                return Err(Fault::at(Place::Byte(at as u64), what));
+                return Err(Fault::at(Place::Byte(at), what));
             }
         }
     }
@@ -99,18 +105,21 @@ mod tests {
     #[test]
     fn members_follow_each_other_and_zeros_are_padding() {
         let file = [packed(b"solid "), packed(b"x"), vec![0; 512]].concat();
-        assert_eq!(unpack(&file, 100).unwrap(), (b"solid x".to_vec(), 0));
+        assert_eq!(unpack(&file, 100, &()).unwrap(), (b"solid x".to_vec(), 0));
         let file = [packed(b"a"), b"garbage".to_vec()].concat();
-        assert_eq!(unpack(&file, 100).unwrap().1, 7);
+        assert_eq!(unpack(&file, 100, &()).unwrap().1, 7);
     }
 
     #[test]
     fn a_bomb_is_stopped_at_the_limit_and_not_before() {
         let bomb = packed(&vec![0; 3 << 20]);
         assert!(bomb.len() < 5000);
-        assert_eq!(unpack(&bomb, 3 << 20).unwrap().0.len(), 3 << 20);
+        assert_eq!(unpack(&bomb, 3 << 20, &()).unwrap().0.len(), 3 << 20);
         for most in [0, 1, 1 << 20, (3 << 20) - 1] {
-            assert!(matches!(unpack(&bomb, most), Err(Fault::TooLarge { .. })));
+            assert!(matches!(
+                unpack(&bomb, most, &()),
+                Err(Fault::TooLarge { .. })
+            ));
         }
     }
 
@@ -119,14 +128,14 @@ mod tests {
         let text: Vec<u8> = (0..2000_u32).flat_map(|k| (k * k).to_le_bytes()).collect();
         let file = packed(&text);
         for end in 2..file.len() {
-            assert!(unpack(&file[..end], 1 << 20).is_err(), "{end}");
+            assert!(unpack(&file[..end], 1 << 20, &()).is_err(), "{end}");
         }
         // The first ten bytes are the header, which has fields that do not matter.
         for k in 10..file.len() {
             let mut damaged = file.clone();
             damaged[k] ^= 0x10;
             // A few bits mean nothing, as those that fill the last byte.
-            if let Ok((content, _)) = unpack(&damaged, 1 << 20) {
+            if let Ok((content, _)) = unpack(&damaged, 1 << 20, &()) {
                 assert_eq!(content, text, "{k}");
             }
         }

@@ -85,7 +85,7 @@ mod tests {
         extension: Option<&str>,
         settings: LoadSettings,
     ) -> Result<Texture, String> {
-        let mut report = Report::new("a.obj".as_ref(), settings);
+        let mut report = Report::new("a.obj".as_ref(), settings, &());
         decode(bytes, extension, &mut report)
     }
 
@@ -132,7 +132,7 @@ mod tests {
                 ..LoadSettings::default()
             };
             let path = "a.png".as_ref();
-            let mut report = Report::new(path, settings);
+            let mut report = Report::new(path, settings, &());
             report.budget.charge_read(path, bytes.len()).unwrap();
             decode(&bytes, None, &mut report)
         };

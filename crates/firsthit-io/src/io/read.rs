@@ -12,10 +12,13 @@ use super::source::without_gz;
 use crate::error::{Error, Place, Result, escaped};
 use crate::inputs;
 use crate::memory::Block;
+use crate::watch::{OnlyStops, Watch, stop_if_asked};
 
 /// The whole content of a regular file. Devices and pipes, which may never end, are refused, and no
 /// file is mapped: one that shrinks meanwhile would end the process. More than `most` bytes are refused.
-pub fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
+pub fn regular_file(path: &Path, most: u64, watch: &dyn Watch) -> Result<Vec<u8>> {
+    /// The number of bytes between two questions whether to stop.
+    const PIECE: u64 = 1 << 24;
     let refuse = |source| refused(path, source);
     let (file, size) = opened(path)?;
     let too_large = |limit: &str| Error::TooLarge {
@@ -34,9 +37,17 @@ pub fn regular_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     if !matches!(reserved, Ok(Ok(()))) {
         return Err(too_large("what memory is free"));
     }
+    watch.begin(&format!("reading {}", escaped(path)), size, "bytes");
     // `take`: a file that grows while it is read stays within what was reserved.
-    file.take(size).read_to_end(&mut bytes).map_err(refuse)?;
-    Ok(bytes)
+    let mut file = file.take(size);
+    loop {
+        let piece = file.by_ref().take(PIECE).read_to_end(&mut bytes);
+        match piece.map_err(refuse)? {
+            0 => return Ok(bytes),
+            read => watch.advance(read as u64),
+        }
+        stop_if_asked(watch)?;
+    }
 }
 
 /// The whole content of a regular file, mapped where the system can do that. For files of our own that are replaced and
@@ -85,7 +96,8 @@ pub fn refuse_folder(path: &Path) -> Result<()> {
 
 /// The content of a file that a scene names, unpacked. It is charged to the scene's memory budget.
 pub(crate) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
-    let bytes = regular_file(path, report.budget.left())?;
+    // The step that is followed is the reading of the file that names it.
+    let bytes = regular_file(path, report.budget.left(), &OnlyStops(report.watch))?;
     report.budget.charge_read(path, bytes.len())?;
     report.source.further.push(path.to_owned());
     Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
@@ -331,7 +343,7 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn devices_are_refused() {
-        let error = regular_file(Path::new("/dev/zero"), u64::MAX).unwrap_err();
+        let error = regular_file(Path::new("/dev/zero"), u64::MAX, &()).unwrap_err();
         assert!(error.to_string().contains("device"), "{error}");
     }
 }

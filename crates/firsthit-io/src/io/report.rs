@@ -3,17 +3,21 @@
 
 use std::path::{Path, PathBuf};
 
+use super::fault::Checked;
 use super::memory_budget::MemoryBudget;
 use super::read;
 use super::settings::LoadSettings;
 use super::source::SourceFile;
 use super::warnings::Warnings;
-use crate::error::{Error, Place};
+use crate::error::{Error, Place, escaped};
 use crate::scene::Scene;
+use crate::watch::{Watch, stop_if_asked};
 
 /// All about the reading of one file but its content.
-#[derive(Debug)]
-pub struct Report {
+pub struct Report<'w> {
+    pub watch: &'w dyn Watch,
+    /// The bytes of the content that the watch was not told of.
+    unparsed: usize,
     pub settings: LoadSettings,
     pub source: SourceFile,
     pub budget: MemoryBudget,
@@ -26,9 +30,11 @@ pub struct Report {
     pub scene: Option<Scene>,
 }
 
-impl Report {
-    pub fn new(path: &Path, settings: LoadSettings) -> Self {
+impl<'w> Report<'w> {
+    pub fn new(path: &Path, settings: LoadSettings, watch: &'w dyn Watch) -> Self {
         Self {
+            watch,
+            unparsed: 0,
             source: SourceFile::new(path),
             budget: MemoryBudget::new(settings.max_memory),
             settings,
@@ -47,7 +53,7 @@ impl Report {
         };
         Self {
             budget: self.budget.part(),
-            ..Self::new(path, settings)
+            ..Self::new(path, settings, self.watch)
         }
     }
 
@@ -67,6 +73,34 @@ impl Report {
         self.source.further.extend(part.source.take_files());
         self.add_variants(part.variants);
         self.scene = self.scene.take().or(part.scene);
+    }
+
+    /// Tells the watch that `bytes` bytes of content are parsed from now on.
+    pub(crate) fn begin_parsing(&mut self, bytes: usize) {
+        self.unparsed = bytes;
+        let step = format!("parsing {}", escaped(self.source.path()));
+        self.watch.begin(&step, bytes as u64, "bytes");
+    }
+
+    /// Tells the watch that all of the content is parsed but its last `left` bytes.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Interrupted`].
+    pub(crate) fn advance_until(&mut self, left: usize) -> Checked<()> {
+        let bytes = self.unparsed.saturating_sub(left);
+        self.unparsed -= bytes;
+        self.watch.advance(bytes as u64);
+        Ok(stop_if_asked(self.watch)?)
+    }
+
+    /// Tells the watch that bytes of the content are parsed, wherever they are; they may come again.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Interrupted`].
+    pub(crate) fn advance(&mut self, bytes: usize) -> Checked<()> {
+        self.advance_until(self.unparsed.saturating_sub(bytes))
     }
 
     /// Adds the names of variants that are not known yet.

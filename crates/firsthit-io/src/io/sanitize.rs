@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_are_replaced_and_counted() {
-        let mut report = Report::new("x".as_ref(), LoadSettings::default());
+        let mut report = Report::new("x".as_ref(), LoadSettings::default(), &());
         let mut colors = [
             [0.5, -0.0, 1.0],
             [f32::NAN, -5.0, f32::INFINITY],

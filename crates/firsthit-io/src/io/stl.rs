@@ -181,6 +181,7 @@ fn read_text(text: &[u8], report: &mut Report) -> Checked<(Vec<[f64; 3]>, Option
             report
                 .budget
                 .charge_growth(size_of_val(reader.points.as_slice()))?;
+            report.advance_until(lines.rest().len())?;
         }
         reader.line(line, lines.number, report)?;
     }

@@ -301,7 +301,7 @@ mod tests {
         surface.push(&[0, 1]);
         surface.push(&[2, 1, 0]);
         surface.corners[0] = vec![[5; 3], [6; 3], [7; 3]];
-        let mut report = Report::new("x".as_ref(), LoadSettings::default());
+        let mut report = Report::new("x".as_ref(), LoadSettings::default(), &());
         let (mesh, corners) = surface.finish(&vertices, "x", &mut report).unwrap();
         assert_eq!(mesh.triangles(), [[0, 1, 2], [2, 1, 0]]);
         assert_eq!([mesh.face(0), mesh.face(1)], [0, 2]);

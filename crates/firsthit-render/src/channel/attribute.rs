@@ -10,7 +10,7 @@ use crate::parallel;
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, NamedAttribute, PropertyOf};
 use crate::shoot::Hits;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// Numbers for each hit: those of an attribute.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,9 +64,7 @@ pub fn attribute(
     let count = hits.len();
     let mut values = filled(count.saturating_mul(components), f64::NAN)?;
     let fill = |(index, values): (usize, &mut [f64])| {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         let first = index * CHUNK;
         let mut known = Known {
             scene,

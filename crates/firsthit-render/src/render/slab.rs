@@ -23,7 +23,7 @@ use crate::parallel;
 use crate::scene::Background;
 use crate::shade::{AmbientOcclusion, Shader, Shading};
 use crate::shoot::{First, Hits, trace_into};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// See [the module](self).
 pub(super) struct Slab<'a> {
@@ -192,9 +192,7 @@ impl<'a> Slab<'a> {
         let blocks = blocks.zip(split(sums, width).into_iter().zip(rest));
         let new = || Ok(Batch::new());
         parallel::try_each_with(new, blocks, |batch, (block, (sums, (squares, counts)))| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(watch)?;
             watch.advance(block.len() as u64);
             let goes_on = |k: usize| activity.is_none_or(|activity| activity.has(k));
             if !batch.read((scene, part), hits, block, goes_on) {
@@ -221,9 +219,7 @@ impl<'a> Slab<'a> {
         let blocks = blocks.zip(split(sums, width));
         let new = || Ok(Batch::new());
         parallel::try_each_with(new, blocks, |batch, (block, sums)| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(watch)?;
             watch.advance(block.len() as u64);
             batch.read((scene, part), hits, block, |_| true);
             let (pixels, colors, _) = batch.shade((shading, cull), sample);

@@ -10,6 +10,7 @@ use crate::error::Place;
 use crate::io::fault::{Checked, Fault};
 use crate::memory::{BLOCK_ALIGNMENT, Block, Storage};
 use crate::parallel;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The first bytes, like PNG's: a byte beyond ASCII, and line ends that a transfer as text would
 /// change.
@@ -202,15 +203,25 @@ impl Sections {
         Ok(())
     }
 
-    /// Compares every section with its checksum.
-    pub(super) fn verify(&self) -> Checked<()> {
+    /// Compares every section with its checksum, as the step of that name.
+    pub(super) fn verify(&self, step: &str, watch: &dyn Watch) -> Checked<()> {
+        /// The number of bytes between two questions whether to stop.
+        const PIECE: usize = 1 << 22;
+        let lengths = self.entries.iter().map(|entry| entry.range.len() as u64);
+        watch.begin(step, lengths.sum(), "bytes");
         let bytes = self.block.bytes();
         let is_damaged = |entry: &Entry| {
             let part = bytes.get(entry.range.clone()).unwrap_or_default();
-            *blake3::hash(part).as_bytes() != entry.sum
+            let mut hasher = blake3::Hasher::new();
+            for piece in part.chunks(PIECE) {
+                stop_if_asked(watch)?;
+                hasher.update(piece);
+                watch.advance(piece.len() as u64);
+            }
+            Ok(*hasher.finalize().as_bytes() != entry.sum)
         };
         // The first, whichever thread is faster.
-        let damaged = parallel::map(&self.entries, is_damaged);
+        let damaged = parallel::try_map(&self.entries, is_damaged)?;
         match self
             .entries
             .iter()

@@ -40,6 +40,7 @@ use crate::io::read::mapped_file;
 use crate::io::read::{is_named_as_packed, regular_file};
 use crate::io::{Format, LoadSettings, Report};
 use crate::memory::Block;
+use crate::watch::Watch;
 use crate::world::{Loaded, World, WorldFormat};
 
 pub use write::{encode, save};
@@ -84,12 +85,21 @@ pub(crate) static FORMAT: WorldFormat = WorldFormat {
 /// [`Error::Parse`](crate::error::Error::Parse) for a file of another kind or version, for one that is not whole, and for one whose
 /// content does not fit together; [`Error::TooLarge`](crate::error::Error::TooLarge) where memory is short.
 pub fn open(path: &Path, verify: bool) -> Result<Loaded> {
+    open_watched(path, verify, &())
+}
+
+/// As [`open`]; `watch` follows it, and may end it.
+///
+/// # Errors
+///
+/// The errors of [`open`], and [`Error::Interrupted`](crate::error::Error::Interrupted).
+pub fn open_watched(path: &Path, verify: bool, watch: &dyn Watch) -> Result<Loaded> {
     let settings = LoadSettings {
         verify,
         ..LoadSettings::default()
     };
     let block = Arc::new(mapped_file(path)?);
-    open_mapped(block, &mut Report::new(path, settings))
+    open_mapped(block, &mut Report::new(path, settings, watch))
 }
 
 /// Opens a file that is mapped already.
@@ -112,7 +122,7 @@ fn read_mapped(block: Arc<Block>, report: &mut Report) -> Result<World> {
 pub(crate) fn open_part(path: &Path, whole: &mut Report) -> Result<World> {
     let mut report = whole.part(path);
     let world = if is_named_as_packed(path) {
-        let bytes = regular_file(path, report.budget.left())?;
+        let bytes = regular_file(path, report.budget.left(), report.watch)?;
         FORMAT.load(bytes.into(), &mut report)?
     } else {
         let block = mapped_file(path)?;

@@ -14,7 +14,7 @@ use super::record::{
 use super::sensor::CameraRecord;
 use crate::accel::{MeshTree, TreeFacts, TreeParts};
 use crate::camera::{Aim, Camera, Description, Focus, Opening};
-use crate::error::{Error, Result, escape_controls};
+use crate::error::{Error, Result, escape_controls, escaped};
 use crate::geometry::{Bounds, DAffine3, DMat3, DVec3, Transform, require, require_finite};
 use crate::io::Report;
 use crate::io::fault::{Checked, Fault};
@@ -24,20 +24,28 @@ use crate::shape::{
     Attribute, Between, Cone, Cuboid, Cylinder, Disc, Mesh, MeshParts, Meshes, Plane, Positions,
     Property, PropertyOf, PropertyValues, Shape, Sphere,
 };
+use crate::watch::stop_if_asked;
 use crate::world::World;
 
 /// The world of a file; its scene, which is built, goes to `report`.
 pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
+    let path = escaped(report.source.path());
+    let bytes = block.bytes().len() as u64;
     let mut sections = Sections::open(block)?;
     if report.settings.verify {
-        sections.verify()?;
+        sections.verify(&format!("comparing checksums of {path}"), report.watch)?;
     }
+    report
+        .watch
+        .begin(&format!("opening {path}"), bytes, "bytes");
     let record = record(&mut sections)?;
     let meshes = meshes(&record, &mut sections)?;
     let looks = looks(&record, &mut sections)?;
     let labels: Vec<Label> = record.labels.iter().map(label).collect();
     let objects = objects(&record.objects, (&meshes, &looks, &labels))?;
+    stop_if_asked(report.watch)?;
     let trees = trees(&record, (&meshes, &objects), &mut sections)?;
+    stop_if_asked(report.watch)?;
     let boxes = sections.take::<[f64; 6]>(record.boxes)?;
     let boxes = boxes.iter().map(|&[a, b, c, d, e, f]| Bounds {
         low: DVec3::new(a, b, c),
@@ -54,6 +62,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
         bounds: record.bounds.map_or(Bounds::EMPTY, bounds_of),
     });
     let scene = of_record(scene)?;
+    report.watch.advance(bytes);
     let world = of_record(described(&record, objects))?;
     of_record(check_cameras(&world))?;
     report.scene = Some(scene);

@@ -14,7 +14,7 @@ use super::record::{
 };
 use super::sensor::CameraRecord;
 use crate::accel::MeshTree;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, escaped};
 use crate::geometry::{Bounds, DAffine3, DVec3};
 use crate::image::write_whole;
 use crate::memory;
@@ -23,7 +23,7 @@ use crate::scene::{Label, Material, Object, Scene, Texture};
 use crate::shape::{
     Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape,
 };
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 use crate::world::World;
 
 /// Writes a built scene to a `.fhs` file, which [`open`](super::open) maps: its trees are not built again.
@@ -42,7 +42,7 @@ use crate::world::World;
 /// stops it.
 pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Result<()> {
     with_content(path, scene, world, watch, |content| {
-        write_whole(path, watch, |out| content.write(out))
+        write_whole(path, watch, |out| content.write(out, watch))
     })
 }
 
@@ -56,7 +56,7 @@ pub fn encode(scene: &Scene, world: &World, watch: &dyn Watch) -> Result<Vec<u8>
     with_content(path, scene, world, watch, |content| {
         memory::check("a built scene's content", content.bytes())?;
         let mut bytes = memory::room(content.bytes());
-        let written = content.write(&mut bytes);
+        let written = content.write(&mut bytes, watch);
         written.map_err(|source| refused(path, source))?;
         Ok(bytes)
     })
@@ -77,11 +77,14 @@ impl Content<'_> {
         UNIT + self.table.len() + sections.sum::<usize>()
     }
 
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+    fn write(&self, out: &mut dyn Write, watch: &dyn Watch) -> io::Result<()> {
         out.write_all(&self.header)?;
         out.write_all(&self.table)?;
         for (_, bytes) in &self.sections {
-            out.write_all(bytes)?;
+            for piece in bytes.chunks(PIECE) {
+                out.write_all(piece)?;
+                watch.advance(piece.len() as u64);
+            }
             let padding = bytes.len().next_multiple_of(UNIT) - bytes.len();
             out.write_all([0; UNIT].get(..padding).unwrap_or_default())?;
         }
@@ -129,7 +132,7 @@ fn with_content<T>(
     // Who opens the file may shoot any number of rays.
     let better;
     let scene = if scene.has_poor_trees() {
-        better = scene.with_best_trees()?;
+        better = scene.with_best_trees(watch)?;
         &better
     } else {
         scene
@@ -141,15 +144,16 @@ fn with_content<T>(
     let record = record(scene, world, &lists, &mut parts);
     let record = serde_json::to_vec(&record).map_err(|source| refused(path, source.into()))?;
     let sections = parts.sections(&record);
-    let Some(sums) = sums(&sections, watch) else {
-        return Err(Error::Interrupted);
-    };
+    let sums = sums(&sections, watch)?;
     let (header, table) = header_and_table(&sections, &sums, &record);
-    then(&Content {
+    let content = Content {
         header,
         table,
         sections,
-    })
+    };
+    let bytes = content.sections.iter().map(|(_, bytes)| bytes.len() as u64);
+    watch.begin(&format!("writing {}", escaped(path)), bytes.sum(), "bytes");
+    then(&content)
 }
 
 fn refused(path: &Path, source: io::Error) -> Error {
@@ -186,19 +190,17 @@ type Part<'a> = (Kind, &'a [u8]);
 /// The number of bytes that are hashed between two looks at the watch.
 const PIECE: usize = 1 << 24;
 
-/// The checksums of all sections, or `None` when `watch` stops it.
-fn sums(sections: &[Part<'_>], watch: &dyn Watch) -> Option<Vec<Sum>> {
+/// The checksums of all sections.
+fn sums(sections: &[Part<'_>], watch: &dyn Watch) -> Result<Vec<Sum>> {
     let sum = |(_, bytes): &Part<'_>| {
         let mut hasher = blake3::Hasher::new();
         for piece in bytes.chunks(PIECE) {
-            if watch.is_stopped() {
-                return None;
-            }
+            stop_if_asked(watch)?;
             hasher.update(piece);
         }
-        Some(*hasher.finalize().as_bytes())
+        Ok(*hasher.finalize().as_bytes())
     };
-    parallel::map(sections, sum).into_iter().collect()
+    parallel::try_map(sections, sum)
 }
 
 fn header_and_table(sections: &[Part<'_>], sums: &[Sum], record: &[u8]) -> ([u8; UNIT], Vec<u8>) {

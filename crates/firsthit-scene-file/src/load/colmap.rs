@@ -60,8 +60,8 @@ pub fn colmap_files(folder: &Path) -> Result<[PathBuf; 2]> {
 /// [`Error::Read`] if the system refuses, and the errors of [`ColmapImages::read`].
 pub fn read_colmap([cameras, images]: [&Path; 2]) -> Result<ColmapImages> {
     let content = [
-        regular_file(cameras, LARGEST)?,
-        regular_file(images, LARGEST)?,
+        regular_file(cameras, LARGEST, &())?,
+        regular_file(images, LARGEST, &())?,
     ];
     ColmapImages::read(content.each_ref().map(Vec::as_slice), [cameras, images])
 }

@@ -11,6 +11,7 @@ use crate::geometry::named;
 use crate::memory;
 use crate::parallel;
 use crate::shape::Mesh;
+use crate::watch::{Watch, stop_if_asked};
 
 named! {
     /// Trade-off between the time to build the trees of meshes and the time of each ray. No answer
@@ -77,15 +78,25 @@ const FAST_TREE_BYTES: usize = 280;
 const SMALL: usize = 1 << 14;
 
 /// Builds trees as a scene asks for them.
-pub(super) struct TreeBuilder {
+pub(super) struct TreeBuilder<'a> {
     is_fast: bool,
+    watch: &'a dyn Watch,
 }
 
-impl TreeBuilder {
+impl<'a> TreeBuilder<'a> {
     /// Chooses the builder for the meshes of `objects`, each of which has one that needs a tree.
-    pub(super) fn new<'a>(build: BuildSettings, objects: impl Iterator<Item = &'a Object>) -> Self {
+    pub(super) fn new<'b>(
+        build: BuildSettings,
+        objects: impl Iterator<Item = &'b Object>,
+        watch: &'a dyn Watch,
+    ) -> Self {
+        let triangles = objects.map(Object::triangles).sum();
+        if triangles > 0 {
+            watch.begin("building trees", triangles as u64, "triangles");
+        }
         Self {
-            is_fast: build.is_fast(objects.map(Object::triangles).sum()),
+            is_fast: build.is_fast(triangles),
+            watch,
         }
     }
 
@@ -97,11 +108,10 @@ impl TreeBuilder {
         };
         // The full build takes less memory.
         let is_fast = self.is_fast && has_room_for(FAST_TREE_BYTES).is_ok();
-        if is_fast {
-            return Ok(MeshTree::build_quick(mesh));
+        if !is_fast {
+            has_room_for(TREE_BYTES)?;
         }
-        has_room_for(TREE_BYTES)?;
-        Ok(MeshTree::build(mesh))
+        MeshTree::build_watched(mesh, is_fast, self.watch)
     }
 }
 
@@ -111,6 +121,7 @@ pub(super) fn object_trees(
     objects: &[Object],
     build: BuildSettings,
     before: Option<&Scene>,
+    watch: &dyn Watch,
 ) -> Result<Vec<ObjectTree>> {
     // Fast, if there were triangles enough.
     let may_be_quick = build.is_fast(usize::MAX);
@@ -137,7 +148,7 @@ pub(super) fn object_trees(
         trees[k].any().is_none() && mesh.is_some_and(|mesh| !is_known(mesh))
     });
     let missing: Vec<usize> = missing.collect();
-    let builder = TreeBuilder::new(build, missing.iter().map(|&k| &objects[k]));
+    let builder = TreeBuilder::new(build, missing.iter().map(|&k| &objects[k]), watch);
     let fitted = |k: usize| before?.fitted(k, objects[k].mesh()?, is_good_enough);
     // A tree that is fitted, as of something that bends from step to step, stays one of its own.
     let is_fittable = |k: usize| before.is_some_and(|before| before.may_fit(k, &objects[k]));
@@ -157,6 +168,7 @@ pub(super) fn object_trees(
         alone.partition(|(_, mesh)| mesh.triangles().len() < SMALL);
     let mut made = parallel::try_map(small, tree)?;
     for one in large {
+        stop_if_asked(watch)?;
         made.push(tree(one)?);
     }
     let pointer = |k: usize| objects[k].mesh().map(Arc::as_ptr);

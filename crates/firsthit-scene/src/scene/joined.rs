@@ -377,7 +377,7 @@ impl Scene {
             .iter()
             .map(|&k| (k as usize, &self.objects[k as usize]));
         let numbered: Vec<(usize, &Object)> = numbered.collect();
-        let builder = TreeBuilder::new(self.build, numbered.iter().map(|&(_, object)| object));
+        let builder = TreeBuilder::new(self.build, numbered.iter().map(|&(_, object)| object), &());
         parallel::try_map(numbered, |(k, object)| {
             let tree = object.mesh().map(|mesh| builder.build(mesh)).transpose()?;
             let tree = tree.map_or(ObjectTree::None, |tree| ObjectTree::Own(Arc::new(tree)));

@@ -80,6 +80,7 @@ use crate::geometry::{Beam, Bounds, DVec3, Hit, Ray};
 use crate::memory;
 use crate::parallel;
 use crate::shape::Meshes;
+use crate::watch::Watch;
 
 /// Objects in a world, ready to be shot at from any number of threads.
 ///
@@ -166,7 +167,20 @@ impl Scene {
     ///
     /// The errors of [`Scene::new`].
     pub fn build(objects: Vec<Object>, settings: BuildSettings) -> Result<Self> {
-        Self::assemble(objects, settings, None)
+        Self::build_watched(objects, settings, &())
+    }
+
+    /// As [`build`](Self::build); `watch` follows it, and may end it.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`Scene::new`], and [`Error::Interrupted`].
+    pub fn build_watched(
+        objects: Vec<Object>,
+        settings: BuildSettings,
+        watch: &dyn Watch,
+    ) -> Result<Self> {
+        Self::assemble(objects, settings, None, watch)
     }
 
     /// Changes the settings for the trees of scenes derived from this one. Its own trees stay as
@@ -202,7 +216,16 @@ impl Scene {
     ///
     /// The errors of [`Scene::new`] and [`Scene::with_coloring`].
     pub fn with_objects(&self, objects: Vec<Object>) -> Result<Self> {
-        let scene = Self::assemble(objects, self.build, Some(self))?;
+        self.with_objects_watched(objects, &())
+    }
+
+    /// As [`with_objects`](Self::with_objects); `watch` follows it, and may end it.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`Scene::with_objects`], and [`Error::Interrupted`].
+    pub fn with_objects_watched(&self, objects: Vec<Object>, watch: &dyn Watch) -> Result<Self> {
+        let scene = Self::assemble(objects, self.build, Some(self), watch)?;
         let has_own_lights = self.has_own_lights;
         let scene = Self {
             has_own_lights,
@@ -231,24 +254,29 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] where there is no memory for them.
+    /// [`Error::Limit`] where there is no memory for them, and [`Error::Interrupted`] when `watch` stops it.
     #[doc(hidden)]
-    pub fn with_best_trees(&self) -> Result<Self> {
+    pub fn with_best_trees(&self, watch: &dyn Watch) -> Result<Self> {
         let best = BuildSettings {
             build: Build::Best,
             ..self.build
         };
         let mut scene = self.try_clone()?;
-        scene.trees = object_trees(&self.objects, best, Some(self))?;
+        scene.trees = object_trees(&self.objects, best, Some(self), watch)?;
         if !scene.groups().all(|group| group.is_whole()) {
             // Objects that have left a group may join another one.
-            scene.trees = object_trees(&self.objects, best, None)?;
+            scene.trees = object_trees(&self.objects, best, None, watch)?;
         }
         scene.top.rebuild(&scene.objects, &scene.trees);
         Ok(scene)
     }
 
-    fn assemble(objects: Vec<Object>, build: BuildSettings, before: Option<&Self>) -> Result<Self> {
+    fn assemble(
+        objects: Vec<Object>,
+        build: BuildSettings,
+        before: Option<&Self>,
+        watch: &dyn Watch,
+    ) -> Result<Self> {
         if i32::try_from(objects.len()).is_err() {
             let (got, limit) = (objects.len().to_string(), i32::MAX.to_string());
             let what = "objects in a scene";
@@ -256,7 +284,7 @@ impl Scene {
         }
         // A wrong setting is told here: shooting has no way to.
         InstructionSet::current()?;
-        let trees = object_trees(&objects, build, before)?;
+        let trees = object_trees(&objects, build, before, watch)?;
         let unmoved = before.filter(|before| before.is_in_place(&objects, &trees));
         let (top, bounds) = if let Some(before) = unmoved {
             (before.top.clone(), before.derived.places.bounds.clone())

@@ -10,11 +10,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec2, single};
 use crate::memory::zeroed;
 use crate::parallel;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The number of pieces that are drawn in a row of pixels before the watch is asked again. With the
 /// widest lines that takes a few milliseconds.
@@ -74,9 +74,7 @@ impl Drawing {
         parallel::try_each(lines.zip(rows), |(line, row)| {
             let y = row as f64 + 0.5;
             for pieces in self.near(y).chunks(AT_ONCE) {
-                if watch.is_stopped() {
-                    return Err(Error::Interrupted);
-                }
+                stop_if_asked(watch)?;
                 for piece in pieces {
                     self.cover(piece, y, columns.start, line);
                 }
@@ -134,6 +132,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
     use super::*;
+    use crate::error::Error;
 
     fn sum(pieces: Vec<[DVec2; 2]>, width: f64) -> f64 {
         let drawing = Drawing::new(pieces, width);

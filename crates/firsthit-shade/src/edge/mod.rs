@@ -29,11 +29,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec2, Side};
 use crate::scene::{Object, Scene};
 use crate::shoot::Engine;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 use coverage::Drawing;
 use eye::View;
 use pieces::Window;
@@ -129,9 +129,7 @@ impl Lines {
         let mut sight = Sight::new(scene, engine, cull, edges.hidden);
         let mut table: Option<(*const _, EdgeTable)> = None;
         for number in by_mesh(scene.objects()) {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(watch)?;
             let Some(mesh) = scene.objects()[number].mesh() else {
                 strokes.of_shape(number, &mut sight, watch)?;
                 continue;

@@ -8,12 +8,12 @@ use super::pieces::{Cutter, Piece, Window};
 use super::settings::{EdgeKind, EdgeKinds, Edges};
 use super::sight::{Candidate, Look, Sight};
 use super::table::{EdgeTable, MeshEdge};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec2, DVec3, Departure, Side, SurfaceId};
 use crate::parallel;
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Surface};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// Rays from contours lean outwards by this share of their length.
 const TILT: f64 = 1e-9;
@@ -80,9 +80,7 @@ impl Strokes<'_> {
         };
         let chosen = instance.chosen(self.edges);
         for links in self.links(table, &chosen).chunks(AT_ONCE) {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(watch)?;
             let cut = |link: &Link| self.of_edge(&instance, chosen[link.edge], link.is_reversed);
             for (link, candidates) in links.iter().zip(parallel::map(links, cut)) {
                 if link.is_first {

@@ -8,14 +8,14 @@ use super::NearestSettings;
 use super::answers::{AnswerSlices, ClosestPoints};
 use super::best::Best;
 use crate::accel::{InstructionSet, Scratch, WalkStack, each_near};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec3, SurfaceId};
 use crate::memory;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::shape::{Surface, nearest_on_triangle};
 use crate::simd::{self, Kernel, Lanes};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The method of the search for nearest points. All methods come to equal bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,9 +49,7 @@ pub(super) fn fill(
     // Many for each point take long: fewer points, so that a stop is soon noticed.
     let size = (BATCH / wanted.count.min(BATCH)).max(16);
     let search = |(points, part): (&[[f64; 3]], AnswerSlices<'_>)| {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         let mut batch = Batch {
             scene,
             points,
@@ -133,9 +131,7 @@ impl Batch<'_> {
 
     fn by_brute_force(&mut self) -> Result<()> {
         for index in 0..self.points.len() {
-            if self.watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(self.watch)?;
             let point = DVec3::from(self.points[index]);
             self.best.start(f64::INFINITY);
             let objects = (0..).zip(self.scene.objects());
@@ -170,9 +166,7 @@ impl Kernel for Batch<'_> {
             });
             self.best.start(hint);
             if point.is_finite() {
-                if self.watch.is_stopped() {
-                    return Err(Error::Interrupted);
-                }
+                stop_if_asked(self.watch)?;
                 let memory = (&mut scratch, &mut stack);
                 l.call(Point(self.scene, point, &mut self.best, memory));
                 if hint < f64::INFINITY && self.best.least() > hint {

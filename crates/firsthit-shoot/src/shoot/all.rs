@@ -15,7 +15,7 @@ use crate::memory;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::simd::with_stack;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// All hits of many rays: those of the ray `k` are from `offsets[k]` to `offsets[k + 1]`, in their
 /// order.
@@ -131,9 +131,7 @@ impl AllAnswers<'_> {
     ) -> Result<()> {
         let Self { all, nearest } = self;
         let gather = |number: usize| {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(watch)?;
             let first = number * BATCH;
             let mut lists = [CrossingList::EMPTY; BATCH];
             let lists = &mut lists[..(rays.len() - first).min(BATCH)];
@@ -200,9 +198,7 @@ impl Ordered {
         room.map_err(|_| memory::no_room_for("hits of rays"))?;
         let mut of_ray = Vec::new();
         for (index, list) in (first..).zip(lists) {
-            if watch.is_stopped() {
-                return Err(Error::Interrupted);
-            }
+            stop_if_asked(watch)?;
             of_ray.clear();
             let ray: Ray = rays.ray(index);
             let scaled = if rays.is_filtered() {

@@ -17,14 +17,14 @@ use crate::accel::{
     self, Dispatcher, InstructionSet, MeshPacket, MeshQuery, MeshTree, Packet, RAYS, Scratch,
     WalkStack,
 };
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec3, Ray, Rays, SurfaceId};
 use crate::parallel;
 use crate::scene::{Group, ObjectCandidates, Scene};
 use crate::shape::Meshes;
 use crate::shape::triangle::MeshFilter;
 use crate::simd::{self, Kernel, Lanes};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The most rays that a thread takes at a time: enough to be worth it, few enough to stop within a
 /// moment.
@@ -70,9 +70,7 @@ pub(super) fn each_chunk<S: Sink>(
     fill: impl Fn(usize, S) + Sync,
 ) -> Result<()> {
     let fill = |(index, chunk): (usize, S)| {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         let count = chunk.len() as u64;
         fill(index, chunk);
         watch.advance(count);

@@ -7,11 +7,11 @@ use super::ray_query::{AnyHit, EveryHit, FirstHit, RayQuery, Sink};
 use super::scaled_ray::ScaledRay;
 use super::start::met_at_start;
 use crate::accel::MeshQuery;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{Hit, Ray, RayFilter, Rays, SurfaceId};
 use crate::scene::Scene;
 use crate::shape::{Crossing, Shape, triangle::Shear};
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The reference: what every faster engine is tested against.
 #[derive(Debug, Clone, Copy)]
@@ -61,9 +61,7 @@ fn answer_all<S: Sink>(
     watch: &dyn Watch,
 ) -> Result<()> {
     for index in 0..rays.len() {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         sink.put(index, &answer_of(scene, rays, index));
         watch.advance(1);
     }

@@ -5,14 +5,14 @@ use std::ops::Range;
 
 use super::winding::winding_number;
 use super::{FillRule, Grouping, Rule, rules_with};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::orientation::along_normal;
 use crate::geometry::{DVec3, Ray, RayFilter, Rays};
 use crate::parallel;
 use crate::scene::{Object, Scene};
 use crate::shape::{Facing, Mesh};
 use crate::shoot::{All, AllHits, Engine, trace_into};
-use crate::watch::{OnlyStops, Watch};
+use crate::watch::{OnlyStops, Watch, stop_if_asked};
 
 /// Rays whose crossings are in memory at a time.
 const BLOCK: usize = 1 << 14;
@@ -205,9 +205,7 @@ impl<'a> Solids<'a> {
             let all = &all;
             let pieces = answers.chunks_mut(piece * width).enumerate();
             parallel::try_each_with(&state, pieces, |state, (number, answers)| {
-                if watch.is_stopped() {
-                    return Err(Error::Interrupted);
-                }
+                stop_if_asked(watch)?;
                 let rows = (number * piece..).zip(answers.chunks_mut(width));
                 for (index, row) in rows {
                     let range = all.offsets[index]..all.offsets[index + 1];

@@ -10,10 +10,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec3, moderation};
 use crate::shape::Mesh;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// Triangles whose angles are added up before `watch` is asked again.
 const AT_ONCE: usize = 1 << 14;
@@ -44,9 +44,7 @@ pub fn winding_number(mesh: &Mesh, point: DVec3, watch: &dyn Watch) -> Result<f6
     let scale = moderation(DVec3::splat(largest));
     let mut total = 0.0;
     for triangles in mesh.triangles().chunks(AT_ONCE) {
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         let corners = triangles.iter().map(|triangle| {
             triangle.map(|vertex| scale * mesh.positions().get(vertex) - scale * point)
         });

@@ -65,5 +65,6 @@ mod sensors;
 mod shading;
 mod shading_rows;
 mod solids;
+mod steps;
 mod support;
 mod thin_lens;

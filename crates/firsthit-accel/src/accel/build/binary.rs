@@ -53,6 +53,12 @@ pub(super) trait Primitives: Sync {
     fn distinct(&self, items: &mut [Item]) -> usize {
         items.len()
     }
+    /// Told of items that a subtree has been built over.
+    fn advance(&self, _items: usize) {}
+    /// Whether to give up: what is built then is of no use.
+    fn is_stopped(&self) -> bool {
+        false
+    }
 }
 
 /// The tree over `items`, which are put in order for it.
@@ -96,8 +102,13 @@ fn subtree(
     primitives: &impl Primitives,
 ) -> Subtree {
     let mut nodes = Vec::new();
+    if primitives.is_stopped() {
+        let root = inner(around, start);
+        return Subtree { root, nodes };
+    }
     if items.len() < FORK {
         let root = append(items, around, [start, depth], primitives, &mut nodes);
+        primitives.advance(items.len());
         return Subtree { root, nodes };
     }
     let Some(parts) = split(items, depth, primitives.block()) else {

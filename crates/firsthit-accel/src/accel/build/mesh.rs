@@ -13,6 +13,7 @@
 //! 7. List the copies: triangles that are in no leaf, since a lower one has the same corners and wins every tie.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
@@ -26,9 +27,11 @@ use crate::accel::mesh_tree::MeshTree;
 use crate::accel::meshlet::{MOST_LEAVES, Meshlet};
 use crate::accel::node::{Node, WIDTH};
 use crate::accel::space::{CHUNK, Space};
+use crate::error::{Error, Result};
 use crate::geometry::DVec3;
 use crate::memory::{self, Storage};
 use crate::shape::Mesh;
+use crate::watch::Watch;
 
 impl MeshTree {
     /// The tree of a mesh that is empty, has a coordinate beyond 1e90 ([`Space::new`]) or needs more than [`MOST_LEAVES`].
@@ -52,23 +55,29 @@ impl MeshTree {
         }
     }
 
-    /// The tree over the triangles of `mesh`, by all threads of the current rayon pool, and the same for any
-    /// number of them.
+    /// The tree over the triangles of `mesh`, by all threads of the current rayon pool, and the same for any number of them.
     pub fn build(mesh: &Mesh) -> Self {
-        Self::build_by(mesh, full)
+        Self::build_by(mesh, full, &Building::new(&()))
     }
 
-    /// Builds a tree in a third to a half of the time: not the best one, with equal answers. See
-    /// `quick.rs`.
-    pub fn build_quick(mesh: &Mesh) -> Self {
-        let tree = Self::build_by(mesh, quick::quick);
-        Self {
-            is_quick: true,
-            ..tree
-        }
+    /// Builds a tree as `watch` is told of each triangle. A quick one takes a third to a half of the time: it is not
+    /// the best one, with equal answers. See `quick.rs`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Interrupted`](crate::error::Error::Interrupted).
+    #[doc(hidden)]
+    pub fn build_watched(mesh: &Mesh, is_quick: bool, watch: &dyn Watch) -> Result<Self> {
+        let building = Building::new(watch);
+        let tree = Self {
+            is_quick,
+            ..Self::build_by(mesh, if is_quick { quick::quick } else { full }, &building)
+        };
+        building.end(mesh.triangles().len())?;
+        Ok(tree)
     }
 
-    fn build_by(mesh: &Mesh, build: impl FnOnce(&Triangles<'_>) -> Parts) -> Self {
+    fn build_by(mesh: &Mesh, build: fn(&Triangles<'_>) -> Parts, building: &Building<'_>) -> Self {
         /// The least surface of a large node, as a share of the root's.
         const LARGE: f64 = 0.01;
         let Some(space) = Space::new(mesh.into()).filter(|_| !mesh.triangles().is_empty()) else {
@@ -88,6 +97,7 @@ impl MeshTree {
             vertices,
             around,
             large: LARGE * around.half_area(),
+            building,
         });
         if leaves.len() > MOST_LEAVES {
             return Self::without_nodes(mesh);
@@ -110,7 +120,49 @@ impl MeshTree {
     }
 }
 
+/// The watch on a build.
+pub(super) struct Building<'a> {
+    watch: &'a dyn Watch,
+    /// Once it was stopped it stays so, whatever the watch says later: trees are not whole.
+    is_stopped: AtomicBool,
+    /// The triangles that the watch was told of.
+    told: AtomicUsize,
+}
+
+impl<'a> Building<'a> {
+    pub(super) fn new(watch: &'a dyn Watch) -> Self {
+        Self {
+            watch,
+            is_stopped: AtomicBool::new(false),
+            told: AtomicUsize::new(0),
+        }
+    }
+
+    /// The share of the work on some triangles that is done now.
+    pub(super) fn advance(&self, triangles: usize) {
+        self.told.fetch_add(triangles, Relaxed);
+        self.watch.advance(triangles as u64);
+    }
+
+    pub(super) fn is_stopped(&self) -> bool {
+        if self.watch.is_stopped() {
+            self.is_stopped.store(true, Relaxed);
+        }
+        self.is_stopped.load(Relaxed)
+    }
+
+    /// Tells of what is left of `triangles`, or fails if it was stopped.
+    pub(super) fn end(&self, triangles: usize) -> Result<()> {
+        if self.is_stopped.load(Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        self.advance(triangles.saturating_sub(self.told.load(Relaxed)));
+        Ok(())
+    }
+}
+
 /// The nodes, leaves and order that a build makes of triangles.
+#[derive(Default)]
 pub(super) struct Parts {
     /// The root first, children after their parents.
     pub(super) nodes: Vec<Node>,
@@ -134,7 +186,13 @@ fn full(triangles: &Triangles<'_>) -> Parts {
         order,
     } = binary::binary(&mut items, triangles);
     drop(items);
-    let binary = reinsert(binary);
+    if triangles.building.is_stopped() {
+        return Parts::default();
+    }
+    let binary = reinsert(binary, || triangles.building.is_stopped());
+    if triangles.building.is_stopped() {
+        return Parts::default();
+    }
     let Wide { nodes, ranges } = collapse::collapse(&binary);
     drop(binary);
     let leaf = |&(first, length): &(u32, u32)| {
@@ -165,6 +223,7 @@ pub(super) struct Triangles<'a> {
     pub(super) around: Box32,
     /// The half surface from which on a leaf is large.
     pub(super) large: f64,
+    pub(super) building: &'a Building<'a>,
 }
 
 impl Primitives for Triangles<'_> {
@@ -182,6 +241,15 @@ impl Primitives for Triangles<'_> {
 
     fn large(&self) -> f64 {
         self.large
+    }
+
+    /// The tree is made better after this, which takes as long.
+    fn advance(&self, items: usize) {
+        self.building.advance(items / 2);
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.building.is_stopped()
     }
 
     fn distinct(&self, items: &mut [Item]) -> usize {
@@ -246,6 +314,12 @@ pub(super) mod tests {
     use super::*;
     use crate::shape::Positions;
     use crate::simd::LANES;
+
+    impl MeshTree {
+        pub(in super::super) fn build_quick(mesh: &Mesh) -> Self {
+            Self::build_watched(mesh, true, &()).unwrap()
+        }
+    }
 
     /// A hilly field with `side` squares along a side; its first triangle stands there forty times
     /// more, which is too many for a leaf.
@@ -321,6 +395,45 @@ pub(super) mod tests {
                 assert!(tree.nodes == same.nodes);
                 assert!(tree.leaves == same.leaves);
                 assert_eq!(tree.order, same.order);
+            }
+        }
+    }
+
+    /// Stops after it was asked a number of times, or never; `true` once is enough.
+    #[derive(Default)]
+    struct Stopper {
+        asked: AtomicUsize,
+        at: Option<usize>,
+        told: AtomicUsize,
+    }
+
+    impl Watch for Stopper {
+        fn advance(&self, triangles: u64) {
+            self.told
+                .fetch_add(usize::try_from(triangles).unwrap(), Relaxed);
+        }
+
+        fn is_stopped(&self) -> bool {
+            Some(self.asked.fetch_add(1, Relaxed)) == self.at
+        }
+    }
+
+    #[test]
+    fn a_build_ends_wherever_it_is_stopped_and_else_tells_of_each_triangle() {
+        let mesh = field(200);
+        for is_quick in [false, true] {
+            let whole = Stopper::default();
+            MeshTree::build_watched(&mesh, is_quick, &whole).unwrap();
+            assert_eq!(whole.told.into_inner(), mesh.triangles().len());
+            let questions = whole.asked.into_inner();
+            assert!(questions >= if is_quick { 1 } else { 20 }, "{questions}");
+            for at in 0..questions {
+                let watch = Stopper {
+                    at: Some(at),
+                    ..Stopper::default()
+                };
+                let made = MeshTree::build_watched(&mesh, is_quick, &watch);
+                assert!(matches!(made, Err(Error::Interrupted)), "{at}");
             }
         }
     }

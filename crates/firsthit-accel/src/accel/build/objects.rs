@@ -3,24 +3,31 @@
 use super::binary::{Binary, Primitives, binary};
 use super::binned_sah::{Block, Box32, Item};
 use super::collapse::{Wide, collapse};
+use super::mesh::Building;
 use super::refit::{boxes, expected_visits};
 use crate::accel::bvh::{BoxSpace, Bvh, FARTHEST, Places};
 use crate::accel::node::{LEAF, Node, WIDTH};
 use crate::accel::space::CHUNK;
+use crate::error::Result;
 use crate::geometry::{Bounds, DVec3};
 use crate::parallel;
+use crate::watch::Watch;
 
 /// Boxes without anything in them that the builder must know. A ray comes to all boxes of a leaf, and to enter the mesh of one takes
 /// longer than to test more boxes of the tree: so a leaf is one box.
-struct Boxes;
+struct Boxes<'a>(&'a Building<'a>);
 
-impl Primitives for Boxes {
+impl Primitives for Boxes<'_> {
     fn block(&self) -> Block {
         Block(0)
     }
 
     fn is_leaf(&self, items: &[Item]) -> bool {
         items.len() <= 1
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.0.is_stopped()
     }
 }
 
@@ -32,6 +39,32 @@ impl Bvh {
     /// Built by all threads of the current rayon pool, and the same for any number of them. Fewer than 65,536 boxes are
     /// the calling thread's alone, and need no pool.
     pub fn build(count: u32, bounds: impl Fn(u32) -> Bounds + Sync, slack: f64) -> Self {
+        Self::build_by(count, bounds, slack, &Building::new(&()))
+    }
+
+    /// As [`build`](Self::build); `watch` may end it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Interrupted`](crate::error::Error::Interrupted).
+    #[doc(hidden)]
+    pub fn build_watched(
+        count: u32,
+        bounds: impl Fn(u32) -> Bounds + Sync,
+        slack: f64,
+        watch: &dyn Watch,
+    ) -> Result<Self> {
+        let building = Building::new(watch);
+        let tree = Self::build_by(count, bounds, slack, &building);
+        building.end(0).map(|()| tree)
+    }
+
+    fn build_by(
+        count: u32,
+        bounds: impl Fn(u32) -> Bounds + Sync,
+        slack: f64,
+        building: &Building<'_>,
+    ) -> Self {
         let indices: Vec<u32> = (0..count).collect();
         let boxes: Vec<Bounds> = parallel::gather(indices.chunks(CHUNK), |indices| {
             indices.iter().copied().map(&bounds).collect()
@@ -59,7 +92,10 @@ impl Bvh {
         if items.is_empty() {
             return tree;
         }
-        let Binary { nodes, order } = binary(&mut items, &Boxes);
+        let Binary { nodes, order } = binary(&mut items, &Boxes(building));
+        if building.is_stopped() {
+            return tree;
+        }
         let Wide { mut nodes, ranges } = collapse(&nodes);
         for child in nodes.iter_mut().flat_map(|node| &mut node.children) {
             if let Some(&(first, _)) = ranges.get((*child ^ LEAF) as usize) {

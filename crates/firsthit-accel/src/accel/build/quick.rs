@@ -41,6 +41,9 @@ pub(super) fn quick(triangles: &Triangles<'_>) -> Parts {
     order.resize(count, 0);
     let (mut leaves, mut seen) = (Vec::new(), Vec::new());
     for (k, order) in order.chunks_mut(AT_ONCE * PART).enumerate() {
+        if triangles.building.is_stopped() {
+            return Parts::default();
+        }
         let start = k * AT_ONCE * PART;
         let end = start + order.len();
         let parts = order.chunks_mut(PART).enumerate();
@@ -58,8 +61,12 @@ pub(super) fn quick(triangles: &Triangles<'_>) -> Parts {
             leaves.extend_from_slice(&own);
             seen.extend_from_slice(&own_seen);
         }
+        triangles.building.advance((end - start) / 2);
     }
     drop(curve);
+    if triangles.building.is_stopped() {
+        return Parts::default();
+    }
     Parts {
         nodes: nodes(&seen, triangles.large()),
         leaves,

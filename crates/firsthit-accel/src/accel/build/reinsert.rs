@@ -23,12 +23,12 @@ const MOST_VISITS: usize = 64;
 /// The number of searches in one task.
 const TASK: usize = 512;
 
-/// The tree with better places for some of its subtrees. The leaves are the same.
-pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
+/// The tree with better places for some of its subtrees; for fewer when it is stopped. The leaves are the same.
+pub(super) fn reinsert(nodes: Vec<BinaryNode>, is_stopped: impl Fn() -> bool) -> Vec<BinaryNode> {
     let mut tree = Tree::new(&nodes);
     for _ in 0..ROUNDS {
         let moves = tree.moves();
-        if moves.is_empty() {
+        if moves.is_empty() || is_stopped() {
             break;
         }
         tree.carry_out(&moves);
@@ -285,7 +285,7 @@ mod tests {
             tree(&all, &mut |count| count / 2)
         };
         let nodes = tree(&all, &mut |count| count / 2);
-        let better = reinsert(nodes.clone());
+        let better = reinsert(nodes.clone(), || false);
         assert!(
             surfaces(&better) < 1.1 * surfaces(&sorted),
             "{} {}",
@@ -307,7 +307,7 @@ mod tests {
         for count in [1, 2, 3, 4, 5, 40, 3000] {
             let all: Vec<_> = (0..count).map(|k| leaf(k, random(1000) as f32)).collect();
             let nodes = tree(&all, &mut |count| count / 4 + 1 + random(count / 2));
-            let better = reinsert(nodes.clone());
+            let better = reinsert(nodes.clone(), || false);
             assert_eq!(leaves(&better), leaves(&nodes));
             assert!(surfaces(&better) <= surfaces(&nodes));
             let mut next = 1;
@@ -335,6 +335,6 @@ mod tests {
     fn a_tree_that_is_too_deep_stays_as_it_is() {
         let all: Vec<_> = (0..200).map(|k| leaf(k, (k * 77 % 200) as f32)).collect();
         let nodes = tree(&all, &mut |_| 1);
-        assert!(reinsert(nodes.clone()) == nodes);
+        assert!(reinsert(nodes.clone(), || false) == nodes);
     }
 }

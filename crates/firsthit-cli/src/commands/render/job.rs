@@ -1,23 +1,23 @@
 //! A picture to be made: from a scene with its look to files.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use firsthit::channel::ChannelKind;
 use firsthit::edge::Edges;
 use firsthit::image::{Data, Frame, WriteSettings};
 use firsthit::render::{Picture, work};
+use firsthit::watch::Watch as _;
 use firsthit::{Camera, DisplayTransform, Scene, Shading, Side};
 use serde_json::{Value, json};
 
 use super::idle::without_files;
 use crate::args::{DisplayArgs, FileArgs, RunArgs};
-use crate::console::{counted, end_report, say, warn};
+use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
 use crate::legend;
 use crate::output::{self, Order};
-use crate::progress::{Keeping, Progress};
+use crate::progress::{Keeping, Progress, RAYS};
 
 /// A picture to be made.
 pub(crate) struct Job<'a> {
@@ -75,7 +75,7 @@ pub(crate) fn picture(
     job: &Job<'_>,
     orders: &[Order],
     args: &RunArgs,
-    interrupted: &AtomicBool,
+    progress: &Progress,
 ) -> Result<(), Failure> {
     let started = Instant::now();
     let &Job {
@@ -93,7 +93,7 @@ pub(crate) fn picture(
     } = job;
     let kinds = all_kinds(orders, noise)?;
     let total = work(camera.pixels(), &kinds, samples);
-    let progress = Progress::new(total, args.quiet || args.json, interrupted);
+    progress.begin("shooting", total, RAYS);
     let picture = Picture {
         samples,
         noise,
@@ -104,10 +104,11 @@ pub(crate) fn picture(
     let mut whole = match resume {
         Some(path) => {
             let _keeping = Keeping::begin();
-            picture.render_resumed(path, &progress)?
+            picture.render_resumed(path, progress)?
         }
-        None => picture.render(&progress)?,
+        None => picture.render(progress)?,
     };
+    progress.end();
     if job.is_rounded {
         whole = whole.rounded()?;
     }
@@ -118,11 +119,10 @@ pub(crate) fn picture(
     let taken = Taken::of(&whole, job);
     let hit = objects.iter().filter(|&&object| object >= 0).count();
     let rows = legend.map(|_| legend::rows(scene, objects));
-    let legends = write_all(&mut whole, orders, settings, interrupted)?;
+    let legends = write_all(&mut whole, orders, settings, progress)?;
     if let (Some(path), Some(rows)) = (legend, rows) {
-        legend::write(path, &rows, interrupted)?;
+        legend::write(path, &rows, progress)?;
     }
-    drop(progress);
     warn(&crate::hints::hints(scene, camera, hit));
     let seconds = started.elapsed().as_secs_f64();
     tell(job, (orders, &legends), args, (hit, &taken, seconds))
@@ -176,7 +176,7 @@ fn tell(
     if args.json {
         let done = done(job, orders, legends, (hit, taken, seconds));
         end_report(done).map_err(|error| Failure::stdout(&error))?;
-    } else if !args.quiet {
+    } else if !is_quiet() {
         let guessed = if guessed.is_empty() {
             String::new()
         } else {
@@ -208,7 +208,7 @@ fn write_all(
     picture: &mut Frame,
     orders: &[Order],
     settings: WriteSettings,
-    interrupted: &AtomicBool,
+    progress: &Progress,
 ) -> Result<Vec<Vec<Option<String>>>, Failure> {
     let mut legends = Vec::new();
     for (number, Order { kinds, targets }) in (1..).zip(orders) {
@@ -216,7 +216,7 @@ fn write_all(
         let later = orders[number..].iter().flat_map(|order| &order.kinds);
         let is_last = |name: &str| !later.clone().any(|kind| kind.name == name);
         let frame = picture.select(&names, is_last)?;
-        legends.push(output::write(&frame, targets, settings, interrupted)?);
+        legends.push(output::write(&frame, targets, settings, progress)?);
     }
     Ok(legends)
 }

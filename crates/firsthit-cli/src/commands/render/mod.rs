@@ -8,7 +8,6 @@ mod resume;
 mod shader;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use firsthit::channel::PLACEHOLDER;
 use firsthit::edge::{EdgeKind, Edges};
@@ -22,12 +21,13 @@ use firsthit::{Camera, Scene};
 use crate::args::{CameraArgs, ColorsArgs, EdgeArgs, LightingArgs, LoadArgs, RenderArgs};
 use crate::asked;
 use crate::camera::{Chosen, camera, check, of_file};
-use crate::console::warn;
+use crate::console::{is_quiet, warn};
 use crate::environment;
 use crate::failure::Failure;
 use crate::legend;
 use crate::loading::{self, Loaded, with_threads};
 use crate::output::{self, ChannelSource, Order};
+use crate::progress::Progress;
 use job::{needs_samples, needs_shade};
 
 pub(super) use idle::without_channels;
@@ -36,7 +36,7 @@ pub(super) use job::{Job, picture, settings};
 /// The default samples of a picture with a noise: it ends them where they are enough.
 const SAMPLES_WITH_NOISE: u32 = 256;
 
-pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Failure> {
+pub(crate) fn run(args: &RenderArgs, progress: &Progress) -> Result<(), Failure> {
     check(&args.camera)?;
     light::check(&args.light)?;
     inputs::note(&args.file);
@@ -54,9 +54,9 @@ pub(crate) fn run(args: &RenderArgs, interrupted: &AtomicBool) -> Result<(), Fai
     with_threads(&args.run, || {
         let settings = loading::settings(&args.file, &args.load);
         let build = |model: &World| args.trees.settings(rays(args, model, asked.as_deref()));
-        let loaded = loading::read_with(&args.file, &settings, build, args.light.color)?;
+        let loaded = loading::read_with(&args.file, &settings, build, args.light.color, progress)?;
         loaded.check_surfaces(&args.file)?;
-        rendered(args, loaded.picked(&args.pick)?, asked, interrupted)
+        rendered(args, loaded.picked(&args.pick)?, asked, progress)
     })
 }
 
@@ -100,7 +100,7 @@ fn rendered(
     args: &RenderArgs,
     loaded: Loaded,
     asked: Option<Vec<Order>>,
-    interrupted: &AtomicBool,
+    progress: &Progress,
 ) -> Result<(), Failure> {
     let Loaded {
         scene,
@@ -152,7 +152,7 @@ fn rendered(
         cull: args.cull.map(From::from),
         edges,
     };
-    picture(&job, &orders, &args.run, interrupted)
+    picture(&job, &orders, &args.run, progress)
 }
 
 /// The command line's words on a picture's appearance.
@@ -274,7 +274,7 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         })
         .collect::<Result<_, Failure>>()?
     };
-    output::orders(&outputs, args.run.quiet || args.run.json)
+    output::orders(&outputs, is_quiet())
 }
 
 /// The input's name with the extension of a picture, in the current folder.

@@ -313,7 +313,7 @@ mod tests {
     use crate::io::LoadSettings;
 
     fn picture(bytes: &[u8]) -> Picture {
-        let mut report = Report::new(Path::new("sky.hdr"), LoadSettings::default());
+        let mut report = Report::new(Path::new("sky.hdr"), LoadSettings::default(), &());
         read(bytes, &mut report).unwrap()
     }
 

@@ -34,7 +34,7 @@ const BRIGHTEST: f32 = 65_504.0;
 pub fn load_environment(report: &mut Report) -> Result<EnvironmentMap> {
     let path = report.source.path().to_owned();
     read::refuse_folder(&path)?;
-    let bytes = read::regular_file(&path, report.budget.left())?;
+    let bytes = read::regular_file(&path, report.budget.left(), report.watch)?;
     decoded(bytes, report)
 }
 
@@ -146,7 +146,7 @@ mod tests {
     use crate::io::LoadSettings;
 
     fn read(bytes: &[u8], settings: LoadSettings) -> (Result<EnvironmentMap>, Vec<String>) {
-        let mut report = Report::new("sky.hdr".as_ref(), settings);
+        let mut report = Report::new("sky.hdr".as_ref(), settings, &());
         let read = decoded(bytes.to_vec(), &mut report);
         (read, report.take_lines())
     }

@@ -79,6 +79,7 @@ impl<'a> Buffers<'a> {
         report: &mut Report,
     ) -> Checked<Bytes<'a>> {
         let bytes = self.buffer(buffer, report)?;
+        report.advance(length)?;
         bytes.part(offset, length).ok_or_else(|| {
             let (there, buffer) = (bytes.get().len(), buffer.0);
             let what = format!("{length} bytes from byte {offset} on: buffer {buffer} has {there}");

@@ -117,7 +117,7 @@ mod tests {
     type Opened = (Vec<u8>, Option<Vec<u8>>, usize);
 
     fn opened(bytes: &[u8]) -> Result<Opened, String> {
-        let mut report = Report::new("a.glb".as_ref(), LoadSettings::default());
+        let mut report = Report::new("a.glb".as_ref(), LoadSettings::default(), &());
         let container = open(bytes, &mut report);
         let container =
             container.map_err(|fault| fault.into_error("a.glb".as_ref()).to_string())?;

@@ -34,7 +34,7 @@ pub(super) type Shared = HashMap<Index, Rc<Vertices>>;
 
 /// The mesh of a primitive; `None`, with a warning, where it has no triangles by its kind.
 pub(super) fn build(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     deformation: &Deformation<'_>,
     look: Option<&Look>,
     name: &str,
@@ -75,7 +75,7 @@ enum Mode {
     Fan,
 }
 
-fn mode(values: &mut Values<'_, '_>) -> Checked<Option<Mode>> {
+fn mode(values: &mut Values<'_, '_, '_>) -> Checked<Option<Mode>> {
     let Index(code) = values.primitive.mode.unwrap_or(Index(4));
     let place = values.place("mode");
     let mut unseen = |key: &'static str| {
@@ -98,7 +98,7 @@ fn mode(values: &mut Values<'_, '_>) -> Checked<Option<Mode>> {
 
 /// The targets of a primitive that add something, with how much.
 fn targets<'v>(
-    values: &Values<'v, '_>,
+    values: &Values<'v, '_, '_>,
     deformation: &Deformation<'_>,
 ) -> Vec<(&'v super::document::Attributes<'v>, f64)> {
     let targets = values.primitive.targets.iter().zip(deformation.weights);
@@ -108,12 +108,16 @@ fn targets<'v>(
         .collect()
 }
 
-fn is_morphed(values: &Values<'_, '_>, deformation: &Deformation<'_>) -> bool {
+fn is_morphed(values: &Values<'_, '_, '_>, deformation: &Deformation<'_>) -> bool {
     !targets(values, deformation).is_empty()
 }
 
 /// The vertices as the file has them.
-fn plain(values: &mut Values<'_, '_>, index: Index, shared: &mut Shared) -> Checked<Rc<Vertices>> {
+fn plain(
+    values: &mut Values<'_, '_, '_>,
+    index: Index,
+    shared: &mut Shared,
+) -> Checked<Rc<Vertices>> {
     if let Some(known) = shared.get(&index)
         && !values.is_packed()
     {
@@ -133,7 +137,7 @@ fn plain(values: &mut Values<'_, '_>, index: Index, shared: &mut Shared) -> Chec
 
 /// The vertices morphed, then moved by joints, then flattened; with what joints do to each.
 fn deformed(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     index: Index,
     deformation: &Deformation<'_>,
 ) -> Checked<(Rc<Vertices>, Option<Vec<DAffine3>>)> {
@@ -157,7 +161,7 @@ fn deformed(
 }
 
 fn morph(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     deformation: &Deformation<'_>,
     name: &str,
     vectors: &mut [[f64; 3]],
@@ -176,7 +180,11 @@ fn morph(
 }
 
 /// The triangles of a primitive of `vertices` vertices.
-fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checked<Vec<[u32; 3]>> {
+fn triangles(
+    values: &mut Values<'_, '_, '_>,
+    mode: Mode,
+    vertices: usize,
+) -> Checked<Vec<[u32; 3]>> {
     if let Some(triangles) = values.unpacked_triangles() {
         let largest = triangles.iter().flatten().max();
         if let Some(&index) = largest.filter(|&&index| index as usize >= vertices) {
@@ -225,7 +233,7 @@ fn triangles(values: &mut Values<'_, '_>, mode: Mode, vertices: usize) -> Checke
     })
 }
 
-fn indices(values: &mut Values<'_, '_>, index: Index, vertices: usize) -> Checked<Vec<u32>> {
+fn indices(values: &mut Values<'_, '_, '_>, index: Index, vertices: usize) -> Checked<Vec<u32>> {
     let entry = super::accessor::entry(index);
     if !component(values.document, index)?.is_unsigned() {
         let what = "indices must be 5121, 5123 or 5125 (unsigned)";
@@ -249,7 +257,7 @@ fn indices(values: &mut Values<'_, '_>, index: Index, vertices: usize) -> Checke
 
 fn with_normals(
     mesh: Mesh,
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     deformation: &Deformation<'_>,
     maps: Option<&[DAffine3]>,
     count: usize,
@@ -285,7 +293,7 @@ fn with_normals(
 
 /// The values of an attribute, unusable ones replaced.
 fn sanitized<const N: usize>(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     name: &str,
     shape: &Shape,
     kind: ValueKind,
@@ -300,7 +308,7 @@ fn sanitized<const N: usize>(
 
 /// Replaces unusable values of an attribute.
 fn sanitize_attribute<const N: usize>(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     numbers: &mut [[f32; N]],
     kind: ValueKind,
     name: &str,
@@ -312,7 +320,7 @@ fn sanitize_attribute<const N: usize>(
 /// The texture coordinates that the material takes; without a texture, the first set.
 fn with_uvs(
     mesh: Mesh,
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     look: Option<&Look>,
     count: usize,
 ) -> Checked<Mesh> {
@@ -331,7 +339,7 @@ fn with_uvs(
 
 /// A set of texture coordinates; that it is not there is a warning where a texture takes it.
 fn uvs(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     set: usize,
     is_taken: bool,
     count: usize,
@@ -350,7 +358,7 @@ fn uvs(
 /// Tangents where the material has a normal map: the file's, or such as tools make them that make normal maps.
 fn with_tangents(
     mesh: Mesh,
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     look: Option<&Look>,
     (deformation, maps): (&Deformation<'_>, Option<&[DAffine3]>),
     count: usize,
@@ -390,7 +398,7 @@ const TANGENT_BYTES: u64 = 3 * (72 + 32 + 16 + 4);
 
 fn with_colors(
     mesh: Mesh,
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     look: Option<&Look>,
     count: usize,
 ) -> Checked<Mesh> {

@@ -7,15 +7,15 @@ use crate::geometry::Color;
 use crate::scene::{Matte, MetalRough, Model};
 
 /// Numbers of a material; those out of their range are moved into it, which is one warning.
-pub(super) struct MaterialNumbers<'a> {
+pub(super) struct MaterialNumbers<'a, 'w> {
     pub(super) entry: Entry,
-    pub(super) report: &'a mut Report,
+    pub(super) report: &'a mut Report<'w>,
 }
 
 /// The brightest light: more than any real one, and less than its sums can bear.
 const BRIGHTEST: f64 = 1e30;
 
-impl MaterialNumbers<'_> {
+impl MaterialNumbers<'_, '_> {
     fn within(&mut self, (least, most): (f64, f64), number: f64, name: &'static str) -> f64 {
         if (least..=most).contains(&number) {
             return number;

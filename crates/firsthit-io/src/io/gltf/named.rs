@@ -11,7 +11,7 @@ use crate::shape::{Between, Mesh, Property, PropertyOf, PropertyValues};
 /// The mesh with the properties of a primitive of `vertices` vertices.
 pub(super) fn with_properties(
     mesh: Mesh,
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     vertices: usize,
 ) -> Checked<Mesh> {
     let primitive = values.primitive;
@@ -37,7 +37,7 @@ fn is_kept(name: &str) -> bool {
 
 /// `None`, with a warning, where the numbers are no vectors, or not as many as vertices.
 fn property(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     name: &str,
     index: Index,
     vertices: usize,
@@ -78,7 +78,7 @@ fn property(
 }
 
 fn numbers<const N: usize>(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     (name, shape): (&str, &Shape),
     is_double: bool,
     vertices: usize,

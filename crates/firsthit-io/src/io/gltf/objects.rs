@@ -22,11 +22,11 @@ use crate::scene::{Label, Material, Object};
 use crate::shape::Mesh;
 
 /// Makes objects. A mesh that several nodes name is made once.
-pub(super) struct Objects<'a, 'b> {
+pub(super) struct Objects<'a, 'b, 'w> {
     document: &'a Document<'a>,
     placed: &'b [Placed<'a>],
     buffers: Buffers<'a>,
-    report: &'b mut Report,
+    report: &'b mut Report<'w>,
     looks: Looks,
     shared: Shared,
     meshes: HashMap<(usize, usize), Option<Arc<Mesh>>>,
@@ -40,12 +40,12 @@ pub(super) struct Objects<'a, 'b> {
     made: Vec<Object>,
 }
 
-impl<'a, 'b> Objects<'a, 'b> {
+impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
     pub(super) fn new(
         document: &'a Document<'a>,
         placed: &'b [Placed<'a>],
         buffers: Buffers<'a>,
-        report: &'b mut Report,
+        report: &'b mut Report<'w>,
     ) -> Self {
         Self {
             document,

@@ -108,7 +108,7 @@ mod tests {
     use crate::io::LoadSettings;
 
     fn content(uri: &str) -> Result<Vec<u8>, String> {
-        let mut report = Report::new("a.gltf".as_ref(), LoadSettings::default());
+        let mut report = Report::new("a.gltf".as_ref(), LoadSettings::default(), &());
         let bytes = resource(uri, &mut report).map_err(|problem| problem.into_words(&report))?;
         Ok(bytes.get().to_vec())
     }

@@ -70,7 +70,7 @@ fn affine(&[a, b, c, _, d, e, f, _, g, h, i, _, x, y, z, _]: &[f64; 16]) -> DAff
 
 /// The map of each vertex of a primitive, from where it was bound to the world.
 pub(super) fn maps(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     palette: &Palette,
     world_from_node: DAffine3,
     vertices: usize,
@@ -118,7 +118,7 @@ pub(super) fn maps(
 /// Leaves vertices that no joint moves where the mesh's node puts them: as a sum of nothing they would all fall
 /// into the origin.
 fn put_back(
-    values: &mut Values<'_, '_>,
+    values: &mut Values<'_, '_, '_>,
     maps: &mut [DAffine3],
     sums: &[f64],
     world_from_node: DAffine3,
@@ -142,7 +142,7 @@ fn put_back(
 
 /// Divides by the shares' sum where it is not one, as it must be; only where it is off by more than
 /// rounding, so that vertices that are right do not move.
-fn even_out(values: &mut Values<'_, '_>, maps: &mut [DAffine3], sums: &[f64]) {
+fn even_out(values: &mut Values<'_, '_, '_>, maps: &mut [DAffine3], sums: &[f64]) {
     let is_off = |sum: f64| sum > 0.0 && (sum - 1.0).abs() > 0.01;
     let mut wrong = sums.iter().filter(|&&sum| is_off(sum));
     let Some(first) = wrong.next() else { return };

@@ -12,7 +12,7 @@ use super::problem::Problem;
 use crate::error::Place;
 
 /// A primitive, and all it takes to read what it names.
-pub(super) struct Values<'a, 'b> {
+pub(super) struct Values<'a, 'b, 'w> {
     pub(super) document: &'a Document<'a>,
     pub(super) primitive: &'a Primitive<'a>,
     /// The entry of the mesh.
@@ -20,15 +20,15 @@ pub(super) struct Values<'a, 'b> {
     number: usize,
     unpacked: Option<Unpacked>,
     pub(super) buffers: &'b mut Buffers<'a>,
-    pub(super) report: &'b mut Report,
+    pub(super) report: &'b mut Report<'w>,
 }
 
-impl<'a, 'b> Values<'a, 'b> {
+impl<'a, 'b, 'w> Values<'a, 'b, 'w> {
     pub(super) fn new(
         document: &'a Document<'a>,
         (mesh, number): (usize, usize),
         buffers: &'b mut Buffers<'a>,
-        report: &'b mut Report,
+        report: &'b mut Report<'w>,
     ) -> Checked<Self> {
         let entry = Entry::new("meshes", mesh);
         let mesh = document.meshes.get(mesh);

@@ -224,9 +224,9 @@ mod tests {
     use super::*;
     use crate::io::LoadSettings;
 
-    fn parsed(text: &[u8]) -> (Library, Report) {
+    fn parsed(text: &[u8]) -> (Library, Report<'_>) {
         let mut library = Library::default();
-        let mut report = Report::new("x.obj".as_ref(), LoadSettings::default());
+        let mut report = Report::new("x.obj".as_ref(), LoadSettings::default(), &());
         library.parse(text, "x.mtl".as_ref(), &mut report);
         (library, report)
     }

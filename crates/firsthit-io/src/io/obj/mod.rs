@@ -34,6 +34,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
         // By the count of lines, not their memory: a statement adds about as much as it has bytes.
         if lines.number.is_multiple_of(CHECK_EVERY) {
             reader.check_memory()?;
+            reader.report.advance_until(lines.rest().len())?;
         }
         if reader.plain_line(&mut lines)? {
             continue;
@@ -55,8 +56,8 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     reader.finish()
 }
 
-struct Reader<'a> {
-    report: &'a mut Report,
+struct Reader<'a, 'w> {
+    report: &'a mut Report<'w>,
     positions: Vec<[f64; 3]>,
     values: Values,
     /// The indices of vertices, texture coordinates and normals.
@@ -76,8 +77,8 @@ struct Reader<'a> {
     corners: Vec<plain::Corner>,
 }
 
-impl<'a> Reader<'a> {
-    fn new(report: &'a mut Report) -> Self {
+impl<'a, 'w> Reader<'a, 'w> {
+    fn new(report: &'a mut Report<'w>) -> Self {
         Self {
             name: report.source.stem(),
             report,

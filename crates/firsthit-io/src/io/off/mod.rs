@@ -28,14 +28,14 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let mut rows = Rows::new(lines, &header)?;
     let mut model = Contents::default();
     for row in 0..header.vertices {
-        model.check_memory(row, report)?;
+        model.check_memory(row, &rows, report)?;
         model.vertex(&header, &mut rows, report)?;
     }
     for row in 0..header.faces {
-        model.check_memory(row, report)?;
+        model.check_memory(row, &rows, report)?;
         model.face(&header, &mut rows, report)?;
     }
-    model.check_memory(0, report)?;
+    model.check_memory(0, &rows, report)?;
     if let Some(line) = rows.next_line() {
         report.warn("trailing", &Place::Line(line), || {
             "lines after the last face are not read".to_owned()
@@ -90,7 +90,7 @@ struct Contents {
 }
 
 impl Contents {
-    fn check_memory(&self, row: u64, report: &mut Report) -> Checked<()> {
+    fn check_memory(&self, row: u64, rows: &Rows, report: &mut Report) -> Checked<()> {
         if !row.is_multiple_of(CHECK_EVERY) {
             return Ok(());
         }
@@ -100,7 +100,10 @@ impl Contents {
             .map(|colors| size_of_val(&*colors.values));
         let vertices = size_of_val(&*self.points) + size_of_val(&*self.normals);
         let vertices = vertices + size_of_val(&*self.uvs) + colors.sum::<usize>();
-        report.budget.charge_growth(vertices + self.surface.bytes())
+        report
+            .budget
+            .charge_growth(vertices + self.surface.bytes())?;
+        report.advance_until(rows.left())
     }
 
     fn vertex(&mut self, header: &Header, rows: &mut Rows, report: &mut Report) -> Checked<()> {

@@ -44,6 +44,11 @@ impl<'a> Rows<'a> {
         })
     }
 
+    /// The number of bytes that follow.
+    pub(super) fn left(&self) -> usize {
+        self.words.rest().len() + self.lines.rest().len()
+    }
+
     pub(super) fn place(&self) -> Place {
         Place::Line(self.lines.number)
     }

@@ -39,8 +39,12 @@ pub(super) trait Rows {
     }
     /// The place of the last value.
     fn place(&self) -> Place;
+    /// The number of bytes that follow.
+    fn left(&self) -> usize;
     /// The most values or rows of `size` bytes that can follow.
-    fn room(&self, size: u64) -> u64;
+    fn room(&self, size: u64) -> u64 {
+        self.left() as u64 / size
+    }
     /// Warns about what was not read.
     fn end(&self, report: &mut Report);
 
@@ -256,8 +260,8 @@ impl Rows for Binary<'_> {
         Place::Byte(self.last)
     }
 
-    fn room(&self, size: u64) -> u64 {
-        self.rest.len() as u64 / size
+    fn left(&self) -> usize {
+        self.rest.len()
     }
 
     fn end(&self, report: &mut Report) {
@@ -348,9 +352,13 @@ impl Rows for Ascii<'_> {
         Place::Line(self.lines.number)
     }
 
+    fn left(&self) -> usize {
+        self.words.rest().len() + self.lines.rest().len()
+    }
+
     /// A value takes at least a digit and a blank, but for the last.
     fn room(&self, _: u64) -> u64 {
-        (self.words.rest().len() as u64 + self.lines.rest().len() as u64).div_ceil(2)
+        (self.left() as u64).div_ceil(2)
     }
 
     fn end(&self, report: &mut Report) {

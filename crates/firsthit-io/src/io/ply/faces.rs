@@ -11,7 +11,7 @@ use crate::io::surface::Surface;
 use crate::shape::PropertyOf;
 
 /// The memory is charged after this many rows.
-const CHECK_EVERY: u64 = 1 << 16;
+pub(super) const CHECK_EVERY: u64 = 1 << 16;
 
 /// The faces that were read.
 pub(super) struct Faces {
@@ -61,6 +61,7 @@ impl Faces {
             if checked - left >= CHECK_EVERY || left == 0 {
                 checked = left;
                 report.budget.charge_growth(self.bytes())?;
+                report.advance_until(rows.left())?;
             }
             if left == 0 {
                 break;

@@ -1,6 +1,7 @@
 //! The vertices of a PLY file.
 
 use super::body::{Rows, Table, scalar_at, skip_value};
+use super::faces::CHECK_EVERY;
 use super::header::{Element, Format, Header, PropertyKind, Type};
 use super::levels::Levels;
 use super::named::NamedRows;
@@ -92,7 +93,10 @@ impl VertexRows {
             return Ok(());
         }
         let mut row = [0.0; NAMES.len()];
-        for _ in 0..element.count {
+        for number in 0..element.count {
+            if number.is_multiple_of(CHECK_EVERY) {
+                report.advance_until(rows.left())?;
+            }
             rows.begin(element)?;
             for (k, (property, slot)) in element.properties.iter().zip(&self.slots).enumerate() {
                 match (property.kind, slot.and_then(|slot| row.get_mut(slot))) {
