@@ -24,9 +24,12 @@ pub(super) struct Wide {
     pub(super) ranges: Vec<(u32, u32)>,
 }
 
-/// The wide tree of a binary one, whose root is first; children stand behind their parents.
-pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
-    let plans = plans(binary);
+/// The wide tree of a binary one, whose root is first; children stand behind their parents. When it is stopped, which then it must stay,
+/// the tree is not whole.
+pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sync) -> Wide {
+    /// The number of nodes between two questions whether to stop.
+    const CHUNK: usize = 1 << 12;
+    let plans = plans(binary, &is_stopped);
     let mut wide = Wide {
         nodes: vec![Node::EMPTY],
         ranges: Vec::new(),
@@ -34,6 +37,9 @@ pub(super) fn collapse(binary: &[BinaryNode]) -> Wide {
     // Binary nodes to be made wide, and the places for them.
     let mut open = vec![(0_u32, 0_usize)];
     while let Some((root, at)) = open.pop() {
+        if at.is_multiple_of(CHUNK) && is_stopped() {
+            break;
+        }
         let mut node = Node::EMPTY;
         for (k, child) in gather(binary, &plans, root).enumerate() {
             let BinaryNode {
@@ -87,20 +93,29 @@ struct Costs {
     leaves: usize,
 }
 
+/// Whether to give up.
+type IsStopped<'a> = dyn Fn() -> bool + Sync + 'a;
+
 /// Fewer nodes are planned by one thread.
 const FORK: usize = 16_384;
 
-fn plans(binary: &[BinaryNode]) -> Vec<Plan> {
+fn plans(binary: &[BinaryNode], is_stopped: &IsStopped<'_>) -> Vec<Plan> {
     let mut plans = memory::room(binary.len());
     plans.resize(binary.len(), [0; WIDTH]);
     if let Some((plan, below)) = plans.split_first_mut() {
-        weigh(binary, 0, plan, below);
+        weigh(binary, 0, plan, below, is_stopped);
     }
     plans
 }
 
 /// Makes the plans of a node and of those `below` it, which stand together. The recursion is no deeper than the tree.
-fn weigh(binary: &[BinaryNode], node: u32, plan: &mut Plan, below: &mut [Plan]) -> Costs {
+fn weigh(
+    binary: &[BinaryNode],
+    node: u32,
+    plan: &mut Plan,
+    below: &mut [Plan],
+    is_stopped: &IsStopped<'_>,
+) -> Costs {
     let [left, right, below @ ..] = below else {
         return Costs::LEAF;
     };
@@ -111,9 +126,12 @@ fn weigh(binary: &[BinaryNode], node: u32, plan: &mut Plan, below: &mut [Plan]) 
         _ => below.len(),
     };
     let is_large = below.len() >= FORK;
+    if is_large && is_stopped() {
+        return Costs::LEAF;
+    }
     let (below_left, below_right) = below.split_at_mut(middle);
-    let mut by_left = || weigh(binary, first, left, below_left);
-    let mut by_right = || weigh(binary, first + 1, right, below_right);
+    let mut by_left = || weigh(binary, first, left, below_left, is_stopped);
+    let mut by_right = || weigh(binary, first + 1, right, below_right, is_stopped);
     let (left, right) = if is_large {
         rayon::join(by_left, by_right)
     } else {
@@ -296,7 +314,7 @@ mod tests {
             let mut below = Vec::new();
             let root = tree(&mut random, leaves, &mut below);
             let binary: Vec<_> = std::iter::once(root).chain(below).collect();
-            let Wide { nodes, ranges } = collapse(&binary);
+            let Wide { nodes, ranges } = collapse(&binary, || false);
             assert_eq!(ranges.len(), leaves as usize);
             // All boxes begin at zero, and all but their width are equal.
             let mut surfaces = root.bounds.half_area();

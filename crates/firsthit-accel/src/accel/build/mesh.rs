@@ -190,11 +190,11 @@ fn full(triangles: &Triangles<'_>) -> Parts {
         return Parts::default();
     }
     let binary = reinsert(binary, || triangles.building.is_stopped());
+    let Wide { nodes, ranges } = collapse::collapse(&binary, || triangles.building.is_stopped());
+    drop(binary);
     if triangles.building.is_stopped() {
         return Parts::default();
     }
-    let Wide { nodes, ranges } = collapse::collapse(&binary);
-    drop(binary);
     let leaf = |&(first, length): &(u32, u32)| {
         let of_leaf = &order[first as usize..(first + length) as usize];
         Meshlet::new(sharing, of_leaf, first)

@@ -96,7 +96,7 @@ impl Bvh {
         if building.is_stopped() {
             return tree;
         }
-        let Wide { mut nodes, ranges } = collapse(&nodes);
+        let Wide { mut nodes, ranges } = collapse(&nodes, || building.is_stopped());
         for child in nodes.iter_mut().flat_map(|node| &mut node.children) {
             if let Some(&(first, _)) = ranges.get((*child ^ LEAF) as usize) {
                 *child = LEAF | order[first as usize];
