@@ -49,8 +49,6 @@ def load(
 ) -> Scene:
     """Read a 3D file: a mesh, a scene file (TOML), or a built scene (.fhs, see `open`).
 
-    Ctrl-C is raised when the file is read, not before.
-
     Parameters
     ----------
     path : path-like
