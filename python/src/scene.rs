@@ -75,6 +75,10 @@ impl Scene {
     /// Builds a scene, sharing with `previous` what did not change, and building as that did. Which way is up, and whether that is guessed, is asked for the
     /// environment.
     #[new]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "a scene's parts, sent by the Python half alone"
+    )]
     fn new(
         py: Python<'_>,
         objects: Vec<ObjectIn<'_>>,

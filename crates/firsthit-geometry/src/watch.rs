@@ -18,7 +18,7 @@ pub trait Watch: Sync {
     }
 
     /// Whether to give up: the computation then ends soon with
-    /// [`Error::Interrupted`](crate::error::Error::Interrupted).
+    /// [`Error::Interrupted`].
     fn is_stopped(&self) -> bool {
         false
     }

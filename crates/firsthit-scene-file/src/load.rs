@@ -99,7 +99,7 @@ pub fn load(path: &Path, settings: &LoadSettings) -> Result<Loaded> {
 ///
 /// # Errors
 ///
-/// The errors of [`load`], and [`Error::Interrupted`](crate::error::Error::Interrupted).
+/// The errors of [`load`], and [`Error::Interrupted`].
 pub fn load_watched(path: &Path, settings: &LoadSettings, watch: &dyn Watch) -> Result<Loaded> {
     // A folder is refused as such, before its extension is.
     read::refuse_folder(path)?;

@@ -65,7 +65,7 @@ impl MeshTree {
     ///
     /// # Errors
     ///
-    /// [`Error::Interrupted`](crate::error::Error::Interrupted).
+    /// [`Error::Interrupted`].
     #[doc(hidden)]
     pub fn build_watched(mesh: &Mesh, is_quick: bool, watch: &dyn Watch) -> Result<Self> {
         let building = Building::new(watch);
