@@ -15,7 +15,7 @@
 //! use firsthit::{Render, Result, load};
 //!
 //! fn main() -> Result<()> {
-//!     let scene = load(Path::new("part.stl"), &LoadSettings::default(), &())?.into_scene()?;
+//!     let scene = load(Path::new("part.stl"), &LoadSettings::default())?.into_scene()?;
 //!     Render::new(&scene).samples(16).frame()?.save("part.png")
 //! }
 //! ```
