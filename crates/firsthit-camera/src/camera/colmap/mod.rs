@@ -90,30 +90,13 @@ enum Model {
     Other(&'static Unsupported),
 }
 
-/// A model that COLMAP has, and that no projection here is.
-#[derive(Debug)]
-struct Unsupported {
-    number: i32,
-    name: &'static str,
-    parameters: &'static [&'static str],
-}
+/// A model that COLMAP has, and that no projection here is: its number, its name and its parameters.
+type Unsupported = (i32, &'static str, &'static [&'static str]);
 
 const UNSUPPORTED: &[Unsupported] = &[
-    Unsupported {
-        number: 12,
-        name: "SIMPLE_DIVISION",
-        parameters: &["f", "cx", "cy", "k"],
-    },
-    Unsupported {
-        number: 13,
-        name: "DIVISION",
-        parameters: &["fx", "fy", "cx", "cy", "k"],
-    },
-    Unsupported {
-        number: 17,
-        name: "EQUIRECTANGULAR",
-        parameters: &["w", "h"],
-    },
+    (12, "SIMPLE_DIVISION", &["f", "cx", "cy", "k"]),
+    (13, "DIVISION", &["fx", "fy", "cx", "cy", "k"]),
+    (17, "EQUIRECTANGULAR", &["w", "h"]),
 ];
 
 impl Model {
@@ -128,7 +111,7 @@ impl Model {
             return Ok(Self::Known(model));
         }
         let mut others = UNSUPPORTED.iter();
-        if let Some(model) = others.find(|model| is_it(model.number, model.name)) {
+        if let Some(model) = others.find(|(number, name, _)| is_it(*number, name)) {
             return Ok(Self::Other(model));
         }
         let names: Vec<&str> = ColmapModel::ALL.iter().map(|model| model.name).collect();
@@ -140,7 +123,7 @@ impl Model {
     fn parameters(self) -> &'static [&'static str] {
         match self {
             Self::Known(model) => model.parameters,
-            Self::Other(model) => model.parameters,
+            Self::Other((_, _, parameters)) => parameters,
         }
     }
 }
@@ -262,7 +245,7 @@ impl ColmapImages {
         let model = |image: &Image| self.cameras.get(&image.camera).map(|camera| camera.model);
         self.images.iter().map(move |image| match model(image)? {
             Model::Known(_) => None,
-            Model::Other(model) => Some(model.name),
+            Model::Other((_, name, _)) => Some(*name),
         })
     }
 
@@ -287,8 +270,8 @@ impl ColmapImages {
         };
         let model = match intrinsics.model {
             Model::Known(model) => model,
-            Model::Other(model) => {
-                let (model, image) = (model.name, shown(&image.name));
+            Model::Other((_, model, _)) => {
+                let image = shown(&image.name);
                 let what = format!("the model {model} of image {image} is not supported");
                 return Err(wrong(of_cameras, intrinsics.place.clone(), what));
             }
@@ -400,27 +383,14 @@ impl Image {
 fn matrix(&[w, x, y, z, ref t @ ..]: &[f64; 7]) -> [[f64; 4]; 4] {
     let s = 2.0 / (w * w + x * x + y * y + z * z);
     let &[t_x, t_y, t_z] = t;
-    [
-        [
-            1.0 - s * (y * y + z * z),
-            s * (x * y - w * z),
-            s * (x * z + w * y),
-            t_x,
-        ],
-        [
-            s * (x * y + w * z),
-            1.0 - s * (x * x + z * z),
-            s * (y * z - w * x),
-            t_y,
-        ],
-        [
-            s * (x * z - w * y),
-            s * (y * z + w * x),
-            1.0 - s * (x * x + y * y),
-            t_z,
-        ],
+    #[rustfmt::skip]
+    let rows = [
+        [1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), t_x],
+        [s * (x * y + w * z), 1.0 - s * (x * x + z * z), s * (y * z - w * x), t_y],
+        [s * (x * z - w * y), s * (y * z + w * x), 1.0 - s * (x * x + y * y), t_z],
         [0.0, 0.0, 0.0, 1.0],
-    ]
+    ];
+    rows
 }
 
 /// A word of a file for a message, within quotes; of a long one its beginning.

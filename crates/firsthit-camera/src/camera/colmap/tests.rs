@@ -59,7 +59,7 @@ fn as_binary(images: &ColmapImages) -> [Vec<u8>; 2] {
 fn number_of(model: Model) -> i32 {
     match model {
         Model::Known(model) => model.number,
-        Model::Other(model) => model.number,
+        Model::Other((number, ..)) => *number,
     }
 }
 
