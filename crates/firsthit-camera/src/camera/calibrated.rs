@@ -9,7 +9,7 @@ use super::central::Central;
 use super::distortion::{Distortion, Limit};
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
-use super::quick::square;
+use super::quick::{Known, Pair, square};
 use super::thin_lens::{THIN_LENS, check_thin_lens};
 use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
@@ -164,12 +164,7 @@ impl<D: Distortion> Central for Calibrated<D> {
     }
 
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        _: [usize; 2],
-        [u, v]: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, _: [usize; 2], [u, v]: Pair<A>) -> Known<A, 3> {
         // Operation for operation what `PixelMatrix::point` does.
         let PixelMatrix {
             fx,

@@ -7,7 +7,7 @@
 
 use super::lens::{Model, Reach};
 use super::pose::Pose;
-use super::quick::square;
+use super::quick::{Known, Pair, square};
 use crate::error::Result;
 use crate::geometry::arithmetic::{Arithmetic, PairOfMasks, Pairs, Scalar};
 use crate::geometry::{DVec2, DVec3, PixelGrid, Ray, arrays};
@@ -29,12 +29,7 @@ pub(super) trait Central: Send + Sync {
     /// The directions for a single point or for several at once, with a mask of where they are
     /// known. Elsewhere [`direction`](Self::direction) decides.
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        _size: [usize; 2],
-        _pixel: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask)
+    fn directions<A: Arithmetic>(&self, of: A, _size: [usize; 2], _pixel: Pair<A>) -> Known<A, 3>
     where
         Self: Sized,
     {
@@ -52,9 +47,12 @@ pub(super) trait Central: Send + Sync {
         None
     }
     /// The lens for the same picture at `factors` times its rows and columns.
-    fn scaled(&self, factors: [f64; 2]) -> Self
+    fn scaled(&self, _factors: [f64; 2]) -> Self
     where
-        Self: Sized;
+        Self: Copy,
+    {
+        *self
+    }
 }
 
 /// A direction in the camera's coordinates to one in the world's, of length one.

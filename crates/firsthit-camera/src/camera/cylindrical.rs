@@ -38,8 +38,4 @@ impl Central for Cylindrical {
             rows as f64 * (0.5 + down / self.height()),
         ))
     }
-
-    fn scaled(&self, _: [f64; 2]) -> Self {
-        *self
-    }
 }

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use super::central::Central;
-use super::quick::sincos;
+use super::quick::{Known, Pair, sincos};
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, Domain, settings};
 
@@ -42,8 +42,8 @@ impl Central for Equirectangular {
         &self,
         of: A,
         [rows, columns]: [usize; 2],
-        [u, v]: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+        [u, v]: Pair<A>,
+    ) -> Known<A, 3> {
         let longitude = of.sub(of.div(u, of.number(columns as f64)), of.number(0.5));
         let longitude = of.mul(of.number(radians(self.horizontal_fov)), longitude);
         let latitude = of.sub(of.div(v, of.number(rows as f64)), of.number(0.5));
@@ -62,9 +62,5 @@ impl Central for Equirectangular {
             columns as f64 * (0.5 + longitude / radians(self.horizontal_fov)),
             rows as f64 * (0.5 - latitude / radians(self.vertical_fov)),
         ))
-    }
-
-    fn scaled(&self, _: [f64; 2]) -> Self {
-        *self
     }
 }

@@ -9,6 +9,13 @@
 
 use crate::geometry::arithmetic::Arithmetic;
 
+/// Two numbers of a ray, or of several.
+pub(super) type Pair<A> = [<A as Arithmetic>::Number; 2];
+
+/// Numbers of a ray, or of several, and where they are known.
+pub(super) type Known<A, const N: usize> =
+    ([<A as Arithmetic>::Number; N], <A as Arithmetic>::Mask);
+
 /// A polynomial's value; coefficients begin with the constant.
 ///
 /// Even and odd powers in two sums that do not wait for each other (Estrin, "Organization of Computer Systems: the Fixed Plus Variable
@@ -47,7 +54,7 @@ pub(super) fn twice<A: Arithmetic>(of: A, x: A::Number) -> A::Number {
 /// The angle is brought to pi / 4 by a multiple of pi / 2, whose first part has 33 bits, so that the product is exact; then Taylor's
 /// series, whose next terms are below half a unit.
 #[inline(always)]
-pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> [A::Number; 2] {
+pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> Pair<A> {
     /// Adding it rounds to a whole number.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     /// pi / 2 in two parts.

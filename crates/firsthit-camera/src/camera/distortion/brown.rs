@@ -5,7 +5,7 @@
 use super::Limit;
 use super::newton::{Mapped, invert, invert_in_plane};
 use super::polynomial::{product, sign_changes, value};
-use crate::camera::quick::{Start, polynomial, square, twice};
+use crate::camera::quick::{Known, Pair, Start, polynomial, square, twice};
 use crate::geometry::DVec2;
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 
@@ -125,8 +125,8 @@ impl<const N: usize> Brown<N> {
         &self,
         of: A,
         limit: &Limit,
-        [u, v]: [A::Number; 2],
-    ) -> ([A::Number; 2], A::Mask) {
+        [u, v]: Pair<A>,
+    ) -> Known<A, 2> {
         /// The most steps: from a start as near as usual, two lead to the last digit.
         const MOST_STEPS: usize = 8;
         /// A step of this share leaves its square, which is less than rounding.
@@ -229,11 +229,7 @@ impl<const N: usize> Brown<N> {
 
     /// The distorted point of (x, y) and its derivative: of x by x and y, of y by x and y.
     #[inline(always)]
-    fn mapped<A: Arithmetic>(
-        &self,
-        of: A,
-        [x, y]: [A::Number; 2],
-    ) -> ([A::Number; 2], [A::Number; 4]) {
+    fn mapped<A: Arithmetic>(&self, of: A, [x, y]: Pair<A>) -> (Pair<A>, [A::Number; 4]) {
         let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
         let q = of.add(xx, yy);
         let [mut factor, mut rate] = value_and_slope(of, &self.radial, q);
@@ -290,7 +286,7 @@ impl<const N: usize> Brown<N> {
 
     /// The shift of a point by tangential and thin prism distortion.
     #[inline(always)]
-    fn uneven<A: Arithmetic>(&self, of: A, [x, y]: [A::Number; 2]) -> [A::Number; 2] {
+    fn uneven<A: Arithmetic>(&self, of: A, [x, y]: Pair<A>) -> Pair<A> {
         let (xx, yy, xy) = (of.mul(x, x), of.mul(y, y), of.mul(x, y));
         let q = of.add(xx, yy);
         let [p1, p2] = self.tangential;
@@ -439,7 +435,7 @@ fn value_and_slope<A: Arithmetic, const N: usize>(
     of: A,
     coefficients: &[f64; N],
     q: A::Number,
-) -> [A::Number; 2] {
+) -> Pair<A> {
     let slope = slope_of(coefficients);
     [
         polynomial(of, coefficients, q),
@@ -459,7 +455,7 @@ fn slope_of<const N: usize>(coefficients: &[f64; N]) -> [f64; N] {
 
 /// The shift of a point by a thin prism, and its derivative by x, divided by x.
 #[inline(always)]
-fn prism<A: Arithmetic>(of: A, first: f64, second: f64, q: A::Number) -> [A::Number; 2] {
+fn prism<A: Arithmetic>(of: A, first: f64, second: f64, q: A::Number) -> Pair<A> {
     [
         of.mul(q, of.add(of.number(first), of.mul(of.number(second), q))),
         of.add(of.number(2.0 * first), of.mul(of.number(4.0 * second), q)),

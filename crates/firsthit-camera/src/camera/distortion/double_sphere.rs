@@ -4,7 +4,7 @@
 
 use super::unified::{backmost, height};
 use super::{Distortion, Limit};
-use crate::camera::quick::square;
+use crate::camera::quick::{Known, Pair, square};
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, Domain, settings};
 
@@ -20,12 +20,7 @@ settings! {
 
 impl Distortion for DoubleSphere {
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        _: &Limit,
-        [x, y]: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, _: &Limit, [x, y]: Pair<A>) -> Known<A, 3> {
         let Self { xi, alpha } = *self;
         let r2 = square(of, x, y);
         let (mz, rest) = height(of, alpha, r2);

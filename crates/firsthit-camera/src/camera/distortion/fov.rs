@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::Limit;
 use super::radial::RadialModel;
-use crate::camera::quick::{sincos, square};
+use crate::camera::quick::{Known, Pair, sincos, square};
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{Domain, settings};
 
@@ -33,7 +33,7 @@ impl Fov {
 
     /// Numbers in the ratio of sine and cosine of a radius' angle, of which neither is large.
     #[inline(always)]
-    fn ratio<A: Arithmetic>(self, of: A, radius: A::Number) -> [A::Number; 2] {
+    fn ratio<A: Arithmetic>(self, of: A, radius: A::Number) -> Pair<A> {
         if self.is_pinhole() {
             return [radius, of.number(1.0)];
         }
@@ -64,12 +64,7 @@ impl RadialModel for Fov {
     }
 
     #[inline(always)]
-    fn sine_and_cosine<A: Arithmetic>(
-        &self,
-        of: A,
-        _: &Limit,
-        radius: A::Number,
-    ) -> ([A::Number; 2], A::Mask) {
+    fn sincos<A: Arithmetic>(&self, of: A, _: &Limit, radius: A::Number) -> Known<A, 2> {
         let [sine, cosine] = self.ratio(of, radius);
         let length = of.sqrt(square(of, sine, cosine));
         let inverse = of.div(of.number(1.0), length);

@@ -4,7 +4,7 @@
 
 use super::opencv::OpenCv;
 use super::{Distortion, Limit};
-use crate::camera::quick::square;
+use crate::camera::quick::{Known, Pair, square};
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, Domain, settings};
 
@@ -43,12 +43,7 @@ impl Distortion for Mei {
     }
 
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        limit: &Limit,
-        point: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, limit: &Limit, point: Pair<A>) -> Known<A, 3> {
         let ([x, y, _], known) = self.distortion().directions(of, limit, point);
         let (direction, is_seen) = self.lifted(of, [x, y]);
         (direction, known & is_seen)
@@ -82,7 +77,7 @@ impl Distortion for Mei {
 impl Mei {
     /// The direction of a point of the undistorted image, by the sphere, and where there is one.
     #[inline(always)]
-    fn lifted<A: Arithmetic>(&self, of: A, [x, y]: [A::Number; 2]) -> ([A::Number; 3], A::Mask) {
+    fn lifted<A: Arithmetic>(&self, of: A, [x, y]: Pair<A>) -> Known<A, 3> {
         let (one, xi) = (of.number(1.0), of.number(self.xi));
         let r2 = square(of, x, y);
         let rest = of.add(one, of.mul(of.number(1.0 - self.xi * self.xi), r2));

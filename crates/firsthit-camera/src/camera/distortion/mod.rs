@@ -30,7 +30,7 @@ pub use radial::{
 pub use thin_prism::{RadTanThinPrismFisheye, ThinPrismFisheye};
 pub use unified::{Eucm, Ucm};
 
-use super::quick::Start;
+use super::quick::{Known, Pair, Start};
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3};
 
@@ -83,12 +83,7 @@ pub(super) trait Distortion: Copy + Send + Sync {
     }
     /// [`unproject`](Self::unproject) for a single point or several at once, and where it is known.
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        _limit: &Limit,
-        _point: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, _limit: &Limit, _point: Pair<A>) -> Known<A, 3> {
         let nothing = of.number(0.0);
         ([nothing; 3], of.lt(nothing, nothing))
     }

@@ -16,6 +16,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::brown::Brown;
 use super::{Distortion, Limit};
+use crate::camera::quick::{Known, Pair};
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DMat3, DVec2, DVec3, Domain, settings};
 
@@ -98,12 +99,7 @@ impl Distortion for OpenCv {
     }
 
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        limit: &Limit,
-        point: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, limit: &Limit, point: Pair<A>) -> Known<A, 3> {
         if self.is_tilted() {
             return ([of.number(0.0); 3], of.lt(point[0], point[0]));
         }

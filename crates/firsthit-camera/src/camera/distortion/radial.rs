@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use super::newton::invert;
 use super::polynomial::{sign_changes, value};
 use super::{Distortion, Limit};
-use crate::camera::quick::{Start, negative, polynomial, sincos};
+use crate::camera::quick::{Known, Pair, Start, negative, polynomial, sincos};
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, Domain, settings};
 
@@ -26,12 +26,7 @@ pub(super) trait RadialModel: Copy + Send + Sync {
     /// The angle of a radius, which is that of an angle up to `largest`.
     fn angle(&self, radius: f64, largest: f64) -> f64;
     /// Sine and cosine of a radius' angle, for one or several at once, and where they are known.
-    fn sine_and_cosine<A: Arithmetic>(
-        &self,
-        of: A,
-        limit: &Limit,
-        radius: A::Number,
-    ) -> ([A::Number; 2], A::Mask);
+    fn sincos<A: Arithmetic>(&self, of: A, limit: &Limit, radius: A::Number) -> Known<A, 2>;
 }
 
 /// The mask of all lanes, for values that are known everywhere.
@@ -62,14 +57,9 @@ impl<M: RadialModel> Distortion for M {
     }
 
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        limit: &Limit,
-        [x, y]: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, limit: &Limit, [x, y]: Pair<A>) -> Known<A, 3> {
         let radius = of.sqrt(of.add(of.mul(x, x), of.mul(y, y)));
-        let ([sine, cosine], known) = self.sine_and_cosine(of, limit, radius);
+        let ([sine, cosine], known) = self.sincos(of, limit, radius);
         let share = of.div(sine, radius);
         // The middle and what is beyond the limit are for `unproject`.
         let known =
@@ -163,12 +153,7 @@ impl RadialModel for Equidistant {
     }
 
     #[inline(always)]
-    fn sine_and_cosine<A: Arithmetic>(
-        &self,
-        of: A,
-        _: &Limit,
-        radius: A::Number,
-    ) -> ([A::Number; 2], A::Mask) {
+    fn sincos<A: Arithmetic>(&self, of: A, _: &Limit, radius: A::Number) -> Known<A, 2> {
         (sincos(of, radius), everywhere(of))
     }
 }
@@ -187,12 +172,7 @@ impl RadialModel for Equisolid {
     }
 
     #[inline(always)]
-    fn sine_and_cosine<A: Arithmetic>(
-        &self,
-        of: A,
-        _: &Limit,
-        radius: A::Number,
-    ) -> ([A::Number; 2], A::Mask) {
+    fn sincos<A: Arithmetic>(&self, of: A, _: &Limit, radius: A::Number) -> Known<A, 2> {
         // By the half angle, whose sine is half the radius.
         let one = of.number(1.0);
         let half = of.mul(of.number(0.5), radius);
@@ -217,12 +197,7 @@ impl RadialModel for Stereographic {
     }
 
     #[inline(always)]
-    fn sine_and_cosine<A: Arithmetic>(
-        &self,
-        of: A,
-        _: &Limit,
-        radius: A::Number,
-    ) -> ([A::Number; 2], A::Mask) {
+    fn sincos<A: Arithmetic>(&self, of: A, _: &Limit, radius: A::Number) -> Known<A, 2> {
         // By the half angle, whose tangent is half the radius.
         let one = of.number(1.0);
         let half = of.mul(of.number(0.5), radius);
@@ -247,12 +222,7 @@ impl RadialModel for OrthographicFisheye {
     }
 
     #[inline(always)]
-    fn sine_and_cosine<A: Arithmetic>(
-        &self,
-        of: A,
-        _: &Limit,
-        radius: A::Number,
-    ) -> ([A::Number; 2], A::Mask) {
+    fn sincos<A: Arithmetic>(&self, of: A, _: &Limit, radius: A::Number) -> Known<A, 2> {
         let one = of.number(1.0);
         // (1 - r)(1 + r) keeps the digits that 1 - r² loses near the edge.
         let square = of.mul(of.sub(one, radius), of.add(one, radius));
@@ -357,7 +327,7 @@ fn angle_by_newton<A: Arithmetic, const N: usize>(
     odd: &[f64; N],
     limit: &Limit,
     radius: A::Number,
-) -> ([A::Number; 2], A::Mask) {
+) -> Known<A, 2> {
     const MOST_STEPS: usize = 8;
     /// A step of this share leaves less than rounding.
     const SETTLED: f64 = 1e-10;
@@ -402,12 +372,7 @@ macro_rules! polynomial_models {
             }
 
             #[inline(always)]
-            fn sine_and_cosine<A: Arithmetic>(
-                &self,
-                of: A,
-                limit: &Limit,
-                radius: A::Number,
-            ) -> ([A::Number; 2], A::Mask) {
+            fn sincos<A: Arithmetic>(&self, of: A, limit: &Limit, radius: A::Number) -> Known<A, 2> {
                 angle_by_newton(of, &self.odd(), limit, radius)
             }
         }

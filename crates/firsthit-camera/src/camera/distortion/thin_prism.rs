@@ -21,6 +21,7 @@ use std::f64::consts::PI;
 use super::brown::Brown;
 use super::radial::{AngleSeries, Equidistant};
 use super::{Distortion, Limit};
+use crate::camera::quick::{Known, Pair};
 use crate::geometry::arithmetic::Arithmetic;
 use crate::geometry::{DVec2, DVec3, Domain, settings};
 
@@ -117,12 +118,7 @@ impl Distortion for ThinPrismFisheye {
     }
 
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        limit: &Limit,
-        point: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, limit: &Limit, point: Pair<A>) -> Known<A, 3> {
         let (point, known) = self.plane().undistorted(of, limit, point);
         let (direction, is_seen) = EQUIDISTANT.directions(of, &all_around(), point);
         (direction, known & is_seen)
@@ -184,12 +180,7 @@ impl Distortion for RadTanThinPrismFisheye {
     }
 
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        limit: &Limit,
-        point: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, limit: &Limit, point: Pair<A>) -> Known<A, 3> {
         let (point, known) = self.plane().undistorted(of, &of_plane(limit), point);
         let (direction, is_seen) = self.polynomial().directions(of, limit, point);
         (direction, known & is_seen)

@@ -7,7 +7,7 @@
 //! Model", 3DV 2018.
 
 use super::{Distortion, Limit};
-use crate::camera::quick::square;
+use crate::camera::quick::{Known, Pair, square};
 use crate::geometry::arithmetic::{Arithmetic, Scalar};
 use crate::geometry::{DVec2, DVec3, Domain, settings};
 
@@ -52,12 +52,7 @@ pub(super) fn backmost(alpha: f64) -> f64 {
 
 impl Distortion for Eucm {
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        _: &Limit,
-        [x, y]: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, _: &Limit, [x, y]: Pair<A>) -> Known<A, 3> {
         let r2 = of.mul(of.number(self.beta), square(of, x, y));
         let (z, rest) = height(of, self.alpha, r2);
         // Where nothing is left of it, and beyond, nothing is seen.
@@ -95,12 +90,7 @@ impl Distortion for Ucm {
     }
 
     #[inline(always)]
-    fn directions<A: Arithmetic>(
-        &self,
-        of: A,
-        limit: &Limit,
-        point: [A::Number; 2],
-    ) -> ([A::Number; 3], A::Mask) {
+    fn directions<A: Arithmetic>(&self, of: A, limit: &Limit, point: Pair<A>) -> Known<A, 3> {
         self.enhanced().directions(of, limit, point)
     }
 
