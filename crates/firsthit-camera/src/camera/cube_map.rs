@@ -21,95 +21,30 @@ settings! {
     pub struct CubeMap {}
 }
 
-/// A face: to the right in its picture, down, and to its middle; the camera's x to the right, y down, z ahead.
-struct Face {
-    right: DVec3,
-    down: DVec3,
-    middle: DVec3,
-}
-
-const FACES: [Face; 6] = [
-    Face {
-        right: DVec3::NEG_Z,
-        down: DVec3::Y,
-        middle: DVec3::X,
-    },
-    Face {
-        right: DVec3::Z,
-        down: DVec3::Y,
-        middle: DVec3::NEG_X,
-    },
-    Face {
-        right: DVec3::X,
-        down: DVec3::Z,
-        middle: DVec3::NEG_Y,
-    },
-    Face {
-        right: DVec3::X,
-        down: DVec3::NEG_Z,
-        middle: DVec3::Y,
-    },
-    Face {
-        right: DVec3::X,
-        down: DVec3::Y,
-        middle: DVec3::Z,
-    },
-    Face {
-        right: DVec3::NEG_X,
-        down: DVec3::Y,
-        middle: DVec3::NEG_Z,
-    },
+/// The letter of each face; to the right in its picture, down, and to its middle; the camera's x to the right, y down, z ahead.
+const FACES: [(u8, [DVec3; 3]); 6] = [
+    (b'R', [DVec3::NEG_Z, DVec3::Y, DVec3::X]),
+    (b'L', [DVec3::Z, DVec3::Y, DVec3::NEG_X]),
+    (b'U', [DVec3::X, DVec3::Z, DVec3::NEG_Y]),
+    (b'D', [DVec3::X, DVec3::NEG_Z, DVec3::Y]),
+    (b'F', [DVec3::X, DVec3::Y, DVec3::Z]),
+    (b'B', [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z]),
 ];
 
-/// Rows and columns of faces, and which face is where.
-struct Layout {
-    rows: usize,
-    columns: usize,
-    faces: &'static [Option<usize>],
-}
-
-const LAYOUTS: [Layout; 4] = [
-    Layout {
-        rows: 1,
-        columns: 6,
-        faces: &[Some(0), Some(1), Some(2), Some(3), Some(4), Some(5)],
-    },
-    Layout {
-        rows: 6,
-        columns: 1,
-        faces: &[Some(0), Some(1), Some(2), Some(3), Some(4), Some(5)],
-    },
-    Layout {
-        rows: 2,
-        columns: 3,
-        faces: &[Some(0), Some(1), Some(2), Some(3), Some(4), Some(5)],
-    },
-    Layout {
-        rows: 3,
-        columns: 4,
-        faces: &[
-            None,
-            Some(2),
-            None,
-            None,
-            Some(1),
-            Some(4),
-            Some(0),
-            Some(5),
-            None,
-            Some(3),
-            None,
-            None,
-        ],
-    },
+/// Rows and columns of faces, and the letters of those, row by row.
+const LAYOUTS: [([usize; 2], &[u8]); 4] = [
+    ([1, 6], b"RLUDFB"),
+    ([6, 1], b"RLUDFB"),
+    ([2, 3], b"RLUDFB"),
+    ([3, 4], b".U..LFRB.D.."),
 ];
 
 /// The layout of a picture, and how many pixels the side of a face has.
-fn layout([rows, columns]: [usize; 2]) -> Option<(&'static Layout, usize)> {
-    LAYOUTS.iter().find_map(|layout| {
-        let side = rows / layout.rows;
-        let fits = side >= 1 && rows == side * layout.rows && columns == side * layout.columns;
-        fits.then_some((layout, side))
+fn layout([rows, columns]: [usize; 2]) -> Option<([usize; 2], &'static [u8], usize)> {
+    LAYOUTS.iter().find_map(|&([down, across], faces)| {
+        let side = rows / down;
+        let fits = side >= 1 && rows == side * down && columns == side * across;
+        fits.then_some(([down, across], faces, side))
     })
 }
 
@@ -122,39 +57,34 @@ impl Central for CubeMap {
     }
 
     fn direction(&self, size: [usize; 2], pixel: DVec2) -> Option<DVec3> {
-        let (layout, side) = layout(size)?;
+        let ([rows, columns], letters, side) = layout(size)?;
         let at = pixel / side as f64;
         // Written so that what is beyond the edges belongs to the nearest face.
-        let last = DVec2::new(layout.columns as f64 - 1.0, layout.rows as f64 - 1.0);
+        let last = DVec2::new(columns as f64 - 1.0, rows as f64 - 1.0);
         let place = at.floor().clamp(DVec2::ZERO, last);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "clamped"
         )]
-        let index = place.y as usize * layout.columns + place.x as usize;
-        let face = &FACES[(*layout.faces.get(index)?)?];
+        let index = place.y as usize * columns + place.x as usize;
+        let letter = letters.get(index)?;
+        let (_, [right, down, middle]) = FACES.iter().find(|(own, _)| own == letter)?;
         let within = 2.0 * (at - place) - DVec2::ONE;
-        Some(face.middle + within.x * face.right + within.y * face.down)
+        Some(middle + within.x * right + within.y * down)
     }
 
     fn pixel(&self, size: [usize; 2], direction: DVec3) -> Option<DVec2> {
-        let (layout, side) = layout(size)?;
+        let ([_, columns], letters, side) = layout(size)?;
         // The face whose axis is nearest; of equal ones the first.
-        let along = FACES.each_ref().map(|face| direction.dot(face.middle));
+        let along = FACES.map(|(_, [_, _, middle])| direction.dot(middle));
         let largest = along.iter().copied().fold(0.0, f64::max);
-        let number = along
-            .iter()
-            .position(|&along| along > 0.0 && along == largest)?;
-        let face = &FACES[number];
-        let place = layout.faces.iter().position(|&own| own == Some(number))?;
-        let (row, column) = (place / layout.columns, place % layout.columns);
-        let within = DVec2::new(direction.dot(face.right), direction.dot(face.down)) / largest;
+        let is_nearest = |&along: &f64| along > 0.0 && along == largest;
+        let (letter, [right, down, _]) = FACES[along.iter().position(is_nearest)?];
+        let place = letters.iter().position(|&own| own == letter)?;
+        let (row, column) = (place / columns, place % columns);
+        let within = DVec2::new(direction.dot(right), direction.dot(down)) / largest;
         let corner = DVec2::new(column as f64, row as f64);
         Some(side as f64 * (corner + 0.5 * (within + DVec2::ONE)))
-    }
-
-    fn scaled(&self, _: [f64; 2]) -> Self {
-        *self
     }
 }
