@@ -127,121 +127,48 @@ fn the_rotation_that_is_nearest_to_a_matrix_is_taken() {
 }
 
 /// Texts with a mistake each, and what is said of it.
+#[rustfmt::skip]
 const MISTAKES: &[(TrajectoryFormat, &str, &str)] = &[
     (Tum, "", ": there are no poses in it"),
     (Tum, "# nothing\n", ": there are no poses in it"),
-    (
-        Tum,
-        "0 1 2 3\n",
-        ":1: expected 8 numbers (timestamp tx ty tz qx qy qz qw), got 4",
-    ),
-    (
-        Tum,
-        "0 1 2 3 0 0 0 1 9\n",
-        ":1: expected 8 numbers (timestamp tx ty tz qx qy qz qw), got 9",
-    ),
-    (
-        Tum,
-        "\n 0 1 2 é 0 0 0 1\n",
-        ":2:8: 'é' is not a finite number within 1e150",
-    ),
-    (
-        Tum,
-        "0 é 0 é 0 0 0 1\n",
-        ":1:3: 'é' is not a finite number within 1e150",
-    ),
-    (
-        Tum,
-        "0 0 0 0 0 0 0 1\r\n1 nan 0 0 0 0 0 1",
-        ":2:3: 'nan' is not a finite number within 1e150",
-    ),
-    (
-        Tum,
-        "1e400 0 0 0 0 0 0 1\n",
-        ":1:1: '1e400' is not a finite number within 1e150",
-    ),
-    (
-        Tum,
-        "0 0 0 0 0 0 0.5 0.5\n",
-        ":1:9: the quaternion has the length 0.7071067811865476, not 1 within 0.001",
-    ),
-    (
-        Tum,
-        "0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
-        ":2:1: time 0 s is not after 0 s, that of the pose before",
-    ),
+    (Tum, "0 1 2 3\n", ":1: expected 8 numbers (timestamp tx ty tz qx qy qz qw), got 4"),
+    (Tum, "0 1 2 3 0 0 0 1 9\n", ":1: expected 8 numbers (timestamp tx ty tz qx qy qz qw), got 9"),
+    (Tum, "\n 0 1 2 é 0 0 0 1\n", ":2:8: 'é' is not a finite number within 1e150"),
+    (Tum, "0 é 0 é 0 0 0 1\n", ":1:3: 'é' is not a finite number within 1e150"),
+    (Tum, "0 0 0 0 0 0 0 1\r\n1 nan 0 0 0 0 0 1",
+        ":2:3: 'nan' is not a finite number within 1e150"),
+    (Tum, "1e400 0 0 0 0 0 0 1\n", ":1:1: '1e400' is not a finite number within 1e150"),
+    (Tum, "0 0 0 0 0 0 0.5 0.5\n",
+        ":1:9: the quaternion has the length 0.7071067811865476, not 1 within 0.001"),
+    (Tum, "0 0 0 0 0 0 0 1\n0 0 0 0 0 0 0 1\n",
+        ":2:1: time 0 s is not after 0 s, that of the pose before"),
     (Csv, "", ": there are no poses in it"),
-    (
-        Csv,
-        "time,x,y,z,qx,qy,qz,qw\n",
-        ": there are no poses in it",
-    ),
-    (
-        Csv,
-        "0,0,0,0,0,0,0,1\n",
-        ":1: there is no column time or t or timestamp; the first line is the header",
-    ),
-    (
-        Csv,
-        "t,x,y,z,qx,qy,qz\n",
-        ":1: there is no column qw; the first line is the header",
-    ),
-    (
-        Csv,
-        "t,x,Time,z,qx,qy,qz\n",
-        ":1:5: the columns 't' and 'Time' are for the same; one of them is expected",
-    ),
-    (
-        Csv,
-        "t,x,y,X,z,qx,qy,qz\n",
-        ":1:7: the columns 'x' and 'X' are for the same; one of them is expected",
-    ),
-    (
-        Csv,
-        "time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0\n",
-        ":2: expected 8 columns, as in the header, got 7",
-    ),
-    (
-        Csv,
-        "time,x,y,z,qx,qy,qz,qw\n0, 0,\"x\" ,0,0,0,0,1\n",
-        ":2:7: 'x' is not a finite number within 1e150",
-    ),
-    (
-        Csv,
-        "time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,\n",
-        ":2:15: '' is not a finite number within 1e150",
-    ),
-    (
-        Csv,
-        "t_ns,x,y,z,qx,qy,qz,qw\ninf,0,0,0,0,0,0,1",
-        ":2:1: 'inf' is not a finite number within 1e150",
-    ),
-    (
-        Ros,
-        "%time,field.data\n0,1\n",
+    (Csv, "time,x,y,z,qx,qy,qz,qw\n", ": there are no poses in it"),
+    (Csv, "0,0,0,0,0,0,0,1\n",
+        ":1: there is no column time or t or timestamp; the first line is the header"),
+    (Csv, "t,x,y,z,qx,qy,qz\n", ":1: there is no column qw; the first line is the header"),
+    (Csv, "t,x,Time,z,qx,qy,qz\n",
+        ":1:5: the columns 't' and 'Time' are for the same; one of them is expected"),
+    (Csv, "t,x,y,X,z,qx,qy,qz\n",
+        ":1:7: the columns 'x' and 'X' are for the same; one of them is expected"),
+    (Csv, "time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0\n",
+        ":2: expected 8 columns, as in the header, got 7"),
+    (Csv, "time,x,y,z,qx,qy,qz,qw\n0, 0,\"x\" ,0,0,0,0,1\n",
+        ":2:7: 'x' is not a finite number within 1e150"),
+    (Csv, "time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,\n",
+        ":2:15: '' is not a finite number within 1e150"),
+    (Csv, "t_ns,x,y,z,qx,qy,qz,qw\ninf,0,0,0,0,0,0,1",
+        ":2:1: 'inf' is not a finite number within 1e150"),
+    (Ros, "%time,field.data\n0,1\n",
         ":1: there is no column field.pose.position.x or field.pose.pose.position.x or field.transform.translation.x \
-        or field.position.x; the first line is the header",
-    ),
-    (
-        Ros,
-        "field.pose.position.x\n",
-        ":1: there is no column field.header.stamp or %time; the first line is the header",
-    ),
-    (
-        Kitti,
-        "1 0 0 0 0 1 0 0 0 0 1\n",
-        ":1: expected 12 numbers (the rows of a 3 x 4 matrix), got 11",
-    ),
-    (
-        Kitti,
-        "1 0 0 0 0 1 0 0 0 0 1.001 0\n",
-        ":1: the matrix is not a rotation: the products of its columns are off by 2.00e-3, at most 0.0001 is expected",
-    ),
-    (
-        Kitti,
-        "1 0 0 0 0 1 0 0 0 0 -1 0\n",
-        ":1: the matrix is not a rotation: it mirrors",
-    ),
+            or field.position.x; the first line is the header"),
+    (Ros, "field.pose.position.x\n",
+        ":1: there is no column field.header.stamp or %time; the first line is the header"),
+    (Kitti, "1 0 0 0 0 1 0 0 0 0 1\n",
+        ":1: expected 12 numbers (the rows of a 3 x 4 matrix), got 11"),
+    (Kitti, "1 0 0 0 0 1 0 0 0 0 1.001 0\n",
+        ":1: the matrix is not a rotation: the products of its columns are off by 2.00e-3, at most 0.0001 is expected"),
+    (Kitti, "1 0 0 0 0 1 0 0 0 0 -1 0\n", ":1: the matrix is not a rotation: it mirrors"),
 ];
 
 #[test]
