@@ -41,60 +41,30 @@ const fn point(name: &'static str, frame: &'static str, about: &'static str) -> 
     }
 }
 
+const fn optional(column: Column) -> Column {
+    Column {
+        is_optional: true,
+        ..column
+    }
+}
+
 /// All of them, in their order.
+#[rustfmt::skip]
 pub(super) const COLUMNS: [Column; 14] = [
-    point(
-        "point",
-        "world",
-        "where the return is: along the middle of the beam",
-    ),
-    point(
-        "sensor_point",
-        "sensor",
-        "the same from the scanner, forwards, left and up",
-    ),
-    column(
-        "range",
-        false,
-        Unit::SceneLength,
-        Some("sensor"),
-        "distance along the beam",
-    ),
+    point("point", "world", "where the return is: along the middle of the beam"),
+    point("sensor_point", "sensor", "the same from the scanner, forwards, left and up"),
+    column("range", false, Unit::SceneLength, Some("sensor"), "distance along the beam"),
     whole("object", "identifier of the object that was met"),
-    whole(
-        "primitive",
-        "index of the triangle that was met in its mesh",
-    ),
-    column(
-        "incidence",
-        false,
-        Unit::Radian,
-        None,
-        "angle between the beam and the normal",
-    ),
+    whole("primitive", "index of the triangle that was met in its mesh"),
+    column("incidence", false, Unit::Radian, None, "angle between the beam and the normal"),
     whole("ring", "number of the laser"),
     whole("row", "row of the beam"),
     whole("column", "column of the beam"),
     column("time", false, Unit::Second, None, "time of the beam"),
     whole("return_number", "number of the return in its beam, from 1"),
-    whole(
-        "number_of_returns",
-        "returns of the beam, kept or not; max_returns at most",
-    ),
-    Column {
-        is_optional: true,
-        ..column(
-            "intensity",
-            false,
-            Unit::None,
-            None,
-            "share of the light that comes back",
-        )
-    },
-    Column {
-        is_optional: true,
-        ..whole("classification", "class of the object that was met")
-    },
+    whole("number_of_returns", "returns of the beam, kept or not; max_returns at most"),
+    optional(column("intensity", false, Unit::None, None, "share of the light that comes back")),
+    optional(whole("classification", "class of the object that was met")),
 ];
 
 /// The channel of that name with `data`.

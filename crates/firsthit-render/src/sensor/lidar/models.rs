@@ -54,6 +54,7 @@ const OUSTER_COLUMNS: usize = 1024;
 const PANDAR_CYCLE: f64 = 1.0 / 18_000.0;
 
 /// Lasers, and how they fire.
+#[derive(Default)]
 struct Lasers {
     elevations: Vec<f64>,
     azimuth_offsets: Vec<f64>,
@@ -106,9 +107,9 @@ impl LidarModel {
         match self {
             Self::Vlp16 => Lasers {
                 elevations: VLP_16.to_vec(),
-                azimuth_offsets: Vec::new(),
                 firing_offsets: every(2.304e-6, 16, 1),
                 cycle: Some(55.296e-6),
+                ..Lasers::default()
             },
             Self::Vlp16HiRes => Lasers {
                 elevations: VLP_16_HI_RES.to_vec(),
@@ -116,9 +117,9 @@ impl LidarModel {
             },
             Self::Hdl32e => Lasers {
                 elevations: HDL_32E.to_vec(),
-                azimuth_offsets: Vec::new(),
                 firing_offsets: every(1.152e-6, 32, 1),
                 cycle: Some(46.080e-6),
+                ..Lasers::default()
             },
             // Two lasers at a time.
             Self::Vlp32c => Lasers {
@@ -152,9 +153,7 @@ fn uniform(degrees: f64, lasers: u32) -> Lasers {
     let elevations = (0..lasers).map(|laser| degrees / 2.0 - step * f64::from(laser));
     Lasers {
         elevations: elevations.collect(),
-        azimuth_offsets: Vec::new(),
-        firing_offsets: Vec::new(),
-        cycle: None,
+        ..Lasers::default()
     }
 }
 
