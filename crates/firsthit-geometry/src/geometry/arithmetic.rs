@@ -166,6 +166,18 @@ impl<A: Arithmetic> Arithmetic for Pairs<A> {
     }
 }
 
+/// Operations of one number.
+macro_rules! of_one {
+    ($($name:ident($($from:ident),+) => $result:expr;)*) => {
+        $(
+            #[inline(always)]
+            fn $name(self, $($from: f64),+) -> f64 {
+                $result
+            }
+        )*
+    };
+}
+
 /// One number at a time.
 #[derive(Debug, Clone, Copy)]
 #[doc(hidden)]
@@ -175,45 +187,21 @@ impl Arithmetic for Scalar {
     type Number = f64;
     type Mask = bool;
 
+    of_one! {
+        add(a, b) => a + b;
+        sub(a, b) => a - b;
+        mul(a, b) => a * b;
+        div(a, b) => a / b;
+        sqrt(a) => a.sqrt();
+        max(a, b) => if a > b { a } else { b };
+        fused_mul_add(a, b, c) => mul_add(a, b, c);
+        fused_mul_sub(a, b, c) => mul_add(a, b, -c);
+        fused_neg_mul_add(a, b, c) => mul_add(-a, b, c);
+    }
+
     #[inline(always)]
     fn number(self, x: f64) -> f64 {
         x
-    }
-    #[inline(always)]
-    fn add(self, a: f64, b: f64) -> f64 {
-        a + b
-    }
-    #[inline(always)]
-    fn sub(self, a: f64, b: f64) -> f64 {
-        a - b
-    }
-    #[inline(always)]
-    fn mul(self, a: f64, b: f64) -> f64 {
-        a * b
-    }
-    #[inline(always)]
-    fn div(self, a: f64, b: f64) -> f64 {
-        a / b
-    }
-    #[inline(always)]
-    fn sqrt(self, a: f64) -> f64 {
-        a.sqrt()
-    }
-    #[inline(always)]
-    fn max(self, a: f64, b: f64) -> f64 {
-        if a > b { a } else { b }
-    }
-    #[inline(always)]
-    fn fused_mul_add(self, a: f64, b: f64, c: f64) -> f64 {
-        mul_add(a, b, c)
-    }
-    #[inline(always)]
-    fn fused_mul_sub(self, a: f64, b: f64, c: f64) -> f64 {
-        mul_add(a, b, -c)
-    }
-    #[inline(always)]
-    fn fused_neg_mul_add(self, a: f64, b: f64, c: f64) -> f64 {
-        mul_add(-a, b, c)
     }
     #[inline(always)]
     fn lt(self, a: f64, b: f64) -> bool {

@@ -255,28 +255,27 @@ pub trait Field: Copy {
     fn from_value(value: Value) -> Option<Self>;
 }
 
-impl Field for bool {
-    fn value(self) -> Value {
-        Value::Flag(self)
-    }
-    fn from_value(value: Value) -> Option<Self> {
-        match value {
-            Value::Flag(flag) => Some(flag),
-            _ => None,
+/// Types that are one kind of [`Value`].
+macro_rules! fields {
+    ($($type:ty => $kind:ident;)*) => {$(
+        impl Field for $type {
+            fn value(self) -> Value {
+                Value::$kind(self)
+            }
+            fn from_value(value: Value) -> Option<Self> {
+                match value {
+                    Value::$kind(value) => Some(value),
+                    _ => None,
+                }
+            }
         }
-    }
+    )*};
 }
 
-impl Field for f64 {
-    fn value(self) -> Value {
-        Value::Number(self)
-    }
-    fn from_value(value: Value) -> Option<Self> {
-        match value {
-            Value::Number(number) => Some(number),
-            _ => None,
-        }
-    }
+fields! {
+    bool => Flag;
+    f64 => Number;
+    Color => Vector;
 }
 
 impl Field for u32 {
@@ -292,18 +291,6 @@ impl Field for u32 {
         )]
         let whole = number as Self;
         (f64::from(whole) == number).then_some(whole)
-    }
-}
-
-impl Field for Color {
-    fn value(self) -> Value {
-        Value::Vector(self)
-    }
-    fn from_value(value: Value) -> Option<Self> {
-        match value {
-            Value::Vector(vector) => Some(vector),
-            _ => None,
-        }
     }
 }
 
