@@ -181,18 +181,9 @@ impl Planes {
             return Ok(None);
         }
         let (dtype, numbers) = interleaved(&planes, kind, is_signed)?;
-        let mut shape = vec![self.rows, self.columns];
-        if names.len() > 1 {
-            shape.push(names.len());
-        }
-        Ok(Some(Array {
-            name: Some(name.to_owned()),
-            shape,
-            components: names.len(),
-            numbers,
-            dtype: dtype.to_owned(),
-            is_picture: false,
-        }))
+        let shape = vec![self.rows, self.columns];
+        let array = Array::new(name, shape, names.len(), numbers, dtype);
+        Ok(Some(array))
     }
 }
 

@@ -41,6 +41,29 @@ pub enum ArrayValues {
     Integer(Vec<i64>),
 }
 
+impl Array {
+    /// Values, not a picture, of elements in this shape; several components are one more axis.
+    pub(super) fn new(
+        name: &str,
+        mut shape: Vec<usize>,
+        components: usize,
+        numbers: ArrayValues,
+        dtype: impl Into<String>,
+    ) -> Self {
+        if components > 1 {
+            shape.push(components);
+        }
+        Self {
+            name: Some(name.to_owned()),
+            shape,
+            components,
+            numbers,
+            dtype: dtype.into(),
+            is_picture: false,
+        }
+    }
+}
+
 impl Output {
     /// The channel of that name.
     pub fn array(&self, name: &str) -> Option<&Array> {

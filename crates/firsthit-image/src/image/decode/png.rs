@@ -53,17 +53,11 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
         Some((_, Encoding::Picture, _)) | None => (ArrayValues::Integer(whole), true),
         Some(_) => (ArrayValues::Integer(whole), false),
     };
-    let mut shape = vec![rows as usize, columns as usize];
-    if components > 1 {
-        shape.push(components);
-    }
+    let shape = vec![rows as usize, columns as usize];
     output.arrays.push(Array {
         name: channel.map(|(name, _, _)| name.to_owned()),
-        shape,
-        components,
-        numbers,
-        dtype: dtype.to_owned(),
         is_picture,
+        ..Array::new("", shape, components, numbers, dtype)
     });
     Ok(output)
 }

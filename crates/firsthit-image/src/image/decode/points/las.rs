@@ -273,25 +273,14 @@ fn arrays(
         (Some(scale), Some(offset)) => whole * scale + offset,
         _ => whole,
     });
-    let mut arrays = vec![Array {
-        name: Some("position".to_owned()),
-        shape: vec![table.count, 3],
-        components: 3,
-        numbers: ArrayValues::Float64(collected(3 * table.count, places)?),
-        dtype: "float64".to_owned(),
-        is_picture: false,
-    }];
+    let places = ArrayValues::Float64(collected(3 * table.count, places)?);
+    let shape = || vec![table.count];
+    let mut arrays = vec![Array::new("position", shape(), 3, places, "float64")];
     let mut bits = |name: &str, place: usize, shift: u32, mask: u8| -> Result<(), String> {
         let values =
             rows().map(|row| i64::from(row.get(place).copied().unwrap_or(0) >> shift & mask));
-        arrays.push(Array {
-            name: Some(name.to_owned()),
-            shape: vec![table.count],
-            components: 1,
-            numbers: ArrayValues::Integer(collected(table.count, values)?),
-            dtype: "uint8".to_owned(),
-            is_picture: false,
-        });
+        let values = ArrayValues::Integer(collected(table.count, values)?);
+        arrays.push(Array::new(name, shape(), 1, values, "uint8"));
         Ok(())
     };
     if format < LONG {

@@ -62,17 +62,14 @@ impl Type {
     }
 
     fn of_pcd(kind: &str, size: &str) -> Option<Self> {
-        Some(match (kind, size) {
-            ("F", "8") => Self::Float64,
-            ("F", "4") => Self::Float32,
-            ("I", "1") => Self::Signed(1),
-            ("I", "2") => Self::Signed(2),
-            ("I", "4") => Self::Signed(4),
-            ("I", "8") => Self::Signed(8),
-            ("U", "1") => Self::Unsigned(1),
-            ("U", "2") => Self::Unsigned(2),
-            ("U", "4") => Self::Unsigned(4),
-            ("U", "8") => Self::Unsigned(8),
+        let bytes = [1, 2, 4, 8]
+            .into_iter()
+            .find(|bytes| bytes.to_string() == size)?;
+        Some(match (kind, bytes) {
+            ("F", 8) => Self::Float64,
+            ("F", 4) => Self::Float32,
+            ("I", _) => Self::Signed(bytes),
+            ("U", _) => Self::Unsigned(bytes),
             _ => return None,
         })
     }
@@ -333,17 +330,11 @@ impl Table<'_> {
             let cell = move |&start: &usize| row.get(start..start + kind.size());
             starts.iter().filter_map(cell)
         });
-        let mut shape = vec![self.count];
-        if starts.len() > 1 {
-            shape.push(starts.len());
-        }
+        let numbers = kind.numbers(self.count * starts.len(), cells)?;
+        let shape = vec![self.count];
         Ok(Array {
-            name: Some(name.to_owned()),
-            shape,
-            components: starts.len(),
-            numbers: kind.numbers(self.count * starts.len(), cells)?,
-            dtype: kind.dtype(),
             is_picture,
+            ..Array::new(name, shape, starts.len(), numbers, kind.dtype())
         })
     }
 }

@@ -230,14 +230,9 @@ impl Columns {
         let others = others.filter(|(k, _)| !self.axes.contains(k));
         arrays.extend(others.filter_map(|(_, (name, values))| {
             let values = values.clone()?;
-            (!values.iter().all(|value| value.is_nan())).then(|| Array {
-                name: Some(name.clone()),
-                shape: vec![count],
-                components: 1,
-                numbers: ArrayValues::Float64(values),
-                dtype: "float64".to_owned(),
-                is_picture: false,
-            })
+            let is_known = !values.iter().all(|value| value.is_nan());
+            let values = ArrayValues::Float64(values);
+            is_known.then(|| Array::new(name, vec![count], 1, values, "float64"))
         }));
         Output {
             arrays,
@@ -247,14 +242,9 @@ impl Columns {
 }
 
 fn positions(points: Vec<[f64; 3]>) -> Array {
-    Array {
-        name: Some("position".to_owned()),
-        shape: vec![points.len(), 3],
-        components: 3,
-        numbers: ArrayValues::Float64(points.into_flattened()),
-        dtype: "float64".to_owned(),
-        is_picture: false,
-    }
+    let shape = vec![points.len()];
+    let numbers = ArrayValues::Float64(points.into_flattened());
+    Array::new("position", shape, 3, numbers, "float64")
 }
 
 /// The indices of the columns with these names.
