@@ -39,13 +39,12 @@ pub fn write_whole(
     watch: &dyn Watch,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<()> {
-    let written = match target(path) {
-        Ok(Target::File(path, permissions)) => {
+    let written = target(path).and_then(|target| match target {
+        Target::File(path, permissions) => {
             prepare(path, permissions, watch, content).and_then(Prepared::commit)
         }
-        Ok(Target::Stream(path)) => append(&path, watch, content),
-        Err(error) => Err(error),
-    };
+        Target::Stream(path) => append(&path, watch, content),
+    });
     reported(path, watch, written)
 }
 
@@ -53,14 +52,7 @@ pub fn write_whole(
 /// or a device.
 #[doc(hidden)]
 pub fn check_writable(path: &Path) -> Result<()> {
-    let tried = match target(path) {
-        Ok(Target::File(path, permissions)) => {
-            prepare(path, permissions, &(), |_| Ok(())).map(drop)
-        }
-        Ok(Target::Stream(_)) => Err(io::Error::other("is not a regular file")),
-        Err(error) => Err(error),
-    };
-    reported(path, &(), tried)
+    reported(path, &(), prepare_at(path, &(), |_| Ok(())).map(drop))
 }
 
 /// [`write_whole`] with a second file beside, called `path` with `.json` after it. Whatever happens in
@@ -84,14 +76,7 @@ pub(super) fn write_with_sidecar(
         Ok(prepared) => prepared,
         Err(error) => return reported(path, watch, Err(error)),
     };
-    let second = match self::target(&beside) {
-        Ok(Target::File(target, permissions)) => {
-            prepare(target, permissions, watch, |out| out.write_all(sidecar))
-        }
-        Ok(Target::Stream(_)) => Err(io::Error::other("is not a regular file")),
-        Err(error) => Err(error),
-    };
-    let second = match second {
+    let second = match prepare_at(&beside, watch, |out| out.write_all(sidecar)) {
         Ok(second) => second,
         Err(error) => return refuse_sidecar(error),
     };
@@ -213,6 +198,18 @@ fn prepare(
         path,
         replaces,
     })
+}
+
+/// [`prepare`] for a path that must not lead to a stream.
+fn prepare_at(
+    path: &Path,
+    watch: &dyn Watch,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<Prepared> {
+    match target(path)? {
+        Target::File(path, permissions) => prepare(path, permissions, watch, content),
+        Target::Stream(_) => Err(io::Error::other("is not a regular file")),
+    }
 }
 
 impl Prepared {
