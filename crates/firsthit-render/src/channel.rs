@@ -13,6 +13,7 @@ pub use kinds::{DISTANCE, INSIDE, KINDS, POINT, RAY, SIGNED_DISTANCE, THICKNESS,
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::geometry::summary::summary;
 use crate::geometry::{Hit, Rays};
 use crate::image::{Channel, Data, Description, Display, Unit};
 use crate::memory::filled;
@@ -35,14 +36,7 @@ pub struct ChannelInput<'a> {
     pub sensor: Option<&'a dyn Sensor>,
 }
 
-impl std::fmt::Debug for ChannelInput<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ChannelInput")
-            .field("rays", &self.rays.len())
-            .field("sensor", &self.sensor)
-            .finish_non_exhaustive()
-    }
-}
+summary!(ChannelInput<'_>, "ChannelInput", |it| "rays": it.rays.len(), "sensor": it.sensor);
 
 /// A kind of output: its name, what it says, and how it is made from hits.
 #[derive(Debug, Clone)]
@@ -59,11 +53,11 @@ pub struct ChannelKind {
     pub unit: Unit,
     /// The frame of reference of the values: `world`, `camera`, `ray`, `triangle` or `texture`.
     pub frame: Option<&'static str>,
-    make: Make,
+    pub(crate) make: Make,
 }
 
 #[derive(Debug, Clone)]
-enum Make {
+pub(crate) enum Make {
     /// Made from a hit; for a miss the parameter of that, which is infinite.
     T,
     /// Made from the surface that a ray meets; NaN for a miss.
@@ -106,14 +100,9 @@ enum Make {
 pub fn kind(name: &str) -> Result<&'static ChannelKind> {
     let names: Vec<&str> = KINDS.iter().map(|kind| &*kind.name).collect();
     KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| {
-        Error::argument(
-            "channel",
-            "a channel's name",
-            format!(
-                "{name:?}; there are {}, and {ATTRIBUTE}NAME for an attribute",
-                names.join(", ")
-            ),
-        )
+        let names = names.join(", ");
+        let got = format!("{name:?}; there are {names}, and {ATTRIBUTE}NAME for an attribute");
+        Error::argument("channel", "a channel's name", got)
     })
 }
 
@@ -339,93 +328,56 @@ impl ChannelKind {
                 Data::Int32(filled(count, -1)?)
             }
             Make::Flag(_) | Make::Valid => Data::Bool(filled(count, false)?),
-            Make::Color
-            | Make::Alpha
-            | Make::Samples
-            | Make::Occlusion(_)
-            | Make::Matte(_)
-            | Make::Edge
-            | Make::Attribute(_)
-            | Make::Elsewhere => {
-                return Err(Error::argument(
-                    "channel",
-                    "one without a shader",
-                    &*self.name,
-                ));
+            _ => {
+                let expected = "one without a shader";
+                return Err(Error::argument("channel", expected, &*self.name));
             }
         })
     }
 }
 
-/// A chunk of a channel, being made.
-enum ChannelChunk<'a> {
-    T(&'a mut [f64]),
-    Doubles(
-        fn(&SurfaceInteraction<'_>, &mut [f64]),
-        usize,
-        &'a mut [f64],
-    ),
-    Identifier(fn(&Hit) -> i32, &'a mut [i32]),
-    Origin(fn(&Catalog, &Object, &Hit) -> i32, &'a mut [i32]),
-    Integer(fn(&SurfaceInteraction<'_>) -> i32, &'a mut [i32]),
-    Flag(fn(&SurfaceInteraction<'_>) -> bool, &'a mut [bool]),
-    Distance(usize, &'a mut [f64]),
-    Valid(&'a mut [bool]),
+/// The part of a channel that belongs to [`CHUNK`] rays, being made.
+struct ChannelChunk<'a> {
+    kind: &'a ChannelKind,
+    values: Values<'a>,
+}
+
+/// The values of a chunk.
+enum Values<'a> {
+    Doubles(&'a mut [f64]),
+    Integers(&'a mut [i32]),
+    Flags(&'a mut [bool]),
 }
 
 impl<'a> ChannelChunk<'a> {
     /// The chunks of a channel.
-    fn chunks(kind: &ChannelKind, data: &'a mut Data) -> Vec<Self> {
-        let components = kind.components;
-        match (data, &kind.make) {
-            (Data::Float64(values), Make::T) => values.chunks_mut(CHUNK).map(Self::T).collect(),
-            (Data::Float64(values), &Make::Distance(which)) => {
-                let parts = values.chunks_mut(CHUNK);
-                parts.map(|part| Self::Distance(which, part)).collect()
-            }
-            (Data::Float64(values), &Make::Doubles(value)) => {
-                let parts = values.chunks_mut(CHUNK * components);
-                let part = |part| Self::Doubles(value, components, part);
-                parts.map(part).collect()
-            }
-            (Data::Int32(values), &Make::Identifier(value)) => {
-                let parts = values.chunks_mut(CHUNK);
-                parts.map(|part| Self::Identifier(value, part)).collect()
-            }
-            (Data::Int32(values), &Make::Origin(value)) => {
-                let parts = values.chunks_mut(CHUNK);
-                parts.map(|part| Self::Origin(value, part)).collect()
-            }
-            (Data::Int32(values), &Make::Integer(value)) => {
-                let parts = values.chunks_mut(CHUNK);
-                parts.map(|part| Self::Integer(value, part)).collect()
-            }
-            (Data::Bool(values), &Make::Flag(value)) => {
-                let parts = values.chunks_mut(CHUNK);
-                parts.map(|part| Self::Flag(value, part)).collect()
-            }
-            (Data::Bool(values), Make::Valid) => {
-                values.chunks_mut(CHUNK).map(Self::Valid).collect()
-            }
-            _ => unreachable!("`missed` makes the data that the kind asks for"),
+    fn chunks(kind: &'a ChannelKind, data: &'a mut Data) -> Vec<Self> {
+        let length = CHUNK * kind.components;
+        let part = |values| Self { kind, values };
+        match data {
+            Data::Float64(all) => (all.chunks_mut(length).map(Values::Doubles).map(part)).collect(),
+            Data::Int32(all) => (all.chunks_mut(length).map(Values::Integers).map(part)).collect(),
+            Data::Bool(all) => (all.chunks_mut(length).map(Values::Flags).map(part)).collect(),
+            Data::Float32(_) => unreachable!("`missed` makes none"),
         }
     }
 
     /// Whether it needs to know more than the hit.
     fn needs_surface(&self) -> bool {
-        matches!(self, Self::Doubles(..) | Self::Integer(..) | Self::Flag(..))
+        matches!(
+            self.kind.make,
+            Make::Doubles(_) | Make::Integer(_) | Make::Flag(_)
+        )
     }
 }
 
 /// Fills the parts of channels that belong to `count` rays from `first` on, where they hit something.
 fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [ChannelChunk<'_>]) {
     let needs_surface = parts.iter().any(ChannelChunk::needs_surface);
-    let has_origin = parts
-        .iter()
-        .any(|part| matches!(part, ChannelChunk::Origin(..)));
+    let has_origin = (parts.iter()).any(|part| matches!(part.kind.make, Make::Origin(_)));
     let catalog = has_origin.then(|| shots.scene.catalog());
     for part in &mut *parts {
-        if let ChannelChunk::Valid(out) = part {
+        if let (Make::Valid, Values::Flags(out)) = (&part.kind.make, &mut part.values) {
             for (k, out) in out.iter_mut().enumerate() {
                 *out = shots.rays.ray(first + k).is_valid();
             }
@@ -445,36 +397,29 @@ fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [Chann
             .as_ref()
             .and_then(|ray| shots.scene.interaction(ray, &hit));
         for part in &mut *parts {
-            match part {
-                // Of every ray, above.
-                ChannelChunk::Valid(_) => {}
-                ChannelChunk::T(out) => out[k] = hit.t,
-                ChannelChunk::Identifier(value, out) => out[k] = value(&hit),
-                ChannelChunk::Origin(value, out) => {
+            match (&part.kind.make, &mut part.values, &surface) {
+                (Make::T, Values::Doubles(out), _) => out[k] = hit.t,
+                (Make::Identifier(value), Values::Integers(out), _) => out[k] = value(&hit),
+                (Make::Origin(value), Values::Integers(out), _) => {
                     if let (Some(object), Some(catalog)) = (shots.scene.object(&hit), catalog) {
                         out[k] = value(catalog, object, &hit);
                     }
                 }
-                ChannelChunk::Distance(which, out) => {
+                (&Make::Distance(which), Values::Doubles(out), _) => {
                     if let Some(sensor) = shots.sensor {
-                        out[k] = sensor.range_and_z(first + k, hit.t)[*which];
+                        out[k] = sensor.range_and_z(first + k, hit.t)[which];
                     }
                 }
-                ChannelChunk::Doubles(value, components, out) => {
-                    if let Some(surface) = &surface {
-                        value(surface, &mut out[k * *components..][..*components]);
-                    }
+                (Make::Doubles(value), Values::Doubles(out), Some(surface)) => {
+                    let components = part.kind.components;
+                    value(surface, &mut out[k * components..][..components]);
                 }
-                ChannelChunk::Integer(value, out) => {
-                    if let Some(surface) = &surface {
-                        out[k] = value(surface);
-                    }
+                (Make::Integer(value), Values::Integers(out), Some(surface)) => {
+                    out[k] = value(surface);
                 }
-                ChannelChunk::Flag(value, out) => {
-                    if let Some(surface) = &surface {
-                        out[k] = value(surface);
-                    }
-                }
+                (Make::Flag(value), Values::Flags(out), Some(surface)) => out[k] = value(surface),
+                // `Make::Valid`, of every ray, above.
+                _ => {}
             }
         }
     }

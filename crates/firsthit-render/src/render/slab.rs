@@ -13,7 +13,7 @@ use super::accumulation::{ALPHA, Accumulation, Activity};
 use super::batch::{Batch, Block, split};
 use super::mattes::Mattes;
 use super::region::{Region, RegionRays};
-use crate::channel::{self, ChannelInput, ChannelKind};
+use crate::channel::{self, ChannelInput, ChannelKind, Make};
 use crate::edge::Lines;
 use crate::error::{Error, Result};
 use crate::geometry::{Color, Filtered, RayFilter, Rays, single};
@@ -251,25 +251,24 @@ impl<'a> Slab<'a> {
         };
         let mut frame = self.picture.frame(&self.part.region, samples);
         for kind in self.picture.channels {
-            frame.push(if kind.matte().is_some() {
-                let mattes = mattes.next().expect("there are some for each such kind");
-                kind.channel(mattes.data(kind.components, self.samples.max(1))?)
-            } else if kind.is_edge() {
-                let mut covered = zeroed(self.covered.len())?;
-                covered.copy_from_slice(&self.covered);
-                kind.channel(Data::Float32(covered))
-            } else if kind.is_sample_count() {
-                kind.channel(self.known.counts()?)
-            } else if kind.is_alpha() {
-                kind.channel(self.alpha()?)
-            } else if kind.occlusion().is_some() {
-                kind.channel(self.mean_occlusion()?)
-            } else if !kind.needs_shade() {
-                plain.next().expect("it was made with the first sample")
-            } else if self.picture.shade.is_transparent() {
-                kind.transparent_channel(self.colors([0, 1, 2, ALPHA])?)
-            } else {
-                kind.channel(self.colors([0, 1, 2])?)
+            frame.push(match kind.make {
+                Make::Matte(_) => {
+                    let mattes = mattes.next().expect("there are some for each such kind");
+                    kind.channel(mattes.data(kind.components, self.samples.max(1))?)
+                }
+                Make::Edge => {
+                    let mut covered = zeroed(self.covered.len())?;
+                    covered.copy_from_slice(&self.covered);
+                    kind.channel(Data::Float32(covered))
+                }
+                Make::Samples => kind.channel(self.known.counts()?),
+                Make::Alpha => kind.channel(self.alpha()?),
+                Make::Occlusion(_) => kind.channel(self.mean_occlusion()?),
+                Make::Color if self.picture.shade.is_transparent() => {
+                    kind.transparent_channel(self.colors([0, 1, 2, ALPHA])?)
+                }
+                Make::Color => kind.channel(self.colors([0, 1, 2])?),
+                _ => plain.next().expect("it was made with the first sample"),
             })?;
         }
         Ok(frame)
