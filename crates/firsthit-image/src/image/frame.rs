@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::origin::Origin;
 use crate::error::{Error, Result};
 use crate::geometry::single;
-use crate::geometry::summary::Count;
+use crate::geometry::summary::{Count, summary};
 
 /// The result of a picture or a batch of rays: named channels over the same elements.
 ///
@@ -114,15 +114,7 @@ pub enum Display {
     Matte,
 }
 
-/// A summary: its shape and its channels.
-impl Debug for Frame {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Frame")
-            .field("shape", &self.shape)
-            .field("channels", &ByName(&self.channels))
-            .finish_non_exhaustive()
-    }
-}
+summary!(Frame, "Frame", |it| "shape": it.shape, "channels": ByName(&it.channels));
 
 struct ByName<'a>(&'a [Channel]);
 

@@ -11,6 +11,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::geometry::summary::summary;
 use crate::geometry::{DVec2, single};
 use crate::memory::zeroed;
 use crate::parallel;
@@ -20,14 +21,33 @@ use crate::watch::{Watch, stop_if_asked};
 /// widest lines that takes a few milliseconds.
 const AT_ONCE: usize = 1 << 8;
 
-/// Pieces of lines, sorted from the top to the bottom.
-#[derive(Debug, Clone)]
-pub(super) struct Drawing {
+/// The lines of a picture's edges.
+///
+/// ```
+/// use firsthit::edge::{Edges, Lines, Subject};
+/// use firsthit::shoot::Cpu;
+/// use firsthit::{Camera, DVec3, Object, Scene, Sphere};
+///
+/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
+/// let camera = Camera::look_at(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, 45.0, 100, 100)?;
+/// let subject = Subject { scene: &scene, camera: &camera, engine: Cpu::shared(), cull: None };
+/// let lines = Lines::new(&subject, &Edges::default(), [0..100, 0..100], &())?;
+/// let covered: f32 = lines.coverage(0..100, 0..100, &())?.iter().sum();
+/// // The sphere is seen as a circle.
+/// let radius = 50.0 / 22.5_f32.to_radians().tan() / 24_f32.sqrt();
+/// assert!((covered / (std::f32::consts::TAU * radius) - 1.0).abs() < 0.01);
+/// # Ok::<(), firsthit::Error>(())
+/// ```
+#[derive(Clone)]
+pub struct Lines {
+    /// Sorted from the top to the bottom.
     pieces: Vec<[DVec2; 2]>,
     width: f64,
     /// The height of the highest piece.
     highest: f64,
 }
+
+summary!(Lines, "Lines", |it| "pieces": it.pieces.len());
 
 fn top([a, b]: &[DVec2; 2]) -> f64 {
     a.y.min(b.y)
@@ -42,8 +62,8 @@ fn order(one: &[DVec2; 2], other: &[DVec2; 2]) -> Ordering {
     each.fold(Ordering::Equal, Ordering::then)
 }
 
-impl Drawing {
-    pub(super) fn new(mut pieces: Vec<[DVec2; 2]>, width: f64) -> Self {
+impl Lines {
+    pub(super) fn of(mut pieces: Vec<[DVec2; 2]>, width: f64) -> Self {
         pieces.par_sort_unstable_by(order);
         let heights = pieces.iter().map(|[a, b]| (a.y - b.y).abs());
         Self {
@@ -53,7 +73,9 @@ impl Drawing {
         }
     }
 
-    pub(super) fn pieces(&self) -> &[[DVec2; 2]] {
+    /// The pieces of the lines, from the top to the bottom, in pixels from the picture's left and upper edges, as
+    /// [`Camera::project`](crate::camera::Camera::project) has them.
+    pub fn pieces(&self) -> &[[DVec2; 2]] {
         &self.pieces
     }
 
@@ -62,8 +84,13 @@ impl Drawing {
         0.5 * (self.width + 1.0)
     }
 
-    /// The coverage of the pixels of some rows and columns, row by row.
-    pub(super) fn coverage(
+    /// The coverage of the pixels of some rows and columns, from 0 to 1, row by row. They must be among those that the lines were made
+    /// for.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Limit`] when there is not enough memory, and [`Error::Interrupted`] when `watch` stops it.
+    pub fn coverage(
         &self,
         rows: Range<usize>,
         columns: Range<usize>,
@@ -135,7 +162,7 @@ mod tests {
     use crate::error::Error;
 
     fn sum(pieces: Vec<[DVec2; 2]>, width: f64) -> f64 {
-        let drawing = Drawing::new(pieces, width);
+        let drawing = Lines::of(pieces, width);
         let covered = drawing.coverage(0..60, 0..60, &()).unwrap();
         covered.iter().map(|&x| f64::from(x)).sum()
     }
@@ -170,14 +197,12 @@ mod tests {
     #[test]
     fn lines_that_are_drawn_twice_or_in_pieces_are_the_same() {
         let [a, b] = [DVec2::new(10.0, 12.5), DVec2::new(42.0, 44.5)];
-        let whole = Drawing::new(vec![[a, b]], 2.5)
+        let whole = Lines::of(vec![[a, b]], 2.5)
             .coverage(0..60, 0..60, &())
             .unwrap();
         let at = |k: u32| a + f64::from(k) / 64.0 * (b - a);
         let pieces = (0..64).flat_map(|k| [[at(k), at(k + 1)]; 2]).collect();
-        let pieces = Drawing::new(pieces, 2.5)
-            .coverage(0..60, 0..60, &())
-            .unwrap();
+        let pieces = Lines::of(pieces, 2.5).coverage(0..60, 0..60, &()).unwrap();
         for (one, other) in whole.iter().zip(&pieces) {
             assert!((one - other).abs() < 1e-6);
         }
@@ -186,7 +211,7 @@ mod tests {
     #[test]
     fn a_part_is_that_part_of_the_whole() {
         let [a, b] = [DVec2::new(-5.0, 3.5), DVec2::new(70.0, 44.5)];
-        let drawing = Drawing::new(vec![[a, b]], 1.5);
+        let drawing = Lines::of(vec![[a, b]], 1.5);
         let whole = drawing.coverage(0..60, 0..60, &()).unwrap();
         let part = drawing.coverage(7..31, 13..60, &()).unwrap();
         assert!(part.iter().any(|&covered| covered > 0.9));
@@ -201,9 +226,9 @@ mod tests {
         let ends = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(DVec2::from);
         let pieces = ends.iter().flat_map(|&a| ends.map(|b| [a, b]));
         let mut pieces: Vec<[DVec2; 2]> = pieces.collect();
-        let one = Drawing::new(pieces.clone(), 1.0);
+        let one = Lines::of(pieces.clone(), 1.0);
         pieces.reverse();
-        let other = Drawing::new(pieces, 1.0);
+        let other = Lines::of(pieces, 1.0);
         assert_eq!(one.pieces(), other.pieces());
     }
 
@@ -224,7 +249,7 @@ mod tests {
             [DVec2::new(x, 0.5), DVec2::new(x + 0.4, 0.5)]
         };
         let pieces: Vec<_> = (0..2000).map(line).collect();
-        let drawing = Drawing::new(pieces, 1000.0);
+        let drawing = Lines::of(pieces, 1000.0);
         // A row asks once for every 256 pieces.
         for (asked, is_interrupted) in [(0, true), (7, true), (8, false)] {
             let watch = StopsAfter(AtomicUsize::new(asked));
@@ -236,7 +261,7 @@ mod tests {
     #[test]
     fn a_point_is_round() {
         let point = DVec2::splat(20.5);
-        let drawing = Drawing::new(vec![[point, point]], 3.0);
+        let drawing = Lines::of(vec![[point, point]], 3.0);
         let covered = drawing.coverage(18..23, 18..23, &()).unwrap();
         let row = |k: usize| &covered[5 * k..5 * k + 5];
         let slant = 2.0 - 2.0_f32.sqrt();

@@ -22,19 +22,19 @@ mod sight;
 mod strokes;
 mod table;
 
+pub use coverage::Lines;
 pub use settings::{Dash, EdgeKind, EdgeKinds, Edges};
 
-use std::fmt::{self, Debug, Formatter};
 use std::ops::Range;
 use std::sync::Arc;
 
 use crate::camera::Camera;
 use crate::error::Result;
+use crate::geometry::summary::summary;
 use crate::geometry::{DVec2, Side};
 use crate::scene::{Object, Scene};
 use crate::shoot::Engine;
 use crate::watch::{Watch, stop_if_asked};
-use coverage::Drawing;
 use eye::View;
 use pieces::Window;
 use sight::Sight;
@@ -54,44 +54,7 @@ pub struct Subject<'a> {
     pub cull: Option<Side>,
 }
 
-impl Debug for Subject<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Subject")
-            .field("scene", &self.scene)
-            .field("camera", &self.camera)
-            .field("cull", &self.cull)
-            .finish_non_exhaustive()
-    }
-}
-
-/// The lines of a picture's edges.
-///
-/// ```
-/// use firsthit::edge::{Edges, Lines, Subject};
-/// use firsthit::shoot::Cpu;
-/// use firsthit::{Camera, DVec3, Object, Scene, Sphere};
-///
-/// let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0)?)])?;
-/// let camera = Camera::look_at(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, 45.0, 100, 100)?;
-/// let subject = Subject { scene: &scene, camera: &camera, engine: Cpu::shared(), cull: None };
-/// let lines = Lines::new(&subject, &Edges::default(), [0..100, 0..100], &())?;
-/// let covered: f32 = lines.coverage(0..100, 0..100, &())?.iter().sum();
-/// // The sphere is seen as a circle.
-/// let radius = 50.0 / 22.5_f32.to_radians().tan() / 24_f32.sqrt();
-/// assert!((covered / (std::f32::consts::TAU * radius) - 1.0).abs() < 0.01);
-/// # Ok::<(), firsthit::Error>(())
-/// ```
-#[derive(Clone)]
-pub struct Lines(Drawing);
-
-impl Debug for Lines {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let pieces = self.0.pieces().len();
-        f.debug_struct("Lines")
-            .field("pieces", &pieces)
-            .finish_non_exhaustive()
-    }
-}
+summary!(Subject<'_>, "Subject", |it| "scene": it.scene, "camera": it.camera, "cull": it.cull);
 
 impl Lines {
     /// The lines for some rows and columns of the picture. Their coverage of a pixel does not depend on which rows and columns these
@@ -148,28 +111,7 @@ impl Lines {
             .flat_map(|&ends| strokes.across_seam(ends))
             .collect();
         pieces.extend(across);
-        Ok(Self(Drawing::new(pieces, edges.width)))
-    }
-
-    /// The pieces of the lines, from the top to the bottom, in pixels from the picture's left and upper edges, as
-    /// [`Camera::project`] has them.
-    pub fn pieces(&self) -> &[[DVec2; 2]] {
-        self.0.pieces()
-    }
-
-    /// The coverage of the pixels of some rows and columns, from 0 to 1, row by row. They must be among those that the lines were made
-    /// for.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Limit`] when there is not enough memory, and [`Error::Interrupted`] when `watch` stops it.
-    pub fn coverage(
-        &self,
-        rows: Range<usize>,
-        columns: Range<usize>,
-        watch: &dyn Watch,
-    ) -> Result<Vec<f32>> {
-        self.0.coverage(rows, columns, watch)
+        Ok(Self::of(pieces, edges.width))
     }
 }
 
