@@ -15,7 +15,7 @@ use firsthit::{
 use num_traits::Signed;
 
 use crate::support::rational::number;
-use crate::support::{Numbers, bumpy_sphere, mesh, rays, scene};
+use crate::support::{Numbers, bumpy_sphere, mesh, on_threads, rays, scene};
 
 fn doubles(values: impl IntoIterator<Item = f64>) -> PropertyValues {
     PropertyValues::Double(values.into_iter().collect())
@@ -276,11 +276,7 @@ fn the_bits_are_those_of_any_number_of_threads_and_work_can_be_stopped() {
     let (scene, rays, ..) = many();
     let hits = shot(&scene, &rays);
     let by = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        let (_, found) = pool.install(|| values(&scene, &hits, "tint", None));
+        let (_, found) = on_threads(threads, || values(&scene, &hits, "tint", None));
         found.into_iter().map(f64::to_bits).collect::<Vec<_>>()
     };
     let one = by(1);

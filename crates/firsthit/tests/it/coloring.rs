@@ -15,6 +15,8 @@ use firsthit::{
     shoot,
 };
 
+use crate::support::on_threads;
+
 /// Two triangles on the ground, over the square from 0 to 2.
 fn square(properties: Vec<Property>) -> Object {
     let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
@@ -259,11 +261,7 @@ fn a_picture_has_its_legend_and_the_same_bytes_for_any_threads_and_parts() {
         samples: 2,
         ..Picture::new(&scene, &camera, &shade, &kinds)
     };
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-        let pool = pool.build().unwrap();
-        pool.install(|| picture.render(&())).unwrap()
-    };
+    let with = |threads: usize| on_threads(threads, || picture.render(&())).unwrap();
     let mut whole = with(1);
     for threads in [2, 7] {
         assert!(bits(&whole) == bits(&with(threads)), "{threads}");

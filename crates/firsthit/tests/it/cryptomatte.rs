@@ -17,6 +17,8 @@ use firsthit::{
     Camera, Color, Cuboid, DVec3, Material, Object, Ray, Render, Scene, Sphere, camera::View,
 };
 
+use crate::support::on_threads;
+
 const SAMPLES: u32 = 24;
 
 /// Balls and boxes, some of one name and some without, before nothing.
@@ -213,11 +215,7 @@ fn threads_regions_and_engines_make_the_same_pairs() {
             .unwrap(),
     );
     for threads in [1, 2, 3] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        let made = pool.install(|| {
+        let made = on_threads(threads, || {
             picture(&scene, camera(), &["crypto_object"])
                 .frame()
                 .unwrap()

@@ -9,7 +9,9 @@ use firsthit::{
 };
 use robust::{Coord3D, orient3d};
 
-use crate::support::{Numbers, agree, bits, bumpy_sphere, cases, is_full, mesh, rays, scene};
+use crate::support::{
+    Numbers, agree, bits, bumpy_sphere, cases, is_full, mesh, on_threads, rays, scene,
+};
 
 /// Triangles of all kinds: small, slivers, duplicates, degenerate ones, with shared corners.
 fn soup(count: usize, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
@@ -394,11 +396,7 @@ fn batches_of_every_size_and_any_number_of_threads_give_the_same() {
     let all = rays(&points, 5000, 51);
     for size in [0, 1, 2, 3, 7, 8, 9, 1023, 1024, 1025, 5000] {
         let results = [1, 2, 7].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            pool.install(|| trace(&scene, &all[..size], First, &()).unwrap())
+            on_threads(threads, || trace(&scene, &all[..size], First, &()).unwrap())
         });
         for hits in &results {
             assert_eq!(hits.len(), size);

@@ -9,7 +9,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{Ask, Numbers, bumpy_sphere, cases, is_full, mesh, scene};
+use crate::support::{Ask, Numbers, bumpy_sphere, cases, is_full, mesh, on_threads, scene};
 
 const POINTS: [DVec3; 4] = [
     DVec3::ZERO,
@@ -573,10 +573,7 @@ fn the_report_is_the_same_for_any_number_of_threads() {
     triangles.truncate(15_000);
     triangles.extend([[5, 900, 4000], [7, 1500, 2600]]);
     let scene = one(&points, triangles);
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap().install(|| scene.lint().unwrap())
-    };
+    let on = |threads: usize| on_threads(threads, || scene.lint().unwrap());
     let single = on(1);
     assert!(single.findings().len() >= 2, "{:?}", said(&single));
     assert!([2, 3].iter().all(|&threads| on(threads) == single));

@@ -16,7 +16,7 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{CUBE, Numbers, bumpy_sphere, cases, mesh, scene, soak_rays};
+use crate::support::{CUBE, Numbers, bumpy_sphere, cases, mesh, on_threads, scene, soak_rays};
 
 /// The direction in which a point on the surface is looked ahead.
 const AHEAD: DVec3 = DVec3::new(7.0, 10.0, 10.5);
@@ -525,11 +525,7 @@ fn the_answers_are_the_same_with_any_number_of_threads() {
         .map(|&point| Ray::new(point, numbers.point()))
         .collect();
     let answers = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let lengths = path_lengths(&scene, &rays, Grouping::Object, &()).unwrap();
             let bits: Vec<_> = lengths.iter().map(|length| length.to_bits()).collect();
             (inside(&scene, &asked, Grouping::Object, &()).unwrap(), bits)

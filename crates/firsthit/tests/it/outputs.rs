@@ -16,6 +16,7 @@ use firsthit::{
 };
 
 use crate::support::Numbers as Random;
+use crate::support::on_threads;
 
 const ROWS: usize = 37;
 const COLUMNS: usize = 50;
@@ -159,10 +160,7 @@ fn the_same_frame_gives_the_same_bytes_whatever_the_threads() {
     let frame = frame();
     for format in FORMATS {
         let channel = (format.holds == Holds::OneChannel).then_some("z");
-        let bytes = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.unwrap().install(|| encode(format, &frame, channel))
-        };
+        let bytes = |threads| on_threads(threads, || encode(format, &frame, channel));
         let one = bytes(1);
         for threads in [1, 2, 5] {
             assert!(bytes(threads) == one, "{} {threads}", format.name);

@@ -13,6 +13,8 @@ use firsthit::{
     Camera, Color, DVec3, Hit, Object, Scene, Shade, Shader, Shading, Side, Sphere, example,
 };
 
+use crate::support::on_threads;
+
 const ROWS: usize = 12;
 const COLUMNS: usize = 16;
 
@@ -58,11 +60,6 @@ fn in_steps(picture: &Picture<'_>, steps: &[u32]) -> Frame {
     let last = picture.resume_from(&file).unwrap();
     assert_eq!(last.samples(), steps.iter().sum::<u32>());
     last.frame().unwrap()
-}
-
-fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.unwrap().install(work)
 }
 
 #[test]

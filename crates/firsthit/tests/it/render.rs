@@ -12,6 +12,8 @@ use firsthit::{
     Shader, Shading, Sphere, example, render, shoot,
 };
 
+use crate::support::on_threads;
+
 const RED: Color = Color::new(0.8, 0.1, 0.05);
 
 fn doubles<'a>(frame: &'a Frame, name: &str) -> &'a [f64] {
@@ -355,11 +357,7 @@ fn the_same_picture_with_1_2_and_7_threads() {
     let kinds = ["color", "t", "object", "primitive", "normal", "barycentric"]
         .map(|name| kind(name).unwrap());
     let pictures = [1, 2, 7].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| {
+        on_threads(threads, || {
             let scene = example::scene().unwrap();
             let shade = Shading {
                 background: example::background(),

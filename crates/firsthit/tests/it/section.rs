@@ -10,7 +10,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive, Zero};
 
 use crate::support::rational::{Exact, cross, dot, exact, minus};
-use crate::support::{Ask, Numbers, bumpy_sphere, cases, mesh, scene};
+use crate::support::{Ask, Numbers, bumpy_sphere, cases, mesh, on_threads, scene};
 
 /// The boundary of cells of the unit lattice, wound outwards. Cells that only touch at an edge or a corner share it.
 fn cells(cells: &[[i32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
@@ -463,10 +463,10 @@ fn the_section_is_the_same_for_any_number_of_threads() {
     let (points, triangles) = bumpy_sphere(120, 3);
     let scene = one(&points, triangles);
     let cut = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let normal = DVec3::new(0.1, 0.2, 1.0);
-        pool.unwrap()
-            .install(|| scene.section(DVec3::splat(0.1), normal).unwrap())
+        on_threads(threads, || {
+            scene.section(DVec3::splat(0.1), normal).unwrap()
+        })
     };
     let single = cut(1);
     assert!(single.len() > 1);

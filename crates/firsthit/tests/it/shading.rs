@@ -14,6 +14,8 @@ use firsthit::{
     Shading, Sphere, Transform, example, shoot,
 };
 
+use crate::support::on_threads;
+
 const RED: Color = Color::new(0.8, 0.1, 0.05);
 const BEHIND: Color = Color::new(0.1, 0.2, 0.3);
 
@@ -315,11 +317,7 @@ fn every_shader_gives_the_same_bytes_for_any_threads_and_parts() {
             samples: 3,
             ..Picture::new(&scene, &camera, &shade, &kinds)
         };
-        let with = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-            let pool = pool.build().unwrap();
-            pool.install(|| picture.render(&())).unwrap()
-        };
+        let with = |threads: usize| on_threads(threads, || picture.render(&())).unwrap();
         let one = with(1);
         for threads in [2, 7] {
             assert!(bits(&one) == bits(&with(threads)), "{name}: {threads}");

@@ -21,7 +21,7 @@ use firsthit::{
     render,
 };
 
-use crate::support::is_full;
+use crate::support::{is_full, on_threads};
 
 /// A thin lens, off the middle and with a skew.
 fn skewed(rows: usize, columns: usize) -> Camera {
@@ -435,12 +435,8 @@ fn threads_engines_and_samples_one_by_one_make_the_same_bytes() {
     let picture = |engine: &dyn Engine| picture_of(camera, engine);
     let first = picture(Cpu::shared());
     for threads in [1, 2, 3] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
         assert!(
-            pool.install(|| picture(Cpu::shared())) == first,
+            on_threads(threads, || picture(Cpu::shared())) == first,
             "{threads} threads"
         );
     }

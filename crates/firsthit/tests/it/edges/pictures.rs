@@ -12,6 +12,7 @@ use firsthit::watch::Watch;
 use firsthit::{Camera, Color, DVec3, Error, Lens, Render, Shader, View, example};
 
 use super::{SIDE, cube, lines_of, of, parallel, perspective, seen_of_cube};
+use crate::support::on_threads;
 
 #[test]
 #[expect(clippy::too_many_lines, reason = "one picture after the other")]
@@ -43,11 +44,7 @@ fn regions_threads_and_passes_change_no_byte() {
         };
         let whole = picture.render(&()).unwrap();
         for threads in [1, 2, 7] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            let again = pool.install(|| picture.render(&()).unwrap());
+            let again = on_threads(threads, || picture.render(&()).unwrap());
             assert!(again.channels() == whole.channels());
         }
         let region = Region {

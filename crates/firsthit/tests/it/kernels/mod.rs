@@ -20,10 +20,9 @@ use firsthit::{
     DAffine3, DQuat, DVec3, Hit, Hits, InstructionSet, Material, Object, Ray, Rays, Scene,
     Transform,
 };
-use rayon::ThreadPoolBuilder;
 
 use crate::support::generators::{PLACES, cloud, placed, rays, short_rays, soup, unshared};
-use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, rounds, soak_rays};
+use crate::support::{Numbers, bits, bumpy_sphere, cases, mesh, on_threads, rounds, soak_rays};
 
 /// Shoots `rays` with every instruction set and compares with brute force; returns how many hit. Then some of them once
 /// more, which begin where they hit, just before, or anywhere.
@@ -317,11 +316,7 @@ fn pictures_and_batches_are_the_same_for_all_threads_and_instruction_sets() {
     let mut hashes = Vec::new();
     for set in InstructionSet::available() {
         for threads in [1, 2, 3, 7] {
-            let pool = ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            hashes.push(pool.install(|| {
+            hashes.push(on_threads(threads, || {
                 let scene = Scene::new(objects.clone()).unwrap();
                 let engine = Cpu::with(set);
                 [

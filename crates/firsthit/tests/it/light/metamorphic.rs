@@ -13,6 +13,7 @@ use firsthit::{
 };
 
 use super::{seen, shader};
+use crate::support::on_threads;
 
 /// A ball over a floor, in front of a block.
 fn objects(size: f64) -> Vec<Object> {
@@ -279,11 +280,7 @@ fn bytes_are_the_same_for_any_threads_regions_and_splits_of_the_samples() {
         let shading = Shader::named(name).unwrap().on(&scene);
         let whole = picture(&scene, &shading, &camera, 5, None);
         for threads in [1, 2, 7] {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
-            let again = pool.install(|| picture(&scene, &shading, &camera, 5, None));
+            let again = on_threads(threads, || picture(&scene, &shading, &camera, 5, None));
             assert!(again == whole, "{name} {threads}");
         }
         let region = Region {

@@ -16,7 +16,7 @@ use firsthit::{
 };
 
 use crate::support::generators::{PLACES, cloud, placed, soup, unshared};
-use crate::support::{Numbers, bumpy_sphere, mesh, scene};
+use crate::support::{Numbers, bumpy_sphere, mesh, on_threads, scene};
 
 type Bits = (u64, i32, i32, [u64; 3], [u64; 2]);
 
@@ -349,9 +349,8 @@ fn the_number_of_threads_does_not_matter_and_a_watch_ends_it() {
     let ball = scene(vec![Object::new(mesh(&points, triangles))]);
     let points: Vec<[f64; 3]> = (0..5000).map(|_| numbers.point().to_array()).collect();
     let by = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let found = || closest_points(&ball, &points, NearestSettings::default(), &()).unwrap();
-        bits(&pool.build().unwrap().install(found))
+        bits(&on_threads(threads, found))
     };
     assert_eq!(by(1), by(3));
     let stopped = Stopped(AtomicBool::new(false));

@@ -14,6 +14,12 @@ use firsthit::section::{Section, SectionPlane, section};
 use firsthit::shoot::{BruteForce, Cpu, Engine};
 use firsthit::{Camera, DVec2, DVec3, Hit, Mesh, Object, Positions, Ray, Result, Scene};
 
+/// Does `work` in a pool of so many threads.
+pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.unwrap().install(work)
+}
+
 /// Questions to a scene with the settings that most tests have.
 pub(crate) trait Ask {
     fn explain(&self, ray: &Ray) -> Result<Explanation<'_>>;
