@@ -89,7 +89,8 @@ impl Lines {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`] when there is not enough memory, and [`Error::Interrupted`] when `watch` stops it.
+    /// [`Error::Limit`](crate::error::Error::Limit) when there is not enough memory, and
+    /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it.
     pub fn coverage(
         &self,
         rows: Range<usize>,

@@ -62,7 +62,8 @@ impl Lines {
     ///
     /// # Errors
     ///
-    /// The errors of [`Edges::check`], [`Error::Limit`] when there is not enough memory, and [`Error::Interrupted`] when `watch` stops it.
+    /// The errors of [`Edges::check`], [`Error::Limit`](crate::error::Error::Limit) when there is not enough memory, and
+    /// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it.
     pub fn new(
         subject: &Subject<'_>,
         edges: &Edges,

@@ -35,7 +35,7 @@ const AT_ONCE: usize = 1 << 14;
 ///
 /// # Errors
 ///
-/// [`Error::Interrupted`] when `watch` stops it.
+/// [`Error::Interrupted`](crate::error::Error::Interrupted) when `watch` stops it.
 pub fn winding_number(mesh: &Mesh, point: DVec3, watch: &dyn Watch) -> Result<f64> {
     let bounds = mesh.bounds();
     let largest = [bounds.low, bounds.high, point].map(|v| v.abs().max_element());
