@@ -5,7 +5,7 @@ from typing import Any, TypedDict, final
 import numpy as np
 import numpy.typing as npt
 
-from ._base.types import (
+from .typing import (
     AlphaMode,
     ColorMapName,
     EdgeKind,

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from ._base.types import Asked
+    from .typing import Asked
 
     Columns = dict[str, npt.NDArray[Any]]
 

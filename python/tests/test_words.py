@@ -12,7 +12,7 @@ import firsthit as fh
 import firsthit.typing
 import pytest
 from firsthit import _firsthit
-from firsthit._base.types import FisheyeName
+from firsthit.typing import FisheyeName
 from support import ROOT, ball
 
 TABLE = (ROOT / "docs/reference/words.md").read_text(encoding="utf-8")

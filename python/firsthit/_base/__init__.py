@@ -1,1 +1,1 @@
-"""What every folder may use: types, errors, arguments to arrays, progress. It knows no scene."""
+"""What every folder may use: errors, arguments to arrays, progress. It knows no scene."""

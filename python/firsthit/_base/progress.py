@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from .types import Progress
+    from firsthit.typing import Progress
 
     #: Takes how much is done; of work in steps also the step's total, its name and its unit.
     Report = Callable[..., object]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar, cast, get_args
 
 from firsthit._base.arrays import flag, number, text
 from firsthit._base.channel_hints import hint
-from firsthit._base.types import DistanceName, Far, MatteName
+from firsthit.typing import DistanceName, Far, MatteName
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray
 
-    from firsthit._base.types import (
+    from firsthit.typing import (
         AngleName,
         DistanceName,
         Far,

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from firsthit._base.types import DistanceName, IdentifierName
+from firsthit.typing import DistanceName, IdentifierName
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import Asked
+    from firsthit.typing import Asked
 
 _UNITS = {**dict.fromkeys(get_args(DistanceName), "scene units"), "incidence": "radians"}
 

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import ObjectKey, Progress, Returns, Rings, Turn
     from firsthit._scene.scene import Scene
     from firsthit._sensors.trajectory import Trajectory
+    from firsthit.typing import ObjectKey, Progress, Returns, Rings, Turn
 
     from .lidar_scan import LidarScan
 

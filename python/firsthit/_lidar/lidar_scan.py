@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import ObjectKey
     from firsthit._queries.all_hits import AllHits
     from firsthit._queries.hits import Hits
+    from firsthit.typing import ObjectKey
 
 #: What the columns of vectors are called in tables.
 _VECTORS = {"point": ("x", "y", "z"), "sensor_point": ("sensor_x", "sensor_y", "sensor_z")}

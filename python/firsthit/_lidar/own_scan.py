@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import ObjectKey
+    from firsthit.typing import ObjectKey
 
     from .lidar import Lidar
 

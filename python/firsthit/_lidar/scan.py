@@ -17,8 +17,8 @@ from .scan_labels import classes_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from firsthit._base.types import ObjectKey, Progress, Returns, Rings
     from firsthit._scene.scene import Scene
+    from firsthit.typing import ObjectKey, Progress, Returns, Rings
 
     from .lidar import Lidar
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import ObjectKey
     from firsthit._objects.object import Object
+    from firsthit.typing import ObjectKey
 
 #: The largest class of LAS 1.4.
 _MOST = 255

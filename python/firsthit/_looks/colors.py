@@ -14,7 +14,7 @@ from firsthit._base.arrays import color_of, number, numbers, one_of, settle
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import ColorMapName, Vector
+    from firsthit.typing import ColorMapName, Vector
 
 #: What gives numbers beside attributes; names of colour maps.
 WORDS, MAPS = _firsthit.color_names()

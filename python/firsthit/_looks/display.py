@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, get_args
 
 from firsthit._base.arrays import number, one_of, settle
-from firsthit._base.types import ToneMapName
+from firsthit.typing import ToneMapName
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import EdgeKind, Vector
+    from firsthit.typing import EdgeKind, Vector
 
 _KINDS, _USUAL = _firsthit.edge_defaults()
 _WIDTH, _ANGLE, _USUAL_KINDS, _DASH, _COLOR = _USUAL

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Vector
+    from firsthit.typing import Vector
 
     Turn = float | tuple[npt.ArrayLike, float]
 

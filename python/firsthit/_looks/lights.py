@@ -14,7 +14,7 @@ from firsthit._base.arrays import color_of, direction, settle, settle_numbers
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import Vector
+    from firsthit.typing import Vector
 
 
 @dataclass(frozen=True, init=False)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import AlphaMode, Filter, MaterialKind, Vector, Wrap
+    from firsthit.typing import AlphaMode, Filter, MaterialKind, Vector, Wrap
 
 #: Texture coordinates whose v runs upwards, as in OBJ and PLY: rows of the map to the picture.
 _V_UP = ((1.0, 0.0, 0.0), (0.0, -1.0, 1.0))

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from firsthit import _firsthit
 from firsthit._base.arrays import color_of, count, flag, number, one_of, settle, vector
-from firsthit._base.types import LightName, ShaderName
+from firsthit.typing import LightName, ShaderName
 
 from .colors import Colors
 
 if TYPE_CHECKING:
-    from firsthit._base.types import Vector
+    from firsthit.typing import Vector
 
     Setting = bool | float | Vector
 

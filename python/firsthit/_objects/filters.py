@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from firsthit._base.arrays import elements, numbers
-from firsthit._base.types import Side
+from firsthit.typing import Side
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import SceneLike
     from firsthit._looks.material import Material
+    from firsthit.typing import SceneLike
 
 
 class Part(NamedTuple):

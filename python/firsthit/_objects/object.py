@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Selection, Vector
     from firsthit._firsthit import _Labels as Labels
+    from firsthit.typing import Selection, Vector
 
     from .foreign import Part
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import AttributeOf
+    from firsthit.typing import AttributeOf
 
 
 #: Beyond this, not every whole number is a float64.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import ForeignMesh, Vector
+    from firsthit.typing import ForeignMesh, Vector
 
 
 class Shape:

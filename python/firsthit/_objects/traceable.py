@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._base.progress import Report
-    from firsthit._base.types import Build, Progress, Selection, Vector
     from firsthit._looks.environment import Environment
     from firsthit._looks.lights import Light
+    from firsthit.typing import Build, Progress, Selection, Vector
 
     from .object import Object
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
-    from firsthit._base.types import Progress
+    from firsthit.typing import Progress
 
     from .engine import On
     from .folder import Parts

@@ -34,11 +34,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._base.progress import Report
-    from firsthit._base.types import Vector
     from firsthit._looks.display import Display
     from firsthit._objects.traceable import Built
     from firsthit._scene.scene import Scene
-    from firsthit.typing import OwnShade, Progress, ShaderName
+    from firsthit.typing import OwnShade, Progress, ShaderName, Vector
 
 #: The samples of a pixel at most, where a noise ends them and nothing else says how many.
 _SAMPLES_WITH_NOISE = 256

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Asked, Selection, Side
     from firsthit._files.frame import Frame
     from firsthit._looks.colors import Colors
     from firsthit._looks.edges import Edges
@@ -23,7 +22,16 @@ if TYPE_CHECKING:
     from firsthit._looks.shading import Shader
     from firsthit._scene.scene import Scene
     from firsthit._sensors.sensor import Sensor
-    from firsthit.typing import ColorMapName, LightName, OwnShade, Progress, ShaderName
+    from firsthit.typing import (
+        Asked,
+        ColorMapName,
+        LightName,
+        OwnShade,
+        Progress,
+        Selection,
+        ShaderName,
+        Side,
+    )
 
 
 def render(

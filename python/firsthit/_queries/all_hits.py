@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._base.progress import Report
-    from firsthit._base.types import Asked
     from firsthit._objects.traceable import Built
+    from firsthit.typing import Asked
 
     from .hits import Index
 

@@ -14,9 +14,9 @@ from firsthit._base.channel_hints import hint
 from firsthit._base.log import timed
 from firsthit._base.progress import following, later
 from firsthit._base.rounding import singles
-from firsthit._base.types import ChannelName, MatteName, NamedIdentifier
 from firsthit._files.channels import attribute_of, distinct, files, is_cloud, is_of_several
 from firsthit._files.frame import in_file
+from firsthit.typing import ChannelName, MatteName, NamedIdentifier
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import (
+    from firsthit._objects.traceable import Built
+    from firsthit.typing import (
         AngleName,
         Asked,
         AttributeOf,
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
         Progress,
         VectorName,
     )
-    from firsthit._objects.traceable import Built
 
     from .source import Source
 

@@ -17,8 +17,8 @@ from .leaving import rays_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import Selection
     from firsthit._objects.traceable import Built
+    from firsthit.typing import Selection
 
 
 #: What of a hit are vectors, (2,) or (3,) float64.

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit import _firsthit
-    from firsthit._base.types import (
+    from firsthit._objects.traceable import Built
+    from firsthit.typing import (
         Asked,
         Far,
     )
-    from firsthit._objects.traceable import Built
 
     from .leaving import LeavingRays
     from .source import Source

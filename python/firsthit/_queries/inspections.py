@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, Progress, Selection, Side
     from firsthit._sensors.camera import Camera
+    from firsthit.typing import FillRule, Progress, Selection, Side
 
     from .explain import Explanation
     from .leaving import LeavingRays

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._base.types import ObjectKey, Progress
     from firsthit._objects.traceable import Built
+    from firsthit.typing import ObjectKey, Progress
 
 
 class Place(NamedTuple):

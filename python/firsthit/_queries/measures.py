@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Progress
     from firsthit._objects.traceable import Built
+    from firsthit.typing import Progress
 
     from .rays import Rays
 

@@ -29,7 +29,7 @@ from .sights import end, end_part, of_length_one, rays_through, surface_points
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, Progress, Rule, Selection
+    from firsthit.typing import FillRule, Progress, Rule, Selection
 
     from .sights import Pair
 

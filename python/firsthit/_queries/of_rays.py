@@ -22,8 +22,8 @@ from .shoot import answers, first_hits
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, Progress, Selection, Side
     from firsthit._sensors.sensor import Sensor
+    from firsthit.typing import FillRule, Progress, Selection, Side
 
     from .all_hits import AllHits
     from .hits import Hits

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, Progress, Vector
     from firsthit._objects.traceable import Built
+    from firsthit.typing import FillRule, Progress, Vector
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._base.progress import Report
-    from firsthit._base.types import Progress
     from firsthit._objects.traceable import Built
+    from firsthit.typing import Progress
 
     from .rays import Rays
 

@@ -16,7 +16,6 @@ from firsthit._base.arrays import one_of, table
 from firsthit._base.log import DEBUG, timed
 from firsthit._base.progress import following
 from firsthit._base.turn import Turn
-from firsthit._base.types import Build
 from firsthit._objects.foreign_kinds import WANTED, reader_of
 from firsthit._objects.object import (
     NOTHING,
@@ -29,6 +28,7 @@ from firsthit._objects.object import (
 )
 from firsthit._objects.shapes import Mesh, Shape
 from firsthit._objects.traceable import Built, Traceable
+from firsthit.typing import Build
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,11 +37,11 @@ if TYPE_CHECKING:
 
     from firsthit import _firsthit
     from firsthit._base.progress import Report
-    from firsthit._base.types import ForeignMesh, ObjectKey, Progress, Selection, Vector
     from firsthit._looks.environment import Environment
     from firsthit._looks.lights import Light
     from firsthit._objects.object import Object
     from firsthit._objects.traceable import Surroundings
+    from firsthit.typing import ForeignMesh, ObjectKey, Progress, Selection, Vector
 
 #: After so many changes their list begins anew, and the next build starts from all objects; but not
 #: before so many calls that move many.

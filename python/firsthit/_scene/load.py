@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from firsthit._base.types import Build, Progress, Unit
     from firsthit._queries.lint import LintReport
+    from firsthit.typing import Build, Progress, Unit
 
 
 def load(

@@ -37,19 +37,19 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import (
+    from firsthit._looks.material import Material
+    from firsthit._looks.shading import Shader
+    from firsthit._view.notebook import NotebookView
+    from firsthit.typing import (
         Build,
         ForeignMesh,
         LightName,
         Progress,
         SceneLike,
         Selection,
+        ShaderName,
         Vector,
     )
-    from firsthit._looks.material import Material
-    from firsthit._looks.shading import Shader
-    from firsthit._view.notebook import NotebookView
-    from firsthit.typing import ShaderName
 
 
 class Scene(Changes, RayQueries, PointQueries, Inspections):

@@ -19,7 +19,7 @@ from .conventions import FISHEYE, OPENCV
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import Convention, Projection
+    from firsthit.typing import Convention, Projection
 
 #: Calibrations are small; a list of images may have some hundred thousand of them.
 _MOST_BYTES = 1 << 28

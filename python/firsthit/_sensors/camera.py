@@ -12,7 +12,7 @@ import numpy as np
 from firsthit import _firsthit
 from firsthit._base.arrays import count, index, number, numbers, one_of, text, vector, vectors
 from firsthit._base.errors import warn
-from firsthit._base.types import Projection
+from firsthit.typing import Projection
 
 from . import colmap, conventions
 from .conventions import OpenCvCamera
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import (
+    from firsthit._objects.traceable import Traceable
+    from firsthit.typing import (
         Convention,
         CubeLayout,
         FisheyeName,
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
         Vector,
         ViewName,
     )
-    from firsthit._objects.traceable import Traceable
 
     from .colmap import ColmapCamera
 

@@ -17,7 +17,7 @@ from .trajectory import checked
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import Readout
+    from firsthit.typing import Readout
 
     from .trajectory import Trajectory
 

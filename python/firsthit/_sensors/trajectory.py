@@ -10,7 +10,7 @@ import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import cast, numbers, one_of, text, vectors
-from firsthit._base.types import BodyName, Extrapolation, Interpolation, TrajectoryFormat
+from firsthit.typing import BodyName, Extrapolation, Interpolation, TrajectoryFormat
 
 if TYPE_CHECKING:
     import os

@@ -16,12 +16,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import LightName, Selection
     from firsthit._looks.environment import Environment
     from firsthit._looks.lights import Sky
     from firsthit._looks.shading import Shader
     from firsthit._scene.scene import Scene
-    from firsthit.typing import ShaderName
+    from firsthit.typing import LightName, Selection, ShaderName
 
 
 #: What of `render`'s arguments a page does not take: it asks for pictures itself.

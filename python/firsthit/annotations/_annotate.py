@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Selection
     from firsthit._objects.traceable import Built
+    from firsthit.typing import Selection
 
     from ._classes import By, Classes, Group
     from ._keypoints import Given, Keypoints

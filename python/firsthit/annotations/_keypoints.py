@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Vector
     from firsthit._scene.scene import Scene
     from firsthit._sensors.lines import PictureSensor
+    from firsthit.typing import Vector
 
     from ._annotations import Part
 

@@ -16,7 +16,7 @@ from ._foreign_meshes import is_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from firsthit._base.types import MeshLike
+    from firsthit.typing import MeshLike
 
 
 class Kept:

@@ -31,7 +31,7 @@ from ._tensors import array_of, asked_about, is_tensor, like, or_zero, parts_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, MeshLike
+    from firsthit.typing import FillRule, MeshLike
 
     from ._tensors import Asked, LegacyMesh, Tensor, TriangleMesh
 

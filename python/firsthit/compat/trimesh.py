@@ -27,8 +27,8 @@ from ._kept import Kept, surface, vertices_alone
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import FillRule, MeshLike
     from firsthit._queries.of_points import ClosestPoints
+    from firsthit.typing import FillRule, MeshLike
 
     Indices = npt.NDArray[np.int64]
     Floats = npt.NDArray[np.float64]

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from ._job import check, check_packages
 
 if TYPE_CHECKING:
-    from firsthit._base.types import Vector
     from firsthit._parts.mark import Mark
     from firsthit._scene.scene import Scene
+    from firsthit.typing import Vector
 
     from ._plan import Plan
     from ._scenes import PlannedScene

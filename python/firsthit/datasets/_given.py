@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import BodyName
     from firsthit._scene.scene import Scene
+    from firsthit.typing import BodyName
 
     from ._document import Table
     from ._sensors import PlannedSensor

@@ -16,7 +16,7 @@ from ._sensors import CameraSensor
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._base.types import ShaderName
+    from firsthit.typing import ShaderName
 
     from ._document import Table
     from ._sensors import PlannedSensor

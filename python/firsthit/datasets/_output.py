@@ -17,7 +17,7 @@ from ._sensors import CameraSensor
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._base.types import Far
+    from firsthit.typing import Far
 
     from ._document import Table
     from ._sensors import PictureSensor, PlannedSensor

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
 
-    from firsthit._base.types import Progress
     from firsthit._parts.engine import On, Task
     from firsthit._parts.mark import Mark
+    from firsthit.typing import Progress
 
 
 class Made(NamedTuple):

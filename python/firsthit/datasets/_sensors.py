@@ -16,8 +16,8 @@ from ._lidars import LidarSensor, lidar
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from firsthit._base.types import Readout
     from firsthit._sensors.camera import Camera
+    from firsthit.typing import Readout
 
     from ._document import Table
     from ._place import Place

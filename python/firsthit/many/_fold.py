@@ -17,8 +17,8 @@ from firsthit._base.arrays import numbers, text
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit._base.types import Asked
     from firsthit._queries.hits import Hits
+    from firsthit.typing import Asked
 
 #: What an array may be called.
 _NAME = re.compile(r"[A-Za-z0-9_]{1,100}")

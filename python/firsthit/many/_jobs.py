@@ -36,10 +36,10 @@ from firsthit._scene.scene import Scene
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from firsthit._base.types import Progress, Selection
     from firsthit._looks.environment import Environment
     from firsthit._parts.drive import Maker
     from firsthit._parts.engine import On
+    from firsthit.typing import Progress, Selection
 
     from ._rays import Batch
 

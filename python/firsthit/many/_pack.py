@@ -26,7 +26,7 @@ from ._parts_of import found
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from firsthit._base.types import Progress
+    from firsthit.typing import Progress
 
     from ._parts_of import Found
 

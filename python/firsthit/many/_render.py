@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Asked, Far, Progress, Selection, Side
     from firsthit._files.frame import Frame
     from firsthit._looks.environment import Environment
     from firsthit._looks.lights import Sky
@@ -38,7 +37,18 @@ if TYPE_CHECKING:
     from firsthit._parts.scene_store import SharedScene
     from firsthit._scene.scene import Scene
     from firsthit._sensors.sensor import Sensor
-    from firsthit.typing import ColorMapName, LightName, OwnShade, ShaderName, ToneMapName
+    from firsthit.typing import (
+        Asked,
+        ColorMapName,
+        Far,
+        LightName,
+        OwnShade,
+        Progress,
+        Selection,
+        ShaderName,
+        Side,
+        ToneMapName,
+    )
 
     from ._jobs import Made
 

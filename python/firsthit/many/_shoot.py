@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Asked, Progress, Selection, Side
     from firsthit._parts.engine import On, Task
     from firsthit._parts.scene_store import SharedScene
     from firsthit._scene.scene import Scene
     from firsthit._sensors.sensor import Sensor
+    from firsthit.typing import Asked, Progress, Selection, Side
 
     from ._fold import Arrays
     from ._jobs import Made

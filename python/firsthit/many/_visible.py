@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from firsthit._base.types import Progress, Selection
     from firsthit._parts.engine import On, Task
     from firsthit._parts.scene_store import SharedScene
     from firsthit._scene.scene import Scene
+    from firsthit.typing import Progress, Selection
 
     from ._jobs import Made
 
