@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -664,20 +665,8 @@ class Lidar(OtherSensor):
         >>> round(float(scan.range.min()), 3)
         3.0
         """
-        settings = settings_of(
-            returns=returns,
-            divergence=divergence,
-            subrays=subrays,
-            range_gate=range_gate,
-            max_returns=max_returns,
-            min_range=min_range,
-            max_range=max_range,
-            intensity=intensity,
-            noise=noise,
-            dropout=dropout,
-            seed=seed,
-            rings=rings,
-        )
+        given = locals()
+        settings = settings_of(**{name: given[name] for name in signature(settings_of).parameters})
         with timed("scanned %d x %d beams", self.rows, self.columns):
             return scanned(self, scene, settings, classes, threads, progress)
 

@@ -236,32 +236,7 @@ def render(
     >>> float(frame["z"][1, 1])
     4.0
     """
-    picture = Picture.of(
-        scene,
-        camera,
-        channels,
-        background=background,
-        environment=environment,
-        samples=samples,
-        noise=noise,
-        resume=resume,
-        region=region,
-        cull=cull,
-        edges=edges,
-        objects=objects,
-        blend_below=blend_below,
-        shade=shade,
-        light=light,
-        ground=ground,
-        ambient=ambient,
-        shadows=shadows,
-        color_by=color_by,
-        color_map=color_map,
-        color_range=color_range,
-        threads=threads,
-        dtype=dtype,
-        progress=progress,
-    )
+    picture = Picture.of(**locals())
     with timed("rendered %d x %d pixels", *picture.part.shape[::-1]):
         return picture.frame(progress)
 
@@ -344,27 +319,5 @@ def render_progressively(
     >>> bool((frame["color"] == fh.render(scene, camera, samples=6)["color"]).all())
     True
     """
-    picture = Picture.of(
-        scene,
-        camera,
-        channels,
-        background=background,
-        environment=environment,
-        samples=samples,
-        region=region,
-        cull=cull,
-        edges=edges,
-        objects=objects,
-        blend_below=blend_below,
-        shade=shade,
-        light=light,
-        ground=ground,
-        ambient=ambient,
-        shadows=shadows,
-        color_by=color_by,
-        color_map=color_map,
-        color_range=color_range,
-        threads=threads,
-        progress=progress,
-    )
+    picture = Picture.of(**locals())
     return picture.frames(progress)

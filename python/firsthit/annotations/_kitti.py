@@ -89,18 +89,10 @@ def save_kitti(
     along z: ``atan2(-z, x)`` of it. Alpha is rotation_y less the direction of the object,
     ``atan2(x, z)`` of its place. Angles are from -pi to pi.
     """
+    how = {name: value for name, value in locals().items() if name not in ("folder", "pictures")}
     given = named(pictures)
     paths = [Path(folder, "label_2", f"{stem}.txt") for stem in stems(given)]
-    texts = labels(
-        given,
-        unit=unit,
-        forward=forward,
-        up=up,
-        box=box,
-        occlusion=occlusion,
-        tilt_degrees=tilt_degrees,
-        score=score,
-    )
+    texts = labels(given, **how)
     for path, text in zip(paths, texts.values(), strict=True):
         write(path, text.encode())
 

@@ -55,6 +55,12 @@ if TYPE_CHECKING:
 #: The files of pictures.
 EXTENSIONS = (".npz", ".exr", ".png", ".npy", ".ply", ".pcd")
 
+#: What of the arguments is the look of pictures, and what a job names where it is given alone.
+_LOOK = ("background", "samples", "cull", "objects", "shade", "ambient", "shadows")
+_MORE = (
+    *("edges", "light", "ground", "color_by", "blend_below", "dtype", "color_map", "color_range"),
+)
+
 
 def render_many(
     scene: Scene | str | os.PathLike[str],
@@ -178,6 +184,7 @@ def render_many(
     >>> fh.render_many(scene, cameras, "pictures", channels=["z", "object"]).kept
     4
     """
+    given = locals()
     how = How.of(on, part, threads, verify, progress)
     if not isinstance(cameras, Mapping | Sequence) or isinstance(cameras, str | bytes):
         raise TypeError(f"cameras must be a sequence or a mapping of cameras, got {cameras!r}")
@@ -192,21 +199,11 @@ def render_many(
         raise ValueError(f"png_scale must be positive and finite, got {scale}")
     stored(scale, far)
     shown = _shown(exposure, tone_map, extensions, wanted)
-    objects, lines = settled(objects), Edges._of(edges)
     numbers = color_by if color_by is None or isinstance(color_by, Colors) else Colors(color_by)
-    look: dict[str, Any] = {
-        "background": background,
-        "samples": samples,
-        "cull": cull,
-        "objects": objects,
-        "shade": shade,
-        "ambient": ambient,
-        "shadows": shadows,
-    }
-    more: dict[str, Any] = {"edges": lines, "light": light, "ground": ground, "color_by": numbers}
-    more |= {"blend_below": blend_below, "dtype": None if dtype is None else np.dtype(dtype).name}
-    more |= {"color_map": color_map, "color_range": color_range}
-    look |= {name: value for name, value in more.items() if value is not None}
+    given |= {"objects": settled(objects), "edges": Edges._of(edges), "color_by": numbers}
+    given["dtype"] = None if dtype is None else np.dtype(dtype).name
+    look = {name: given[name] for name in _LOOK}
+    look |= {name: given[name] for name in _MORE if given[name] is not None}
     said = {
         "kind": "render",
         "cameras": digest_of(views),
@@ -215,7 +212,7 @@ def render_many(
         "save": extensions,
         "png_scale": scale,
         "part_size": size,
-        "look": finite({**look, **_as_json(look), "objects": listed(objects)}),
+        "look": finite({**look, **_as_json(look), "objects": listed(look["objects"])}),
         **({} if far is None else {"far": far}),
         **shown,
     }
@@ -233,7 +230,7 @@ def render_many(
         job.scene, job.digest, wanted, extensions, (scale, far), look, shown, how.threads
     )
 
-    def given(part_number: int) -> list[tuple[str, Sensor]]:
+    def of_part(part_number: int) -> list[tuple[str, Sensor]]:
         """Return the names and the cameras of a part."""
         first = part_number * size
         return [
@@ -241,7 +238,7 @@ def render_many(
             for k in range(first, min(first + size, len(views)))
         ]
 
-    return job.made(job.do(maker, how, "parts", given))
+    return job.made(job.do(maker, how, "parts", of_part))
 
 
 class _Pictures(NamedTuple):
