@@ -29,7 +29,7 @@ from many_support import Slow, rays, scene  # noqa: E402
 RAYS, PART = 60_000, 100
 
 
-def job(out: Path, on: object = None) -> fh.many.Made:
+def job(out: Path, on: object = None) -> fh.many.JobResult:
     """Make a job of 600 parts of 50 ms, or what is missing of it."""
     return fh.shoot_many(scene(), rays(RAYS), out, fold=Slow(), part_size=PART, on=on)
 
@@ -143,7 +143,7 @@ def wait_for_the_end_of(session: int) -> None:
     raise AssertionError("a worker outlives its driver")
 
 
-def check(out: Path, made: fh.many.Made) -> None:
+def check(out: Path, made: fh.many.JobResult) -> None:
     """Compare with an undisturbed job."""
     assert made.missing == 0
     assert made.digest == DIGEST, f"{made.digest} instead of {DIGEST}"

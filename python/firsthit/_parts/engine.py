@@ -69,7 +69,7 @@ def results(work: Work, tasks: Iterable[Task], on: On) -> Generator[tuple[int, A
         for task in tasks:
             yield task.number, work(task)
         return
-    pool = _Pool(work, on)
+    pool = _TaskPool(work, on)
     try:
         yield from pool.results(iter(tasks))
     finally:
@@ -127,7 +127,7 @@ def _done(work: Work, task: Task) -> _Outcome:
         return _Outcome(error=error, trace=traceback.format_exc())
 
 
-class _Pool:
+class _TaskPool:
     """An executor, and the tasks that are with it."""
 
     def __init__(self, work: Work, on: Executor | Callable[[], Executor]) -> None:

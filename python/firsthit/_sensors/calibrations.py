@@ -114,13 +114,13 @@ def _number(name: str, value: object) -> float:
     return number
 
 
-class Document:
+class CalibrationFile:
     """A file of one table, whose errors name it."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.fspath(path)
 
-    def __enter__(self) -> Document:
+    def __enter__(self) -> CalibrationFile:
         return self
 
     def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:

@@ -100,7 +100,7 @@ class ReadCameras:
             `ValueError`.
         """
         placed = np.array(conventions.pose4(pose))
-        with calibrations.Document(path) as document:
+        with calibrations.CalibrationFile(path) as document:
             read = calibrations.of_ros(document.yaml(), placed)
             camera = cls._calibrated(read.calibration)
             if read.region is not None:
@@ -141,7 +141,7 @@ class ReadCameras:
             missing, and what `from_intrinsics` refuses; also a `ValueError`.
         """
         one_of("frame", frame, ("cam0", "imu"))
-        with calibrations.Document(path) as document:
+        with calibrations.CalibrationFile(path) as document:
             read = calibrations.of_kalibr(document.yaml(), frame)
             return {name: cls._calibrated(each) for name, each in read.items()}
 
@@ -183,7 +183,7 @@ class ReadCameras:
         size = None
         if rows is not None and columns is not None:
             size = count("rows", rows, 1), count("columns", columns, 1)
-        with calibrations.Document(path) as document:
+        with calibrations.CalibrationFile(path) as document:
             read = calibrations.of_nerfstudio(document.json(), size)
             return {name: cls._calibrated(each) for name, each in read.items()}
 

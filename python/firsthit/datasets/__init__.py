@@ -6,6 +6,6 @@ folder, and how a killed run goes on.
 
 from ._cost import Cost
 from ._plan import Plan
-from ._run import Made, dataset
+from ._run import DatasetResult, dataset
 
-__all__ = ["Cost", "Made", "Plan", "dataset"]
+__all__ = ["Cost", "DatasetResult", "Plan", "dataset"]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 MOST_BYTES = 16 << 20
 
 
-class Document(NamedTuple):
+class PlanSource(NamedTuple):
     """A plan as it was written.
 
     Attributes
@@ -37,7 +37,7 @@ class Document(NamedTuple):
     path: Path | None = None
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Document:
+    def load(cls, path: str | os.PathLike[str]) -> PlanSource:
         """Read a plan from a file."""
         file, name = Path(path), os.fspath(path)
         try:
@@ -55,7 +55,7 @@ class Document(NamedTuple):
         return cls(content, file.parent, file)
 
     @classmethod
-    def of(cls, data: Mapping[str, Any], folder: Path) -> Document:
+    def of(cls, data: Mapping[str, Any], folder: Path) -> PlanSource:
         """Return a plan that is a dict."""
         if not isinstance(data, dict):
             raise ValueError(f"plan: it must be a table, got {data!r}")
@@ -84,7 +84,7 @@ class Document(NamedTuple):
 class Table(dict[str, Any]):
     """A table of a plan, whose keys and values have the form that they must have."""
 
-    def __init__(self, document: Document, way: tuple[str, ...], data: dict[str, Any]) -> None:
+    def __init__(self, document: PlanSource, way: tuple[str, ...], data: dict[str, Any]) -> None:
         super().__init__(data)
         self._document, self._way = document, way
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ._chance import Inside, Sphere
 from ._cost import Cost, cost
-from ._document import Document
+from ._document import PlanSource
 from ._given import Listed, Path
 from ._lidars import LidarSensor
 from ._output import output
@@ -65,7 +65,7 @@ class Plan:
     def __init__(self) -> None:
         raise TypeError("Plans are made by Plan.load and Plan.from_dict")
 
-    _document: Document
+    _document: PlanSource
     _scenes: tuple[PlannedScene, ...]
     _sensors: tuple[PlannedSensor, ...]
     _poses: Poses
@@ -96,7 +96,7 @@ class Plan:
         FileFormatError
             For a plan that is not as it must be, with the line; also a `ValueError`.
         """
-        return cls._of(Document.load(path))
+        return cls._of(PlanSource.load(path))
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Plan:
@@ -119,10 +119,10 @@ class Plan:
         ValueError
             For a plan that is not as it must be.
         """
-        return cls._of(Document.of(data, pathlib.Path(folder)))
+        return cls._of(PlanSource.of(data, pathlib.Path(folder)))
 
     @classmethod
-    def _of(cls, document: Document) -> Plan:
+    def _of(cls, document: PlanSource) -> Plan:
         plan, table = cls.__new__(cls), document.table()
         plan._document = document
         plan._scenes = scenes(table.tables("scenes"), document.folder)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from firsthit.typing import Progress
 
 
-class Made(NamedTuple):
+class DatasetResult(NamedTuple):
     """The result of a run.
 
     Attributes
@@ -65,7 +65,7 @@ def dataset(
     threads: int | None = None,
     verify: bool = False,
     progress: Progress | None = None,
-) -> Made:
+) -> DatasetResult:
     """Make the frames and annotations of a plan.
 
     Frames that are there are kept, so a run that was killed goes on where it was. Each frame has a
@@ -98,7 +98,7 @@ def dataset(
 
     Returns
     -------
-    Made
+    DatasetResult
         How many frames were made and kept, and the digest.
 
     Raises
@@ -165,7 +165,7 @@ def dataset(
         forget(run)
     if digest is not None:
         merge(folder, made, frames.records, digest)
-    return Made(made.frames, count, kept, missing, digest)
+    return DatasetResult(made.frames, count, kept, missing, digest)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ scene, in this machine or in another that shares the folder.
 """
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum
-from ._jobs import Made
+from ._jobs import JobResult
 from ._pack import Packed, pack
 from ._parts_of import JobState, parts
 from ._processes import processes
@@ -18,8 +18,8 @@ __all__ = [
     "Bits",
     "Fold",
     "Histogram",
+    "JobResult",
     "JobState",
-    "Made",
     "Minimum",
     "Packed",
     "Sum",

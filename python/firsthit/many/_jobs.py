@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from ._rays import Batch
 
 
-class Made(NamedTuple):
+class JobResult(NamedTuple):
     """What a run came to.
 
     Attributes
@@ -235,10 +235,10 @@ class Job:
         finally:
             forget(self.scene.run)
 
-    def made(self, counts: tuple[int, int], result: Any = None) -> Made:
+    def made(self, counts: tuple[int, int], result: Any = None) -> JobResult:
         """Return what a run came to."""
         missing, digest = self.parts.state()
-        return Made(self.count, *counts, missing, digest, result)
+        return JobResult(self.count, *counts, missing, digest, result)
 
 
 class Stream(Job):
@@ -299,6 +299,6 @@ class Stream(Job):
             raise FileWriteError._of(path, why)
         self.count = total
 
-    def made(self, counts: tuple[int, int], result: Any = None) -> Made:
+    def made(self, counts: tuple[int, int], result: Any = None) -> JobResult:
         missing, digest = self.parts.first(self.count).state()
-        return Made(self.count, *counts, missing, digest, result)
+        return JobResult(self.count, *counts, missing, digest, result)

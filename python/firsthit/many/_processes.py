@@ -56,13 +56,13 @@ class _Processes:
         self._workers = workers
 
     def __call__(self) -> Executor:
-        return _Pool(self._workers)
+        return _ProcessPool(self._workers)
 
     def __repr__(self) -> str:
         return f"processes({self._workers})"
 
 
-class _Pool(ProcessPoolExecutor):
+class _ProcessPool(ProcessPoolExecutor):
     """A pool whose workers run the user's script again only where the work is defined in it.
 
     Else a script without ``if __name__ == "__main__":`` would begin its job in each worker.

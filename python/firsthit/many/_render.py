@@ -50,7 +50,7 @@ if TYPE_CHECKING:
         ToneMapName,
     )
 
-    from ._jobs import Made
+    from ._jobs import JobResult
 
 #: The files of pictures.
 EXTENSIONS = (".npz", ".exr", ".png", ".npy", ".ply", ".pcd")
@@ -95,7 +95,7 @@ def render_many(
     threads: int | None = None,
     verify: bool = False,
     progress: Progress | None = None,
-) -> Made:
+) -> JobResult:
     """Make pictures of many cameras, on one machine or on many, and resume after any kill.
 
     A part is a range of cameras. Each has a folder in ``out/parts``, which is there when it is
@@ -154,7 +154,7 @@ def render_many(
 
     Returns
     -------
-    Made
+    JobResult
         How many parts were made and kept, and the digest.
 
     Raises

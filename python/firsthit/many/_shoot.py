@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from firsthit.typing import Asked, Progress, Selection, Side
 
     from ._fold import Arrays
-    from ._jobs import Made
+    from ._jobs import JobResult
     from ._rays import RaySource
 
     Rays = (
@@ -73,7 +73,7 @@ def shoot_many(
     threads: int | None = None,
     verify: bool = False,
     progress: Progress | None = None,
-) -> Made:
+) -> JobResult:
     """Find the first hits of many rays, on one machine or on many, and resume after any kill.
 
     A part is a range of rays. Each has a folder in ``out/parts`` with its hits, which is there when
@@ -111,7 +111,7 @@ def shoot_many(
 
     Returns
     -------
-    Made
+    JobResult
         How many parts were made and kept, the digest, and the result of a fold.
 
     Raises

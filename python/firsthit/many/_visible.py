@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from firsthit._scene.scene import Scene
     from firsthit.typing import Progress, Selection
 
-    from ._jobs import Made
+    from ._jobs import JobResult
 
 #: The matrix in the folder of a job, once all blocks are there.
 MATRIX = "visible.zarr"
@@ -55,7 +55,7 @@ def visible_many(
     threads: int | None = None,
     verify: bool = False,
     progress: Progress | None = None,
-) -> Made:
+) -> JobResult:
     """Tell which points see which, as a matrix of bits, on one machine or on many.
 
     A part is a block of the matrix. When all are there, ``out/visible.zarr`` is the matrix, in the
@@ -80,7 +80,7 @@ def visible_many(
 
     Returns
     -------
-    Made
+    JobResult
         How many blocks were made and kept, and the digest.
 
     Raises
