@@ -1,11 +1,13 @@
-"""Numbers and directions in what commands say."""
+"""Numbers and directions in what commands say, and values of their options."""
 
 from __future__ import annotations
 
+import argparse
+import re
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
 
 def count(number: int, noun: str) -> str:
@@ -34,3 +36,15 @@ def direction(vector: Sequence[float]) -> str:
     """Return a direction in words, an axis by its name, as the Rust program has it."""
     x, y, z = vector
     return _AXES.get((x, y, z), triple(vector))
+
+
+def whole(least: int) -> Callable[[str], int]:
+    """Return a reader of whole numbers that are not below ``least``."""
+
+    def read(text: str) -> int:
+        found = int(text) if re.fullmatch(r"\s*[+-]?\d{1,30}\s*", text, re.ASCII) else None
+        if found is None or found < least:
+            raise argparse.ArgumentTypeError(f"must be a whole number from {least} on, got {text}")
+        return found
+
+    return read

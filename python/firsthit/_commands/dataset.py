@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from firsthit import _firsthit
 from firsthit.datasets import Plan, dataset
-from firsthit.datasets._check import checked
+from firsthit.datasets._job import checked
 from firsthit.many import processes
 
 from ._program import Parser, UsageError, run
@@ -19,7 +19,7 @@ from ._words import count, direction, size
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from firsthit.datasets._check import Checked
+    from firsthit.datasets._job import Checked
 
 _ABOUT = """\
 Make the frames and annotations of a plan: scenes, sensors and poses.

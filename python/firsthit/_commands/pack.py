@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 from firsthit.many import pack
 
 from ._program import Parser, UsageError, run
-from ._values import whole
-from ._words import count, size
+from ._words import count, size, whole
 
 if TYPE_CHECKING:
     import argparse

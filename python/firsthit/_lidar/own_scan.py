@@ -14,7 +14,7 @@ from firsthit._sensors.conventions import rigid
 from firsthit._sensors.ray_sensor import RaySensor
 
 from .lidar_scan import ScanOrigin
-from .scan_labels import classes_of
+from .scan import classes_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -3,24 +3,45 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from firsthit import _firsthit
 from firsthit._base.arrays import count, flag, number, numbers, text, threads_or_all
 from firsthit._base.errors import warn
 from firsthit._base.progress import following
+from firsthit._objects.object import chosen
 from firsthit._objects.traceable import Traceable
 
 from .lidar_scan import LidarScan, ScanOrigin, shaped
-from .scan_labels import classes_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Sequence
 
+    import numpy.typing as npt
+
+    from firsthit._objects.object import Object
     from firsthit._scene.scene import Scene
     from firsthit.typing import ObjectKey, Progress, Returns, Rings
 
     from .lidar import Lidar
+
+#: The largest class of LAS 1.4.
+_MOST = 255
+
+
+def classes_of(
+    objects: Sequence[Object], classes: Mapping[ObjectKey, int]
+) -> npt.NDArray[np.int32]:
+    """Return the class of each object, 0 for those that are given none."""
+    if not isinstance(classes, Mapping):
+        raise TypeError(f"classes must be a dict of numbers by object, got {classes!r}")
+    made = np.zeros(len(objects), np.int32)
+    for key, label in classes.items():
+        made[list(chosen(objects, key))] = count(f"classes[{key!r}]", label, 0, _MOST)
+    return made
 
 
 def settings_of(

@@ -21,8 +21,7 @@ from firsthit._base.errors import FileError, FileReadError, FileWriteError, blam
 
 from .digest import canonical, of_file, of_json, of_stream
 from .files import sync
-from .inside import open_inside, size_of
-from .records import read
+from .records import open_inside, read, size_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -114,10 +114,8 @@ class PointQueries(Traceable):
         ValueError
             For arrays whose shapes or types do not fit, with their names, and for a tolerance that
             is negative or not finite.
-        ValueError, IndexError, TypeError
-            For ``objects``, as `shoot`.
-        MemoryError
-            If the answers do not fit into memory.
+        ValueError, IndexError, TypeError, MemoryError
+            For ``objects`` and for too little memory, as `shoot`.
 
         Examples
         --------
@@ -197,10 +195,8 @@ class PointQueries(Traceable):
         ------
         ValueError
             For arrays whose shapes or types do not fit, and another ``rule``.
-        ValueError, IndexError, TypeError
-            For ``objects``, as `shoot`.
-        MemoryError
-            If the lengths do not fit into memory.
+        ValueError, IndexError, TypeError, MemoryError
+            For ``objects`` and for too little memory, as `shoot`.
 
         Examples
         --------
@@ -301,10 +297,8 @@ class PointQueries(Traceable):
         ------
         ValueError
             For points of a wrong shape or type, and another ``by`` or ``rule``.
-        ValueError, IndexError, TypeError
-            For ``objects``, as `shoot`.
-        MemoryError
-            If the answers do not fit into memory.
+        ValueError, IndexError, TypeError, MemoryError
+            For ``objects`` and for too little memory, as `shoot`.
 
         Examples
         --------
@@ -384,10 +378,8 @@ class PointQueries(Traceable):
             For arrays of a wrong shape or type, a ``k`` below 1, a ``radius`` that is negative or
             NaN, and for a cone or a cylinder whose transform does not stretch by the same in all
             directions.
-        ValueError, IndexError, TypeError
-            For ``objects``, as `shoot`.
-        MemoryError
-            If the answers do not fit into memory.
+        ValueError, IndexError, TypeError, MemoryError
+            For ``objects`` and for too little memory, as `shoot`.
 
         Examples
         --------

@@ -160,10 +160,8 @@ class RayQueries(Traceable):
 
         Raises
         ------
-        ValueError, IndexError, TypeError
+        ValueError, IndexError, TypeError, MemoryError
             As `shoot`.
-        MemoryError
-            If the answers do not fit into memory.
 
         Examples
         --------
@@ -214,10 +212,8 @@ class RayQueries(Traceable):
 
         Raises
         ------
-        ValueError, IndexError, TypeError
+        ValueError, IndexError, TypeError, MemoryError
             As `shoot`.
-        MemoryError
-            If the answers do not fit into memory.
 
         Examples
         --------
@@ -316,10 +312,8 @@ class RayQueries(Traceable):
         ValueError
             For arrays whose shapes or types do not fit, with their names, and for a ``k`` that is
             not positive.
-        ValueError, IndexError, TypeError
+        ValueError, IndexError, TypeError, MemoryError
             As `shoot`.
-        MemoryError
-            If the hits do not fit into memory.
 
         Examples
         --------
@@ -389,10 +383,8 @@ class RayQueries(Traceable):
         ValueError
             For arrays whose shapes or types do not fit, with their names, for `LeavingRays`, and
             another ``by`` or ``rule``.
-        ValueError, IndexError, TypeError
-            For ``objects``, as `shoot`.
-        MemoryError
-            If the lengths do not fit into memory.
+        ValueError, IndexError, TypeError, MemoryError
+            For ``objects`` and for too little memory, as `shoot`.
 
         Examples
         --------

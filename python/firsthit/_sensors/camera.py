@@ -70,6 +70,8 @@ class Camera(ReadCameras, Sensor):
         Which way is up, of any length but zero; not parallel to ``aim``.
     focal_length : float or None
         Distance from the camera to the viewplane; ``None`` for a projection without a viewplane.
+        An ``orthographic`` camera has one: its rays start so far ahead, or with the ``ray_start``
+        ``"eye"`` at the camera, where any positive distance does.
     width, height : float or None
         Size of the viewplane; ``None`` for a projection without a viewplane.
     rows, columns : int

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._files.frame import Frame
-    from firsthit._parts.mark import Mark
+    from firsthit._parts.scene_store import Mark
     from firsthit._scene.scene import Scene
     from firsthit._sensors.camera import Camera
     from firsthit._sensors.moving import Pushbroom, RollingShutter

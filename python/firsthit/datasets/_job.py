@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from firsthit import _firsthit
 from firsthit._base.errors import FileFormatError
 from firsthit._lidar.lidar_scan import lacking
 from firsthit._parts.job import JOB, begin_job, job_in, refuse_other
-from firsthit._parts.mark import Mark, mark_of
 from firsthit._parts.part import FRAMES
-from firsthit._parts.scene_store import keep
+from firsthit._parts.scene_store import Mark, keep, mark_of
 from firsthit._pictures.render import render
 from firsthit._sensors.camera import Camera
 from firsthit.annotations import annotate
@@ -19,14 +18,16 @@ from firsthit.annotations._classes import TOLD_OF
 from ._depth import warn_of_distances
 from ._frame import FrameMaker
 from ._lidars import LidarSensor
-from ._output_formats import KINDS
+from ._output import KINDS
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from firsthit._scene.scene import Scene
+    from firsthit.typing import Vector
 
     from ._plan import Plan
+    from ._scenes import PlannedScene
 
 #: Counts up when the same plan makes other frames.
 ANSWER = 2
@@ -132,3 +133,34 @@ def merged_names(plan: Plan) -> list[str]:
     """Return the names, in the folder, of what is put together at the end."""
     names = {"coco": "coco.json", "jsonl": "annotations.jsonl"}
     return [names.get(kind, kind) for kind in KINDS if kind in plan._output.merged.kinds]
+
+
+class Checked(NamedTuple):
+    """The facts that a check found about a scene."""
+
+    mark: Mark
+    #: Which way is up in it.
+    up: Vector
+    #: Who says so, in the words of ``firsthit info``.
+    up_source: str
+
+
+def checked(plan: Plan, threads: int | None) -> list[Checked]:
+    """Read all scenes, try what the plan asks of them, and return what is known of each."""
+    check_packages(plan)
+    found = []
+    for number, planned in enumerate(plan._scenes):
+        scene = planned.load()
+        mark = check(plan, number, scene, threads)
+        found.append(Checked(mark, scene.up, _up_source(planned, scene)))
+    return found
+
+
+def _up_source(planned: PlannedScene, scene: Scene) -> str:
+    if planned.up is not None:
+        return "as the plan says"
+    if not scene._up_is_guessed:
+        return "as the file says"
+    if scene.up == scene._up:
+        return "by the format's convention"
+    return "guessed from a flat base"

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from firsthit._parts.engine import On, Task
-    from firsthit._parts.mark import Mark
+    from firsthit._parts.scene_store import Mark
     from firsthit.typing import Progress
 
 

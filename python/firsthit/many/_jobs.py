@@ -28,9 +28,8 @@ from firsthit._parts.job import (
     refuse_other,
     write_job,
 )
-from firsthit._parts.mark import mark_of
 from firsthit._parts.part import PARTS, remove_leftovers
-from firsthit._parts.scene_store import BUILT, SharedScene, forget, read
+from firsthit._parts.scene_store import BUILT, SharedScene, forget, mark_of, read
 from firsthit._scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from firsthit._base.progress import following
 from firsthit._parts.digest import Digests, canonical, of_file, of_json
 from firsthit._parts.files import writing_file
 from firsthit._parts.folder import in_words
-from firsthit._parts.inside import open_inside
 from firsthit._parts.job import known_job, refuse_other, write_job
 from firsthit._parts.part import remove_leftovers
+from firsthit._parts.records import open_inside
 
 from ._parts_of import found
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bisect
 import itertools
+import json
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -11,18 +12,30 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from firsthit import _firsthit
 from firsthit._base.arrays import cast, numbers
-from firsthit._parts.digest import of_arrays, of_json
+from firsthit._parts.digest import Digests, of_arrays, of_json
+from firsthit._scene.scene import Scene
 from firsthit._sensors.sensor import Sensor
 
 from ._ray_files import RayFile, ray_files
-from ._sensors import digest_of
 from ._shared_arrays import SharedArrays
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     import numpy.typing as npt
+
+
+def digest_of(cameras: Sequence[Sensor]) -> str:
+    """Return the sha256 of cameras and other sensors, in their order."""
+    made, nothing = Digests(), Scene()._ready().native
+    for camera in cameras:
+        if not isinstance(camera, Sensor):
+            raise TypeError(f"cameras must be cameras or other sensors, got {camera!r}")
+        said = json.loads(_firsthit.origin(nothing, camera._native, []))
+        made.add(of_json([said.get("camera"), said.get("sensor")]))
+    return made.text()
 
 
 class Batch(NamedTuple):

@@ -22,7 +22,7 @@ from firsthit._pictures.render import render
 
 from ._jobs import How, Job, listed, lit, settled, shared
 from ._names import file_name, identity
-from ._sensors import digest_of
+from ._rays import digest_of
 
 if TYPE_CHECKING:
     import os

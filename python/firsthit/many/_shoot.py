@@ -15,7 +15,7 @@ from firsthit._files.channels import distinct
 from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
 from firsthit._parts.drive import is_here
-from firsthit._parts.inside import open_inside
+from firsthit._parts.records import open_inside
 from firsthit._queries.channels import OF_RAYS
 
 from ._fold import Bits, Fold, Histogram, Minimum, Sum, checked

@@ -15,8 +15,7 @@ from firsthit._files.whole import write
 from firsthit._parts.digest import of_arrays
 from firsthit._parts.drive import is_here
 from firsthit._parts.files import link
-from firsthit._parts.inside import open_inside
-from firsthit._parts.records import read
+from firsthit._parts.records import open_inside, read
 
 from ._jobs import How, Job, listed, settled, shared
 from ._shared_arrays import SharedArrays
