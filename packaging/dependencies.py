@@ -1,4 +1,4 @@
-"""Check the crates of Cargo.lock against deny.toml: licences, bans, duplicates, sources.
+"""Check the crates of the lock files against deny.toml: licences, bans, duplicates, sources.
 
 cargo-deny does it where it is installed. It takes longer to build than all of firsthit, so this
 script stands in for it elsewhere; it knows the rules that our deny.toml has. Advisories, which are
@@ -17,6 +17,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 CARGO = os.environ.get("CARGO", "cargo")
+#: The workspaces that deny.toml is for. fuzz is none: libFuzzer is C++.
+MANIFESTS = ("Cargo.toml", "benches/Cargo.toml")
 
 
 def is_allowed(expression: str, allowed: set[str]) -> bool:
@@ -115,10 +117,10 @@ def faults(rules: dict, packages: list[dict], dependents: dict[str, set[str]]) -
     return found
 
 
-def check() -> int:
-    """Check without cargo-deny."""
+def check(manifest: str) -> int:
+    """Check a workspace without cargo-deny."""
     rules = tomllib.loads((ROOT / "deny.toml").read_text())
-    command = [CARGO, "metadata", "--locked", "--format-version", "1"]
+    command = [CARGO, "metadata", "--locked", "--format-version", "1", "--manifest-path", manifest]
     metadata = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout
     metadata = json.loads(metadata)
     names = {package["id"]: package["name"] for package in metadata["packages"]}
@@ -128,21 +130,23 @@ def check() -> int:
             dependents[names[dependency]].add(names[node["id"]])
     found = faults(rules, metadata["packages"], dependents)
     for line in found:
-        print(f"dependencies: {line}", file=sys.stderr)
+        print(f"dependencies: {manifest}: {line}", file=sys.stderr)
     if not found:
-        count = len(metadata["packages"])
-        print(f"dependencies: {count} crates; licences, bans, versions, sources as in deny.toml")
-    print("dependencies: advisories SKIPPED: cargo-deny, which knows them, is not installed")
+        kept = f"{len(metadata['packages'])} crates; licences, bans, versions, sources"
+        print(f"dependencies: {manifest}: {kept} as in deny.toml")
     return 1 if found else 0
 
 
 def main() -> int:
     """Check by cargo-deny, or without."""
     if shutil.which("cargo-deny") is None:
-        return check()
+        found = [check(manifest) for manifest in MANIFESTS]
+        print("dependencies: advisories SKIPPED: cargo-deny, which knows them, is not installed")
+        return max(found)
 
     def deny(*arguments: str) -> int:
-        return subprocess.run([CARGO, "deny", *arguments], cwd=ROOT, check=False).returncode
+        commands = [[CARGO, "deny", "--manifest-path", each, *arguments] for each in MANIFESTS]
+        return int(any(subprocess.run(each, cwd=ROOT, check=False).returncode for each in commands))
 
     if deny("check", "licenses", "bans", "sources") != 0:
         return 1
