@@ -5,7 +5,6 @@ import math
 import firsthit as fh
 import numpy as np
 import pytest
-from firsthit._scene import changes
 from firsthit._sensors.project import project
 from firsthit.annotations import Keypoints
 from support import TESTDATA, things, turned
@@ -278,7 +277,7 @@ def test_a_class_may_be_that_of_a_node_s_path():
     scene.add(leaf.shape, name="wheel")
     scene.add(leaf.shape, name="wheel", transform=turned((0, 0, 1), 0, (3, 0, 0)))
     for k, path in enumerate(("truck/wheel", "car/wheel")):
-        changes.change(scene, k, _labels=((k, path), None))
+        scene._change(k, _labels=((k, path), None))
     view = fh.Camera.framing(scene, 20, 30)
     for table, expected in [
         ({"truck/*": "truck", "*": "rest"}, ["truck", "rest"]),

@@ -324,7 +324,9 @@ class Changes(Traceable):
             current = self._current()
             if current is None:
                 what = "built %d objects", len(self._objects)
-                with following(progress) as report, timed(*what, level=DEBUG):
+                # A caller's function is told of what it asked for alone, whose total it knows.
+                shown = None if callable(progress) else progress
+                with following(shown) as report, timed(*what, level=DEBUG):
                     current = self._build(report)
             return current
 
