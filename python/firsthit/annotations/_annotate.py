@@ -15,6 +15,7 @@ from firsthit._queries.shoot import shoot_camera
 from firsthit._scene.scene import Scene
 from firsthit._sensors.camera import Camera
 from firsthit._sensors.lines import PictureSensor, at_middle_line
+from firsthit._sensors.project import camera_from_world, world_from_camera
 
 from ._annotations import Annotations, Instance, Occlusion, Part
 from ._box import boxes
@@ -141,11 +142,12 @@ def annotate(
     shown = instance_of[identifiers]
     pixels = np.bincount(identifiers.reshape(-1) + 1, minlength=len(built.objects) + 1)[1:]
     corners, instances, occlusions, stands = Corners(), [], [], at_middle_line(camera)
+    poses = world_from_camera(stands), camera_from_world(stands)
     for number, group in enumerate(groups):
         if not unseen and not pixels[list(group.objects)].any():
             continue
         own = [built.objects[k] for k in group.objects]
-        box, in_camera = boxes(own, stands, corners)
+        box, in_camera = boxes(own, poses, corners)
         if isinstance(camera, Camera):
             alone = silhouette(built, camera, group.objects, in_camera, threads)
         else:

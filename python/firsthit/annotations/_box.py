@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from firsthit._sensors.project import camera_from_world, world_from_camera
-
 from ._extent import extent
 
 if TYPE_CHECKING:
@@ -17,7 +15,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from firsthit._objects.object import Object
-    from firsthit._sensors.camera import Camera
 
     from ._extent import Corners
 
@@ -81,16 +78,16 @@ class Box3D:
 
 
 def boxes(
-    objects: Sequence[Object], camera: Camera, corners: Corners
+    objects: Sequence[Object], poses: tuple[Floats, Floats], corners: Corners
 ) -> tuple[Box3D | None, Floats]:
     """Return the boxes of an instance, ``None`` for an infinite one or one of nothing.
 
-    The second is the box in OpenCV's axes of the camera, (2, 3), infinite where the instance is.
+    ``poses`` are those from the camera and to it, (4, 4). The second is the box in OpenCV's axes of
+    the camera, (2, 3), infinite where the instance is.
     """
     world_from_object = objects[0].transform
-    pose = world_from_camera(camera)
-    to_camera = camera_from_world(camera)
-    back = np.linalg.inv(world_from_object)
+    pose, to_camera = poses
+    back = np.linalg.inv(world_from_object) if len(objects) > 1 else np.eye(4)
     found = []
     for made in objects:
         transform = made.transform

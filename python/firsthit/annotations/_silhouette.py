@@ -53,25 +53,9 @@ class Silhouette(NamedTuple):
 def silhouette(
     built: Built, camera: Camera, objects: Sequence[int], box: Floats, threads: int | None
 ) -> Silhouette:
-    """Return the silhouette of an instance.
+    """Return the silhouette of an instance: a ray for each pixel that its box could be in.
 
-    Parameters
-    ----------
-    built : Built
-        What is there.
-    camera : Camera
-        The camera.
-    objects : sequence of int
-        The instance's objects.
-    box : (2, 3) array of float64
-        Around them, in OpenCV's axes of the camera; infinite where they are.
-    threads : int, optional
-        The number of threads.
-
-    Returns
-    -------
-    Silhouette
-        By a ray for each pixel that the box could be in, as if nothing else were there.
+    Nothing else is there. The box is in OpenCV's axes of the camera, (2, 3), and may be infinite.
     """
     whole, flat = picture(camera), plane(camera)
     span = None if flat is None else reach(camera, flat, box)
@@ -145,7 +129,7 @@ def _beyond(camera: Camera, flat: Plane, mask: Mask, span: Reach, alone: _Alone)
     if mask.box is not None:
         left, top, width, height = mask.box
         corners += [(left, top), (left + width, top + height)]
-    for strip in strips:
+    for strip in (each for each in strips if each.size):
         columns = np.arange(strip.left + step // 2, strip.right, step)
         rows = np.arange(strip.top + step // 2, strip.bottom, step)
         grid = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
