@@ -73,10 +73,7 @@ def is_of_several(path: str | os.PathLike[str]) -> bool:
 def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Path, list[_Name]]]:
     """Return the files to write with their channels: one, or one for each channel.
 
-    Raises
-    ------
-    ValueError
-        For point clouds of one channel each, and for two channels in one file.
+    A ``ValueError`` for point clouds of one channel each, and for two channels in one file.
     """
     if not is_for_each(path):
         return [(Path(path), list(names))]

@@ -15,13 +15,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def writing(path: Path) -> Iterator[BinaryIO]:
-    """Yield a file to write, which gets its name when it is full.
-
-    Raises
-    ------
-    FileWriteError
-        If the system refuses, and over a file that was read.
-    """
+    """Yield a file to write, which gets its name when it is full; never over one that was read."""
     refuse_input(path)
     # Until it has its name it is beside it, on the same device. `remove_leftovers` knows this name.
     beside = path.with_name(f".{path.name[:100]}.{secrets.token_hex(16)}")

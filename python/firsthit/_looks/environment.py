@@ -124,11 +124,6 @@ class Environment:
         strength, seen
             As for `Environment`.
 
-        Returns
-        -------
-        Environment
-            The environment.
-
         Raises
         ------
         ValueError
@@ -157,11 +152,6 @@ class Environment:
         strength, seen, up
             As for `Environment`.
 
-        Returns
-        -------
-        Environment
-            The environment.
-
         Raises
         ------
         ValueError
@@ -188,11 +178,6 @@ class Environment:
             Their linear radiance, or sRGB as ``"#rrggbb"`` or a CSS name.
         strength, seen, up
             As for `Environment`.
-
-        Returns
-        -------
-        Environment
-            The environment.
 
         Raises
         ------
@@ -223,11 +208,6 @@ class Environment:
             Linear radiance, finite and not negative, as float32; row 0 is up.
         rotate, strength, seen, up
             As for `Environment`.
-
-        Returns
-        -------
-        Environment
-            The environment.
 
         Raises
         ------
@@ -276,11 +256,6 @@ class Environment:
             The share of light that the ground sends back, from 0 to 1.
         strength, seen, up
             As for `Environment`.
-
-        Returns
-        -------
-        Environment
-            The environment.
 
         Raises
         ------

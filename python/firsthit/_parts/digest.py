@@ -79,14 +79,9 @@ def of_stream(file: BinaryIO) -> str:
 
 
 def canonical(value: Any) -> bytes:
-    """Return a value as JSON without blanks and NaN, its keys in their order.
+    """Return a value as JSON without blanks, its keys in their order; a ``ValueError`` for NaN.
 
     What is read from it has them in the same order, and is the same text again.
-
-    Raises
-    ------
-    ValueError
-        For NaN, and for what is nested too deeply.
     """
     try:
         text = json.dumps(value, separators=(",", ":"), allow_nan=False)

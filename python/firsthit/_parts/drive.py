@@ -88,22 +88,8 @@ def drive(
 ) -> tuple[int, int]:
     """Make those of some parts that are missing; return how many were made, and how many kept.
 
-    Parameters
-    ----------
-    parts : Parts
-        Where the parts are.
-    maker : Maker
-        Makes them.
-    wanted : range
-        Which.
-    on
-        What does the work, as `results` has it.
-    verify : bool
-        Whether the bytes of parts that are there are compared.
-    progress, unit
-        Who is told how many are done, and what they are called.
-    given : callable, optional
-        Returns what a task needs beside its number, when it is the task's turn.
+    ``on`` does the work, as `results` has it. With ``verify`` the bytes of parts that are there are
+    compared. ``given`` returns what a task needs beside its number, when it is the task's turn.
     """
     parts.open()
     whole = parts.whole(wanted, verify=verify)

@@ -57,13 +57,9 @@ Work = Callable[[Task], Any]
 def results(work: Work, tasks: Iterable[Task], on: On) -> Generator[tuple[int, Any], None, None]:
     """Yield the number and the result of each task, when it is done.
 
-    A task that was lost with its worker, by a kill or a crash, is tried three times. An error of
-    the work itself is raised at once. Tasks are drawn as they are needed.
-
-    Raises
-    ------
-    RuntimeError
-        If a task was lost three times, or a pool broke that nobody can make anew.
+    A task that was lost with its worker, by a kill or a crash, is tried three times; then, and
+    where a pool broke that nobody can make anew, there is a ``RuntimeError``. An error of the work
+    itself is raised at once. Tasks are drawn as they are needed.
     """
     if on is None:
         for task in tasks:

@@ -38,13 +38,7 @@ def sync(path: Path) -> None:
 
 @contextmanager
 def writing_file(path: Path) -> Iterator[BinaryIO]:
-    """Yield a file to write, which is synced to the disk and gets its name when it is full.
-
-    Raises
-    ------
-    FileWriteError
-        If the system refuses, and over a file that was read.
-    """
+    """Yield a file to write, which is synced to the disk and gets its name when it is full."""
     with writing(path) as file:
         yield file
         file.flush()

@@ -35,17 +35,7 @@ class Parts:
     """The parts of a job in a folder, of which any may be missing.
 
     What it does takes time and memory by the parts that are there, not by those that there will be.
-
-    Parameters
-    ----------
-    out : Path
-        The folder of the job.
-    form : Form
-        What its parts are called.
-    job : str
-        The digest of the job, which all records name.
-    count : int
-        How many parts there will be.
+    All records name the job, by its digest.
     """
 
     def __init__(self, out: Path, form: Form, job: str, count: int) -> None:

@@ -42,10 +42,7 @@ def known_job(path: Path) -> dict[str, Any] | None:
 def job_in(folder: Path, parts: str) -> dict[str, Any] | None:
     """Return what the file of a folder's job says; ``None`` if a new job may begin there.
 
-    Raises
-    ------
-    FileWriteError
-        Where none may: there are parts of an unknown job, or a file.
+    A `FileWriteError` where none may: there are parts of an unknown job, or a file.
     """
     path = folder / JOB
     known = known_job(path)

@@ -39,20 +39,13 @@ _PASSING = (
 
 
 class Form(NamedTuple):
-    """The names of the parts of a kind of job.
+    """The names of the parts of a kind of job."""
 
-    Attributes
-    ----------
-    folder : str
-        The folder that has them.
-    record : str
-        The file of a part that says what is in it.
-    job : str
-        The record's key that says of which job it is.
-    """
-
+    #: The folder that has them.
     folder: str
+    #: The file of a part that says what is in it.
     record: str
+    #: The record's key that says of which job it is.
     job: str
 
 

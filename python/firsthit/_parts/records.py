@@ -26,12 +26,7 @@ FLAGS = (
 def open_regular(path: Path) -> BinaryIO:
     """Open a regular file; no link is followed, and no pipe is waited for.
 
-    Raises
-    ------
-    OSError
-        If it cannot be opened.
-    ValueError
-        For what is no regular file.
+    An ``OSError`` if it cannot be opened, a ``ValueError`` for what is no regular file.
     """
     opened = os.open(path, FLAGS)
     try:
@@ -44,15 +39,7 @@ def open_regular(path: Path) -> BinaryIO:
 
 
 def read(path: Path) -> Any:
-    """Return the JSON of a record.
-
-    Raises
-    ------
-    OSError
-        If it cannot be opened; links are not.
-    ValueError
-        For what is no regular file, too large, or no JSON.
-    """
+    """Return the JSON of a record; errors as those of `open_regular`, and for what is no JSON."""
     with open_regular(path) as file:
         content = file.read(_MOST_BYTES + 1)
     if len(content) > _MOST_BYTES:
@@ -66,12 +53,8 @@ def read(path: Path) -> Any:
 def size_of(folder: Path, name: str) -> int:
     """Return how many bytes a regular file below a folder has.
 
-    Raises
-    ------
-    OSError
-        If it is not there.
-    ValueError
-        For a name that leads out of the folder, a link, or what is no regular file.
+    An ``OSError`` if it is not there, a ``ValueError`` for a name that leads out of the folder, a
+    link, or what is no regular file.
     """
     found = _path(folder, name).lstat()
     if not stat.S_ISREG(found.st_mode):

@@ -24,18 +24,12 @@ if TYPE_CHECKING:
 
 
 class Mark(NamedTuple):
-    """The digests of all that a scene's frames depend on.
+    """The digests of all that a scene's frames depend on."""
 
-    Attributes
-    ----------
-    fingerprint : str
-        Of its objects and lights, as the metadata of pictures have it.
-    setting : str
-        The sha256 of what that leaves out, and frames depend on: names, up, background, shading,
-        display, and edges if there are any.
-    """
-
+    #: Of its objects and lights, as the metadata of pictures have it.
     fingerprint: str
+    #: The sha256 of what that leaves out, and frames depend on: names, up, background, shading,
+    #: display, and edges if there are any.
     setting: str
 
 
@@ -100,21 +94,8 @@ class SharedScene:
 def opened(run: str, path: Path, mark: Mark, up: Sequence[float] | None = None) -> Scene:
     """Return the scene of a file, which is read once by each process of a run.
 
-    Parameters
-    ----------
-    run : str
-        The run's name: a later one reads the file again, which may be another by then.
-    path : Path
-        The file.
-    mark : Mark
-        What the scene must be.
-    up : sequence of float, optional
-        Which way is up, where the file does not say it.
-
-    Raises
-    ------
-    FileFormatError
-        If it is not the scene of that mark.
+    A later run reads it again: it may be another by then. A `FileFormatError` if it is not the
+    scene of the mark.
     """
     key = run, os.fspath(path), mark
     with _lock:

@@ -43,16 +43,8 @@ NO_MINIMUM, NO_MAXIMUM = _constant(0.0), _constant(math.inf)
 class Rays:
     """Origins, directions and both limits, as they came. They broadcast against each other.
 
-    Attributes
-    ----------
-    shape : tuple of int
-        The rays' shape.
-    length : int
-        How many there are.
-    arrays : tuple of array
-        Origins and directions (..., 3), ``t_min`` and ``t_max`` (...).
-    filters : Filters or None
-        What they do not meet.
+    ``arrays`` are origins and directions (..., 3), ``t_min`` and ``t_max`` (...); ``shape`` is the
+    rays', and ``length`` how many there are. They do not meet what ``filters`` say.
     """
 
     __slots__ = ("_are_own", "arrays", "filters", "length", "shape")

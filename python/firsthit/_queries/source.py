@@ -49,14 +49,8 @@ def hits_arrays(length: int) -> _firsthit._Hits:
 class Source:
     """The rays of some hits: the centres of all or some pixels of a camera, or rays in arrays.
 
-    Attributes
-    ----------
-    camera : Sensor or None
-        The camera, or another sensor, whose pixels they are, or for which the rays were made.
-    pixels : (n,) array of int64, or None
-        The camera's pixels, counted row by row, where these are not all.
-    rays : Rays or None
-        Where no camera makes them, or these are not the centres of pixels.
+    ``pixels`` are the camera's, counted row by row, (n,) int64, where they are not all. ``rays``
+    are there where no camera makes them, or they are not the centres of pixels.
     """
 
     __slots__ = ("_made", "camera", "pixels", "rays")

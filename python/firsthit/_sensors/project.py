@@ -169,20 +169,8 @@ def rays_at(camera: Camera, flat: Plane, pixels: Floats) -> tuple[Floats, Floats
 def reach(camera: Camera, flat: Plane, box: Floats) -> Reach | None:
     """Return pixels outside which no ray of a flat picture's plane meets what is in a box.
 
-    Parameters
-    ----------
-    camera : Camera
-        The camera.
-    flat : Plane
-        How its picture goes on.
-    box : (2, 3) array of float64
-        The box's low and high corner in OpenCV's axes of the camera.
-
-    Returns
-    -------
-    Reach or None
-        ``None`` where there is no end to it: for a box that reaches the eye's plane, and for an
-        infinite one.
+    The box is its low and high corner in OpenCV's axes of the camera, (2, 3). ``None`` where there
+    is no end to it: for a box that reaches the eye's plane, and for an infinite one.
     """
     near = _nearest_z(camera)
     closest, farthest = max(box[0, 2], near), box[1, 2]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from ._files import Pictures
 
 #: How much the models of one class may differ in size, as a share, and still be one model.
-SAME_SIZE = 1e-6
+_SAME_SIZE = 1e-6
 
 
 def save_bop(
@@ -98,17 +98,10 @@ def save_bop(
         if not (stem.isascii() and stem.isdigit()) or str(int(stem)) in truth:
             raise ValueError(f"BOP numbers its pictures: name must be a new number, got {name!r}")
         key = str(int(stem))
-        cameras[key] = _camera(name, picture, millimeters, scale)
-        truth[key], info[key] = [], []
-        for instance in picture.instances:
-            class_name = class_of(name, instance)
-            pose, size = _pose(name, instance, millimeters)
-            if abs(size - sizes.setdefault(class_name, size)) > SAME_SIZE * size:
-                other = sizes[class_name]
-                why = f"a unit of the model {class_name!r} is {other} mm elsewhere, and here {size}"
-                raise refused(name, instance, why)
-            truth[key].append(pose | {"obj_id": numbers[class_name]})
-            info[key].append(_info(name, instance))
+        held = entries(name, picture, millimeters, scale)
+        refuse_sizes(held, sizes, name)
+        cameras[key], info[key] = held["camera"], held["info"]
+        truth[key] = [{**one, "obj_id": numbers[one["obj_id"]]} for one in held["truth"]]
         masks.append((key, picture))
     target = Path(folder)
     for key, picture in masks:
@@ -119,6 +112,32 @@ def save_bop(
     write(target / "scene_gt.json", as_json(truth))
     write(target / "scene_gt_info.json", as_json(info))
     write(target / "scene_camera.json", as_json(cameras))
+
+
+def entries(
+    name: str, picture: Annotations, millimeters: float, depth_scale: float
+) -> dict[str, Any]:
+    """Return a picture's entries in BOP's three files; ``obj_id`` is the class's name."""
+    truth, sizes = [], []
+    for instance in picture.instances:
+        pose, size = _pose(name, instance, millimeters)
+        truth.append({**pose, "obj_id": class_of(name, instance)})
+        sizes.append(size)
+    return {
+        "camera": _camera(name, picture, millimeters, depth_scale),
+        "truth": truth,
+        "info": [_info(name, instance) for instance in picture.instances],
+        "sizes": sizes,
+    }
+
+
+def refuse_sizes(held: Mapping[str, Any], sizes: dict[str, float], where: str) -> None:
+    """Refuse models of one class that differ in size from those before."""
+    for k, (one, size) in enumerate(zip(held["truth"], held["sizes"], strict=True)):
+        name = one["obj_id"]
+        if abs(size - sizes.setdefault(name, size)) > _SAME_SIZE * size:
+            why = f"a unit of the model {name!r} is {sizes[name]} mm elsewhere, and here {size}"
+            raise ValueError(f"{where}: instance {k} cannot be written: {why}")
 
 
 def _numbers(pictures: Mapping[str, Annotations], object_ids: Mapping[str, int]) -> dict[str, int]:

@@ -34,22 +34,10 @@ class Corners:
 
 
 def extent(shape: Shape, directions: Floats, corners: Corners) -> Floats:
-    """Return the least and the largest dot product of directions with a shape's points.
+    """Return the least and the largest dot product of directions with a shape's points, (2, k).
 
-    Parameters
-    ----------
-    shape : Shape
-        The shape, in object space.
-    directions : (k, 3) array of float64
-        Directions in object space, of any length.
-    corners : Corners
-        What is known of meshes.
-
-    Returns
-    -------
-    (2, k) array of float64
-        The least, then the largest; infinite where a plane has no end, and the least above the
-        largest for a mesh without triangles.
+    Directions, (k, 3), are in object space and of any length. Infinite where a plane has no end,
+    and the least is above the largest for a mesh without triangles.
     """
     if isinstance(shape, Mesh):
         points = corners.of(shape)

@@ -47,19 +47,9 @@ def compressed(counts: list[int]) -> str:
 def polygons(mask: Mask, *, is_one: bool = False) -> list[Floats]:
     """Return polygons that cover exactly a mask's pixels, by the even-odd rule.
 
-    Parameters
-    ----------
-    mask : (rows, columns) array of bool
-        The mask.
-    is_one : bool
-        Whether parts that do not touch are joined to one polygon, by slits without a width.
-
-    Returns
-    -------
-    list of (n, 2) array of float64
-        The corners, columns from the left edge and rows from the upper edge, along the edges of
-        pixels. There is one for each part whose pixels touch by edges; a hole is joined to what
-        surrounds it by a slit without a width.
+    Each is its corners, (n, 2), columns from the left edge and rows from the upper edge, along the
+    edges of pixels. There is one for each part whose pixels touch by edges; a hole is joined to
+    what surrounds it by a slit without a width, and with ``is_one`` so are parts that do not touch.
     """
     if not mask.any():
         return []

@@ -25,30 +25,6 @@ class Tensor(Protocol):
         """Return it as an array."""
 
 
-class TriangleMesh(Protocol):
-    """An ``open3d.t.geometry.TriangleMesh``."""
-
-    @property
-    def vertex(self) -> Any:
-        """The attributes of the vertices: ``positions``."""
-
-    @property
-    def triangle(self) -> Any:
-        """The attributes of the triangles: ``indices``."""
-
-
-class LegacyMesh(Protocol):
-    """An ``open3d.geometry.TriangleMesh``."""
-
-    @property
-    def vertices(self) -> Any:
-        """The vertices, (n, 3)."""
-
-    @property
-    def triangles(self) -> Any:
-        """The indices of each triangle's vertices, (m, 3)."""
-
-
 class Asked(NamedTuple):
     """The array that is asked about, and the form of the answers."""
 

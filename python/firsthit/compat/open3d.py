@@ -31,9 +31,9 @@ from ._tensors import array_of, asked_about, is_tensor, like, or_zero, parts_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from firsthit.typing import FillRule, MeshLike
+    from firsthit.typing import FillRule, MeshLike, TensorMeshLike, TriangleMeshLike
 
-    from ._tensors import Asked, LegacyMesh, Tensor, TriangleMesh
+    from ._tensors import Asked, Tensor
 
 #: How many answers about a point and a mesh are held at a time.
 _ANSWERS = 1 << 24
@@ -80,7 +80,9 @@ class RaycastingScene:
     ) -> int: ...
 
     @overload
-    def add_triangles(self, vertex_positions: TriangleMesh | LegacyMesh | MeshLike) -> int: ...
+    def add_triangles(
+        self, vertex_positions: TensorMeshLike | TriangleMeshLike | MeshLike
+    ) -> int: ...
 
     def add_triangles(self, vertex_positions: Any, triangle_indices: Any = None) -> int:
         """Add a mesh.

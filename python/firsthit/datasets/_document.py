@@ -20,20 +20,13 @@ MOST_BYTES = 16 << 20
 
 
 class PlanSource(NamedTuple):
-    """A plan as it was written.
+    """A plan as it was written."""
 
-    Attributes
-    ----------
-    text : bytes
-        The plan as TOML.
-    folder : Path
-        Where the files are that it names.
-    path : Path or None
-        The plan's file; ``None`` for a plan that is a dict.
-    """
-
+    #: The plan as TOML.
     text: bytes
+    #: Where the files are that it names.
     folder: Path
+    #: The plan's file; ``None`` for a plan that is a dict.
     path: Path | None = None
 
     @classmethod

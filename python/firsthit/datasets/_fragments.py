@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from firsthit.annotations import to_coco
-from firsthit.annotations._bop import _camera, _info, _pose
-from firsthit.annotations._files import as_png, class_numbers, class_of, meters
+from firsthit.annotations._bop import entries
+from firsthit.annotations._files import as_png, class_numbers, meters
 from firsthit.annotations._kitti import labels
 from firsthit.annotations._yolo import _labels
 
@@ -38,28 +38,13 @@ def fragments(
         whole = to_coco({name: picture}, **kinds.coco)
         made["coco"] = {key: whole[key] for key in ("images", "categories", "annotations")}
     if kinds.bop is not None:
-        made["bop"] = _bop(name, picture, 1e3 * meters(kinds.bop["unit"]), depth_scale)
+        made["bop"] = entries(name, picture, 1e3 * meters(kinds.bop["unit"]), depth_scale)
     if kinds.kitti is not None:
         made["kitti"] = labels({name: picture}, **kinds.kitti)[name]
     if kinds.yolo is not None:
         task, masks = kinds.yolo["task"], kinds.yolo["masks"]
         made["yolo"] = _labels(name, picture, numbers, task, masks)
     return made
-
-
-def _bop(name: str, picture: Annotations, millimeters: float, depth_scale: float) -> dict[str, Any]:
-    """Return a picture's entries in BOP's three files; ``obj_id`` is the class's name."""
-    truth, sizes = [], []
-    for instance in picture.instances:
-        pose, size = _pose(name, instance, millimeters)
-        truth.append({**pose, "obj_id": class_of(name, instance)})
-        sizes.append(size)
-    return {
-        "camera": _camera(name, picture, millimeters, depth_scale),
-        "truth": truth,
-        "info": [_info(name, instance) for instance in picture.instances],
-        "sizes": sizes,
-    }
 
 
 def save_masks(folder: Path, sensor: str, picture: Annotations, output: Output) -> None:

@@ -53,12 +53,7 @@ def claim(run: str, folder: Path, plan: Plan, threads: int | None) -> list[Mark]
     """Make a folder that of a plan, or find that it is; return the scenes' marks.
 
     All scenes are read, and checked against the plan, by the first that comes alone. So nothing is
-    made before everything is known to fit.
-
-    Raises
-    ------
-    FileWriteError
-        If the folder is another job's, or cannot be written to.
+    made before everything is known to fit. A `FileWriteError` if the folder is another job's.
     """
     path = folder / JOB
     known = job_in(folder, FRAMES.folder)

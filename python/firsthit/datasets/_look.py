@@ -81,20 +81,13 @@ LOOK = (
 
 
 class Look(NamedTuple):
-    """The shading and the display of colours.
+    """The shading and the display of colours."""
 
-    Attributes
-    ----------
-    said : dict
-        What `render` is told, whatever the scene.
-    display : dict
-        How PNGs show colours, as `Frame.save` is told.
-    files : tuple of Path
-        The files that were read for it.
-    """
-
+    #: What `render` is told, whatever the scene.
     said: dict[str, Any]
+    #: How PNGs show colours, as `Frame.save` is told.
     display: dict[str, Any]
+    #: The files that were read for it.
     files: tuple[Path, ...]
 
 

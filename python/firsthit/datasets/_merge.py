@@ -18,7 +18,7 @@ from firsthit._parts.digest import canonical
 from firsthit._parts.files import link, writing_file
 from firsthit._parts.part import name_of, remove_leftovers
 from firsthit._parts.records import read
-from firsthit.annotations._bop import SAME_SIZE
+from firsthit.annotations._bop import refuse_sizes
 from firsthit.annotations._bop_models import camera_record, models, write_models
 from firsthit.annotations._classes import TOLD_OF
 from firsthit.annotations._files import as_json, meters
@@ -174,7 +174,7 @@ class _Joined:
                 self._write_bop(scenes)
                 scenes, last = {}, scene
             for k, (sensor, picture) in enumerate(record["annotations"].items()):
-                _same_sizes(picture["bop"], sizes)
+                refuse_sizes(picture["bop"], sizes, "output.bop")
                 number = scene * len(record["annotations"]) + k
                 kept = scenes.setdefault(number, [{}, {}, {}])
                 self._add_bop(kept, number, record, sensor, numbers)
@@ -270,14 +270,3 @@ class _Joined:
 
     def _frame(self, record: dict[str, Any]) -> Path:
         return self._folder / "frames" / self._name(record)
-
-
-def _same_sizes(held: dict[str, Any], sizes: dict[str, float]) -> None:
-    """Refuse models of one class that differ in size, as `save_bop` does."""
-    for one, size in zip(held["truth"], held["sizes"], strict=True):
-        name = one["obj_id"]
-        if abs(size - sizes.setdefault(name, size)) > SAME_SIZE * size:
-            why = (
-                f"a unit of the model {name!r} is {sizes[name]} mm in one frame, {size} in another"
-            )
-            raise ValueError(f"output.bop: {why}")

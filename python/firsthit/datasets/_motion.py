@@ -24,20 +24,13 @@ if TYPE_CHECKING:
 
 
 class Motion(NamedTuple):
-    """The outputs of the motion of pixels.
+    """The outputs of the motion of pixels."""
 
-    Attributes
-    ----------
-    flow : tuple of str
-        The formats of the flow to the scene's next frame.
-    pair : pair of CameraSensor or None
-        The left and the right camera of a stereo pair.
-    disparity : tuple of str
-        The formats of the left camera's disparity.
-    """
-
+    #: The formats of the flow to the scene's next frame.
     flow: tuple[str, ...] = ()
+    #: The left and the right camera of a stereo pair.
     pair: tuple[CameraSensor, CameraSensor] | None = None
+    #: The formats of the left camera's disparity.
     disparity: tuple[str, ...] = ()
 
     def save(

@@ -108,50 +108,33 @@ _STORED = ("png_scale", "far", "png_labels", "compress", "exposure", "tone_map")
 
 
 class Output(NamedTuple):
-    """The outputs of each frame, and at the end.
+    """The outputs of each frame, and at the end."""
 
-    Attributes
-    ----------
-    channels : tuple of str
-        The channels of pictures.
-    frames : tuple of str
-        The formats of files with all channels.
-    pictures : tuple of str
-        The channels that have a PNG each.
-    png_scale : float or None
-        The step of the numbers in PNGs of distances, in scene units.
-    far : str or None
-        What those have in place of distances beyond the last step.
-    png_labels : bool
-        Whether PNGs of identifiers hold their numbers, plus one.
-    dtype : str
-        The type of numbers that are computed as float64.
-    compress : bool
-        Whether NPZ files are packed.
-    look : Look
-        How colours are made and shown.
-    clouds : tuple of str
-        The formats of scans.
-    masks : tuple of str
-        Which masks of instances have a PNG each.
-    merged : Merged
-        The formats of annotations that are put together at the end.
-    motion : Motion
-        What is written of how pixels move.
-    """
-
+    #: The channels of pictures.
     channels: tuple[str, ...]
+    #: The formats of files with all channels.
     frames: tuple[str, ...]
+    #: The channels that have a PNG each.
     pictures: tuple[str, ...]
+    #: The step of the numbers in PNGs of distances, in scene units.
     png_scale: float | None
+    #: What those have in place of distances beyond the last step.
     far: Far | None
+    #: Whether PNGs of identifiers hold their numbers, plus one.
     png_labels: bool
+    #: The type of numbers that are computed as float64.
     dtype: str
+    #: Whether NPZ files are packed.
     compress: bool
+    #: How colours are made and shown.
     look: Look
+    #: The formats of scans.
     clouds: tuple[str, ...]
+    #: Which masks of instances have a PNG each.
     masks: tuple[str, ...]
+    #: The formats of annotations that are put together at the end.
     merged: Merged
+    #: What is written of how pixels move.
     motion: Motion
 
     @property

@@ -10,11 +10,8 @@ from pathlib import Path
 def inside(folder: Path, name: str) -> Path:
     """Return the path of a file that a plan names.
 
-    Raises
-    ------
-    ValueError
-        For every name that is not plainly a relative path downwards, on any system; for a link that
-        leads outside the folder; and for what is no regular file.
+    A ``ValueError`` for every name that is not plainly a relative path downwards, on any system;
+    for a link that leads outside the folder; and for what is no regular file.
     """
     why = _refusal(name)
     if why is not None:

@@ -204,15 +204,9 @@ class Plan:
 
 
 class Numbered(NamedTuple):
-    """A frame's scene and pose.
+    """A frame's scene and pose."""
 
-    Attributes
-    ----------
-    scene : int
-        The number of the scene.
-    pose : int
-        The number of the pose in this scene.
-    """
-
+    #: The number of the scene.
     scene: int
+    #: The number of the pose in this scene.
     pose: int

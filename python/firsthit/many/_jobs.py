@@ -155,19 +155,7 @@ def listed(objects: Selection | None) -> Any:
 
 
 class Job:
-    """A job in a folder.
-
-    Parameters
-    ----------
-    out : path-like
-        The folder.
-    scene : SharedScene
-        The scene.
-    said : dict
-        What the job is of, beside the scene: JSON.
-    count : int
-        How many parts it has.
-    """
+    """A job in a folder; ``said`` is what it is of, beside the scene, as JSON."""
 
     def __init__(
         self, out: str | os.PathLike[str], scene: SharedScene, said: dict[str, Any], count: int

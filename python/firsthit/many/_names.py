@@ -10,13 +10,7 @@ _FILE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,199}")
 
 
 def file_name(given: Any) -> str:
-    """Return the name of a file without its extension.
-
-    Raises
-    ------
-    ValueError
-        For one that leads elsewhere, or that a system does not allow.
-    """
+    """Return the name of a file, if it leads nowhere else and every system allows it."""
     if not isinstance(given, str) or not _FILE.fullmatch(given):
         raise ValueError(
             "names must be of letters, digits, '_', '-' and '.', and not begin with '.', "
@@ -28,13 +22,8 @@ def file_name(given: Any) -> str:
 def identity(argument: str, given: Any) -> list[str]:
     """Return what tells a function or an object that is called from others, for a job's file.
 
-    Raises
-    ------
-    TypeError
-        For what cannot be called.
-    ValueError
-        For what has no name of its own: a lambda, a function within another, an object whose
-        ``repr`` does not say what it is made of. A later run could not know it again.
+    A ``ValueError`` for what has no name of its own, by which a later run could know it again: a
+    lambda, a function within another, an object whose ``repr`` does not say what it is made of.
     """
     if not callable(given):
         raise TypeError(f"{argument} must be a name or a function, got {given!r}")

@@ -84,23 +84,15 @@ def parts(folder: str | os.PathLike[str], *, verify: bool = False) -> JobState:
 
 
 class Found(NamedTuple):
-    """The parts of a folder.
+    """The parts of a folder."""
 
-    Attributes
-    ----------
-    state : JobState
-        What is there.
-    parts : Parts
-        Where.
-    digest : str
-        The digest of the job: of what the parts are, not of what is in them.
-    is_ended : bool
-        Whether the number of parts is known.
-    """
-
+    #: What is there.
     state: JobState
+    #: Where.
     parts: Parts
+    #: The digest of the job: of what the parts are, not of what is in them.
     digest: str
+    #: Whether the number of parts is known.
     is_ended: bool
 
     @property

@@ -68,15 +68,7 @@ class RayFile(NamedTuple):
 
 
 def ray_files(given: Any) -> list[RayFile]:
-    """Return the files of a path, of a pattern with ``*``, or of a list of paths, in order.
-
-    Raises
-    ------
-    FileReadError, FileFormatError
-        For files that are not there, or of other kinds.
-    ImportError
-        For ``.parquet`` without the package pyarrow.
-    """
+    """Return the files of a path, of a pattern with ``*``, or of a list of paths, in order."""
     listed = [given] if isinstance(given, str | os.PathLike) else list(given)
     paths: list[Path] = []
     for one in listed:
