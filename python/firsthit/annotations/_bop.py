@@ -118,13 +118,14 @@ def entries(
     name: str, picture: Annotations, millimeters: float, depth_scale: float
 ) -> dict[str, Any]:
     """Return a picture's entries in BOP's three files; ``obj_id`` is the class's name."""
+    camera = _camera(name, picture, millimeters, depth_scale)
     truth, sizes = [], []
     for instance in picture.instances:
         pose, size = _pose(name, instance, millimeters)
         truth.append({**pose, "obj_id": class_of(name, instance)})
         sizes.append(size)
     return {
-        "camera": _camera(name, picture, millimeters, depth_scale),
+        "camera": camera,
         "truth": truth,
         "info": [_info(name, instance) for instance in picture.instances],
         "sizes": sizes,
