@@ -5,6 +5,7 @@ use std::arch::x86_64::*;
 
 use bytemuck::Pod;
 
+use super::lanes::inlined;
 use super::{Kernel, LANES, Lanes, WIDE, x86};
 
 /// Proof that this machine has AVX2 and fused multiply-add.
@@ -183,13 +184,43 @@ impl Lanes for Avx2 {
     type Floats = F;
     type Doubles = D;
 
+    inlined! {
+        fn splat(self, x: f32) -> F = x86!([_mm256_set1_ps(x); 2]);
+        fn add(self, a: F, b: F) -> F = both!(_mm256_add_ps, a, b);
+        fn sub(self, a: F, b: F) -> F = both!(_mm256_sub_ps, a, b);
+        fn mul(self, a: F, b: F) -> F = both!(_mm256_mul_ps, a, b);
+        fn div(self, a: F, b: F) -> F = both!(_mm256_div_ps, a, b);
+        fn min(self, a: F, b: F) -> F = both!(_mm256_min_ps, a, b);
+        fn max(self, a: F, b: F) -> F = both!(_mm256_max_ps, a, b);
+        fn abs(self, a: F) -> F = both!(_mm256_andnot_ps, self.splat(-0.0), a);
+        fn floor(self, a: F) -> F = both!(_mm256_floor_ps, a);
+        fn ceil(self, a: F) -> F = both!(_mm256_ceil_ps, a);
+        fn mul_add(self, a: F, b: F, c: F) -> F = both!(_mm256_fmadd_ps, a, b, c);
+        fn neg_mul_add(self, a: F, b: F, c: F) -> F = both!(_mm256_fnmadd_ps, a, b, c);
+        fn mul_sub(self, a: F, b: F, c: F) -> F = both!(_mm256_fmsub_ps, a, b, c);
+        fn lt(self, a: F, b: F) -> u16 = mask(both!(_mm256_cmp_ps::<_CMP_LT_OQ>, a, b));
+        fn le(self, a: F, b: F) -> u16 = mask(both!(_mm256_cmp_ps::<_CMP_LE_OQ>, a, b));
+        fn largest(self, a: F) -> f32 = reduce::largest(a);
+        fn smallest(self, a: F) -> f32 = reduce::smallest(a);
+        fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F = reduce::smallest_of_each(of);
+        fn splat64(self, x: f64) -> D = x86!([_mm256_set1_pd(x); 2]);
+        fn add64(self, a: D, b: D) -> D = both!(_mm256_add_pd, a, b);
+        fn sub64(self, a: D, b: D) -> D = both!(_mm256_sub_pd, a, b);
+        fn mul64(self, a: D, b: D) -> D = both!(_mm256_mul_pd, a, b);
+        fn div64(self, a: D, b: D) -> D = both!(_mm256_div_pd, a, b);
+        fn sqrt64(self, a: D) -> D = both!(_mm256_sqrt_pd, a);
+        fn abs64(self, a: D) -> D = both!(_mm256_andnot_pd, self.splat64(-0.0), a);
+        fn max64(self, a: D, b: D) -> D = both!(_mm256_max_pd, a, b);
+        fn fused_mul_sub64(self, a: D, b: D, c: D) -> D = both!(_mm256_fmsub_pd, a, b, c);
+        fn fused_mul_add64(self, a: D, b: D, c: D) -> D = both!(_mm256_fmadd_pd, a, b, c);
+        fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D = both!(_mm256_fnmadd_pd, a, b, c);
+        fn lt64(self, a: D, b: D) -> u8 = mask64(both!(_mm256_cmp_pd::<_CMP_LT_OQ>, a, b));
+        fn le64(self, a: D, b: D) -> u8 = mask64(both!(_mm256_cmp_pd::<_CMP_LE_OQ>, a, b));
+    }
+
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {
         x86!(with_features(kernel))
-    }
-    #[inline(always)]
-    fn splat(self, x: f32) -> F {
-        x86!([_mm256_set1_ps(x); 2])
     }
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> F {
@@ -206,54 +237,6 @@ impl Lanes for Avx2 {
         });
     }
     #[inline(always)]
-    fn add(self, a: F, b: F) -> F {
-        both!(_mm256_add_ps, a, b)
-    }
-    #[inline(always)]
-    fn sub(self, a: F, b: F) -> F {
-        both!(_mm256_sub_ps, a, b)
-    }
-    #[inline(always)]
-    fn mul(self, a: F, b: F) -> F {
-        both!(_mm256_mul_ps, a, b)
-    }
-    #[inline(always)]
-    fn div(self, a: F, b: F) -> F {
-        both!(_mm256_div_ps, a, b)
-    }
-    #[inline(always)]
-    fn min(self, a: F, b: F) -> F {
-        both!(_mm256_min_ps, a, b)
-    }
-    #[inline(always)]
-    fn max(self, a: F, b: F) -> F {
-        both!(_mm256_max_ps, a, b)
-    }
-    #[inline(always)]
-    fn abs(self, a: F) -> F {
-        both!(_mm256_andnot_ps, self.splat(-0.0), a)
-    }
-    #[inline(always)]
-    fn floor(self, a: F) -> F {
-        both!(_mm256_floor_ps, a)
-    }
-    #[inline(always)]
-    fn ceil(self, a: F) -> F {
-        both!(_mm256_ceil_ps, a)
-    }
-    #[inline(always)]
-    fn mul_add(self, a: F, b: F, c: F) -> F {
-        both!(_mm256_fmadd_ps, a, b, c)
-    }
-    #[inline(always)]
-    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
-        both!(_mm256_fnmadd_ps, a, b, c)
-    }
-    #[inline(always)]
-    fn mul_sub(self, a: F, b: F, c: F) -> F {
-        both!(_mm256_fmsub_ps, a, b, c)
-    }
-    #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
         [
             permute_half(table, places[0]),
@@ -267,14 +250,6 @@ impl Lanes for Avx2 {
             _mm256_castsi256_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(low.as_ptr().cast()))),
             _mm256_castsi256_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(high.as_ptr().cast()))),
         ])
-    }
-    #[inline(always)]
-    fn lt(self, a: F, b: F) -> u16 {
-        mask(both!(_mm256_cmp_ps::<_CMP_LT_OQ>, a, b))
-    }
-    #[inline(always)]
-    fn le(self, a: F, b: F) -> u16 {
-        mask(both!(_mm256_cmp_ps::<_CMP_LE_OQ>, a, b))
     }
     #[inline(always)]
     fn same(self, a: F, b: F) -> u16 {
@@ -301,18 +276,6 @@ impl Lanes for Avx2 {
         both!(_mm256_blendv_ps, b, a, signs)
     }
     #[inline(always)]
-    fn largest(self, a: F) -> f32 {
-        reduce::largest(a)
-    }
-    #[inline(always)]
-    fn smallest(self, a: F) -> f32 {
-        reduce::smallest(a)
-    }
-    #[inline(always)]
-    fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
-        reduce::smallest_of_each(of)
-    }
-    #[inline(always)]
     fn compress(self, mask: u16, a: F, to: &mut [f32; LANES]) {
         let [low, high] = mask.to_le_bytes();
         let front = to.as_mut_ptr();
@@ -336,10 +299,6 @@ impl Lanes for Avx2 {
         });
     }
     #[inline(always)]
-    fn splat64(self, x: f64) -> D {
-        x86!([_mm256_set1_pd(x); 2])
-    }
-    #[inline(always)]
     fn load64(self, from: &[f64; WIDE]) -> D {
         x86!([
             _mm256_loadu_pd(from.as_ptr()),
@@ -352,54 +311,6 @@ impl Lanes for Avx2 {
             _mm256_storeu_pd(to.as_mut_ptr(), x[0]);
             _mm256_storeu_pd(to.as_mut_ptr().wrapping_add(4), x[1]);
         });
-    }
-    #[inline(always)]
-    fn add64(self, a: D, b: D) -> D {
-        both!(_mm256_add_pd, a, b)
-    }
-    #[inline(always)]
-    fn sub64(self, a: D, b: D) -> D {
-        both!(_mm256_sub_pd, a, b)
-    }
-    #[inline(always)]
-    fn mul64(self, a: D, b: D) -> D {
-        both!(_mm256_mul_pd, a, b)
-    }
-    #[inline(always)]
-    fn div64(self, a: D, b: D) -> D {
-        both!(_mm256_div_pd, a, b)
-    }
-    #[inline(always)]
-    fn sqrt64(self, a: D) -> D {
-        both!(_mm256_sqrt_pd, a)
-    }
-    #[inline(always)]
-    fn abs64(self, a: D) -> D {
-        both!(_mm256_andnot_pd, self.splat64(-0.0), a)
-    }
-    #[inline(always)]
-    fn max64(self, a: D, b: D) -> D {
-        both!(_mm256_max_pd, a, b)
-    }
-    #[inline(always)]
-    fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
-        both!(_mm256_fmsub_pd, a, b, c)
-    }
-    #[inline(always)]
-    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
-        both!(_mm256_fmadd_pd, a, b, c)
-    }
-    #[inline(always)]
-    fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
-        both!(_mm256_fnmadd_pd, a, b, c)
-    }
-    #[inline(always)]
-    fn lt64(self, a: D, b: D) -> u8 {
-        mask64(both!(_mm256_cmp_pd::<_CMP_LT_OQ>, a, b))
-    }
-    #[inline(always)]
-    fn le64(self, a: D, b: D) -> u8 {
-        mask64(both!(_mm256_cmp_pd::<_CMP_LE_OQ>, a, b))
     }
     #[inline(always)]
     fn select64(self, mask: u8, a: D, b: D) -> D {

@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 
 use bytemuck::Pod;
 
+use super::lanes::inlined;
 use super::{Kernel, LANES, Lanes, WIDE, x86};
 
 /// Proof that this machine has AVX-512 F, BW, DQ and VL, and what comes before them.
@@ -51,49 +52,48 @@ impl Lanes for Avx512 {
     type Floats = F;
     type Doubles = D;
 
+    inlined! {
+        fn splat(self, x: f32) -> F = x86!(_mm512_set1_ps(x));
+        fn load(self, from: &[f32; LANES]) -> F = x86!(_mm512_loadu_ps(from.as_ptr()));
+        fn add(self, a: F, b: F) -> F = x86!(_mm512_add_ps(a, b));
+        fn sub(self, a: F, b: F) -> F = x86!(_mm512_sub_ps(a, b));
+        fn mul(self, a: F, b: F) -> F = x86!(_mm512_mul_ps(a, b));
+        fn div(self, a: F, b: F) -> F = x86!(_mm512_div_ps(a, b));
+        fn min(self, a: F, b: F) -> F = x86!(_mm512_min_ps(a, b));
+        fn max(self, a: F, b: F) -> F = x86!(_mm512_max_ps(a, b));
+        fn abs(self, a: F) -> F = x86!(_mm512_abs_ps(a));
+        fn mul_add(self, a: F, b: F, c: F) -> F = x86!(_mm512_fmadd_ps(a, b, c));
+        fn neg_mul_add(self, a: F, b: F, c: F) -> F = x86!(_mm512_fnmadd_ps(a, b, c));
+        fn mul_sub(self, a: F, b: F, c: F) -> F = x86!(_mm512_fmsub_ps(a, b, c));
+        fn lt(self, a: F, b: F) -> u16 = x86!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
+        fn le(self, a: F, b: F) -> u16 = x86!(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b));
+        fn select(self, mask: u16, a: F, b: F) -> F = x86!(_mm512_mask_blend_ps(mask, b, a));
+        fn largest(self, a: F) -> f32 = x86!(_mm512_reduce_max_ps(a));
+        fn smallest(self, a: F) -> f32 = x86!(_mm512_reduce_min_ps(a));
+        fn splat64(self, x: f64) -> D = x86!(_mm512_set1_pd(x));
+        fn load64(self, from: &[f64; WIDE]) -> D = x86!(_mm512_loadu_pd(from.as_ptr()));
+        fn add64(self, a: D, b: D) -> D = x86!(_mm512_add_pd(a, b));
+        fn sub64(self, a: D, b: D) -> D = x86!(_mm512_sub_pd(a, b));
+        fn mul64(self, a: D, b: D) -> D = x86!(_mm512_mul_pd(a, b));
+        fn div64(self, a: D, b: D) -> D = x86!(_mm512_div_pd(a, b));
+        fn sqrt64(self, a: D) -> D = x86!(_mm512_sqrt_pd(a));
+        fn abs64(self, a: D) -> D = x86!(_mm512_abs_pd(a));
+        fn max64(self, a: D, b: D) -> D = x86!(_mm512_max_pd(a, b));
+        fn fused_mul_sub64(self, a: D, b: D, c: D) -> D = x86!(_mm512_fmsub_pd(a, b, c));
+        fn fused_mul_add64(self, a: D, b: D, c: D) -> D = x86!(_mm512_fmadd_pd(a, b, c));
+        fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D = x86!(_mm512_fnmadd_pd(a, b, c));
+        fn lt64(self, a: D, b: D) -> u8 = x86!(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b));
+        fn le64(self, a: D, b: D) -> u8 = x86!(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b));
+        fn select64(self, mask: u8, a: D, b: D) -> D = x86!(_mm512_mask_blend_pd(mask, b, a));
+    }
+
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {
         x86!(with_features(kernel))
     }
     #[inline(always)]
-    fn splat(self, x: f32) -> F {
-        x86!(_mm512_set1_ps(x))
-    }
-    #[inline(always)]
-    fn load(self, from: &[f32; LANES]) -> F {
-        x86!(_mm512_loadu_ps(from.as_ptr()))
-    }
-    #[inline(always)]
     fn store(self, x: F, to: &mut [f32; LANES]) {
         x86!(_mm512_storeu_ps(to.as_mut_ptr(), x));
-    }
-    #[inline(always)]
-    fn add(self, a: F, b: F) -> F {
-        x86!(_mm512_add_ps(a, b))
-    }
-    #[inline(always)]
-    fn sub(self, a: F, b: F) -> F {
-        x86!(_mm512_sub_ps(a, b))
-    }
-    #[inline(always)]
-    fn mul(self, a: F, b: F) -> F {
-        x86!(_mm512_mul_ps(a, b))
-    }
-    #[inline(always)]
-    fn div(self, a: F, b: F) -> F {
-        x86!(_mm512_div_ps(a, b))
-    }
-    #[inline(always)]
-    fn min(self, a: F, b: F) -> F {
-        x86!(_mm512_min_ps(a, b))
-    }
-    #[inline(always)]
-    fn max(self, a: F, b: F) -> F {
-        x86!(_mm512_max_ps(a, b))
-    }
-    #[inline(always)]
-    fn abs(self, a: F) -> F {
-        x86!(_mm512_abs_ps(a))
     }
     #[inline(always)]
     fn floor(self, a: F) -> F {
@@ -108,18 +108,6 @@ impl Lanes for Avx512 {
         >(a))
     }
     #[inline(always)]
-    fn mul_add(self, a: F, b: F, c: F) -> F {
-        x86!(_mm512_fmadd_ps(a, b, c))
-    }
-    #[inline(always)]
-    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
-        x86!(_mm512_fnmadd_ps(a, b, c))
-    }
-    #[inline(always)]
-    fn mul_sub(self, a: F, b: F, c: F) -> F {
-        x86!(_mm512_fmsub_ps(a, b, c))
-    }
-    #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
         x86!(_mm512_permutexvar_ps(_mm512_castps_si512(places), table))
     }
@@ -128,14 +116,6 @@ impl Lanes for Avx512 {
         x86!(_mm512_castsi512_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128(
             from.as_ptr().cast()
         ))))
-    }
-    #[inline(always)]
-    fn lt(self, a: F, b: F) -> u16 {
-        x86!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b))
-    }
-    #[inline(always)]
-    fn le(self, a: F, b: F) -> u16 {
-        x86!(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b))
     }
     #[inline(always)]
     fn same(self, a: F, b: F) -> u16 {
@@ -150,18 +130,6 @@ impl Lanes for Avx512 {
             let others = _mm512_xor_si512(_mm512_castps_si512(a), _mm512_castps_si512(b));
             _mm512_testn_epi32_mask(others, _mm512_set1_epi32(!15))
         })
-    }
-    #[inline(always)]
-    fn select(self, mask: u16, a: F, b: F) -> F {
-        x86!(_mm512_mask_blend_ps(mask, b, a))
-    }
-    #[inline(always)]
-    fn largest(self, a: F) -> f32 {
-        x86!(_mm512_reduce_max_ps(a))
-    }
-    #[inline(always)]
-    fn smallest(self, a: F) -> f32 {
-        x86!(_mm512_reduce_min_ps(a))
     }
     #[inline(always)]
     fn smallest_of_each(self, of: [&[f32; LANES]; LANES]) -> F {
@@ -225,68 +193,8 @@ impl Lanes for Avx512 {
         x86!(_mm256_storeu_ps(to.as_mut_ptr(), _mm512_cvtpd_ps(x)));
     }
     #[inline(always)]
-    fn splat64(self, x: f64) -> D {
-        x86!(_mm512_set1_pd(x))
-    }
-    #[inline(always)]
-    fn load64(self, from: &[f64; WIDE]) -> D {
-        x86!(_mm512_loadu_pd(from.as_ptr()))
-    }
-    #[inline(always)]
     fn store64(self, x: D, to: &mut [f64; WIDE]) {
         x86!(_mm512_storeu_pd(to.as_mut_ptr(), x));
-    }
-    #[inline(always)]
-    fn add64(self, a: D, b: D) -> D {
-        x86!(_mm512_add_pd(a, b))
-    }
-    #[inline(always)]
-    fn sub64(self, a: D, b: D) -> D {
-        x86!(_mm512_sub_pd(a, b))
-    }
-    #[inline(always)]
-    fn mul64(self, a: D, b: D) -> D {
-        x86!(_mm512_mul_pd(a, b))
-    }
-    #[inline(always)]
-    fn div64(self, a: D, b: D) -> D {
-        x86!(_mm512_div_pd(a, b))
-    }
-    #[inline(always)]
-    fn sqrt64(self, a: D) -> D {
-        x86!(_mm512_sqrt_pd(a))
-    }
-    #[inline(always)]
-    fn abs64(self, a: D) -> D {
-        x86!(_mm512_abs_pd(a))
-    }
-    #[inline(always)]
-    fn max64(self, a: D, b: D) -> D {
-        x86!(_mm512_max_pd(a, b))
-    }
-    #[inline(always)]
-    fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
-        x86!(_mm512_fmsub_pd(a, b, c))
-    }
-    #[inline(always)]
-    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
-        x86!(_mm512_fmadd_pd(a, b, c))
-    }
-    #[inline(always)]
-    fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
-        x86!(_mm512_fnmadd_pd(a, b, c))
-    }
-    #[inline(always)]
-    fn lt64(self, a: D, b: D) -> u8 {
-        x86!(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b))
-    }
-    #[inline(always)]
-    fn le64(self, a: D, b: D) -> u8 {
-        x86!(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b))
-    }
-    #[inline(always)]
-    fn select64(self, mask: u8, a: D, b: D) -> D {
-        x86!(_mm512_mask_blend_pd(mask, b, a))
     }
     #[inline(always)]
     fn interleave64(self, a: D, b: D) -> [D; 2] {

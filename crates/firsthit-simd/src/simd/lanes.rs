@@ -4,6 +4,20 @@ use bytemuck::Pod;
 
 use super::Kernel;
 
+/// Methods that are one expression each, a line for each.
+macro_rules! inlined {
+    ($(fn $name:ident($this:ident $(, $argument:ident: $type:ty)*) -> $out:ty = $value:expr;)+) => {
+        $(
+            #[inline(always)]
+            fn $name($this $(, $argument: $type)*) -> $out {
+                $value
+            }
+        )+
+    };
+}
+
+pub(super) use inlined;
+
 /// The number of float32 lanes: the width of a node and of a leaf.
 pub const LANES: usize = 16;
 /// The number of float64 lanes.

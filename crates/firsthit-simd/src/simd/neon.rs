@@ -7,6 +7,7 @@ use std::arch::aarch64::*;
 
 use bytemuck::Pod;
 
+use super::lanes::inlined;
 use super::portable::compress;
 use super::{Kernel, LANES, Lanes, WIDE, prefetch};
 use crate::geometry::arrays::from_fn;
@@ -195,13 +196,40 @@ impl Lanes for Neon {
     type Floats = F;
     type Doubles = D;
 
+    inlined! {
+        fn splat(self, x: f32) -> F = [neon!(vdupq_n_f32(x)); 4];
+        fn add(self, a: F, b: F) -> F = each!(vaddq_f32, a, b);
+        fn sub(self, a: F, b: F) -> F = each!(vsubq_f32, a, b);
+        fn mul(self, a: F, b: F) -> F = each!(vmulq_f32, a, b);
+        fn div(self, a: F, b: F) -> F = each!(vdivq_f32, a, b);
+        fn min(self, a: F, b: F) -> F = from_fn(|k| min(a[k], b[k]));
+        fn max(self, a: F, b: F) -> F = from_fn(|k| max(a[k], b[k]));
+        fn abs(self, a: F) -> F = each!(vabsq_f32, a);
+        fn floor(self, a: F) -> F = each!(vrndmq_f32, a);
+        fn ceil(self, a: F) -> F = each!(vrndpq_f32, a);
+        // Their intrinsics add to the first argument, or subtract from it.
+        fn mul_add(self, a: F, b: F, c: F) -> F = each!(vfmaq_f32, c, a, b);
+        fn neg_mul_add(self, a: F, b: F, c: F) -> F = each!(vfmsq_f32, c, a, b);
+        fn mul_sub(self, a: F, b: F, c: F) -> F = self.mul_add(a, b, each!(vnegq_f32, c));
+        fn lt(self, a: F, b: F) -> u16 = mask::<4>(each!(vcltq_f32, a, b));
+        fn le(self, a: F, b: F) -> u16 = mask::<4>(each!(vcleq_f32, a, b));
+        fn splat64(self, x: f64) -> D = [neon!(vdupq_n_f64(x)); 4];
+        fn add64(self, a: D, b: D) -> D = each!(vaddq_f64, a, b);
+        fn sub64(self, a: D, b: D) -> D = each!(vsubq_f64, a, b);
+        fn mul64(self, a: D, b: D) -> D = each!(vmulq_f64, a, b);
+        fn div64(self, a: D, b: D) -> D = each!(vdivq_f64, a, b);
+        fn sqrt64(self, a: D) -> D = each!(vsqrtq_f64, a);
+        fn abs64(self, a: D) -> D = each!(vabsq_f64, a);
+        fn max64(self, a: D, b: D) -> D = from_fn(|k| max64(a[k], b[k]));
+        fn fused_mul_add64(self, a: D, b: D, c: D) -> D = each!(vfmaq_f64, c, a, b);
+        fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D = each!(vfmsq_f64, c, a, b);
+        fn lt64(self, a: D, b: D) -> u8 = mask64::<4>(each!(vcltq_f64, a, b));
+        fn le64(self, a: D, b: D) -> u8 = mask64::<4>(each!(vcleq_f64, a, b));
+    }
+
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {
         run(kernel)
-    }
-    #[inline(always)]
-    fn splat(self, x: f32) -> F {
-        [neon!(vdupq_n_f32(x)); 4]
     }
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> F {
@@ -214,55 +242,6 @@ impl Lanes for Neon {
         for (x, to) in x.into_iter().zip(to) {
             store(x, to);
         }
-    }
-    #[inline(always)]
-    fn add(self, a: F, b: F) -> F {
-        each!(vaddq_f32, a, b)
-    }
-    #[inline(always)]
-    fn sub(self, a: F, b: F) -> F {
-        each!(vsubq_f32, a, b)
-    }
-    #[inline(always)]
-    fn mul(self, a: F, b: F) -> F {
-        each!(vmulq_f32, a, b)
-    }
-    #[inline(always)]
-    fn div(self, a: F, b: F) -> F {
-        each!(vdivq_f32, a, b)
-    }
-    #[inline(always)]
-    fn min(self, a: F, b: F) -> F {
-        from_fn(|k| min(a[k], b[k]))
-    }
-    #[inline(always)]
-    fn max(self, a: F, b: F) -> F {
-        from_fn(|k| max(a[k], b[k]))
-    }
-    #[inline(always)]
-    fn abs(self, a: F) -> F {
-        each!(vabsq_f32, a)
-    }
-    #[inline(always)]
-    fn floor(self, a: F) -> F {
-        each!(vrndmq_f32, a)
-    }
-    #[inline(always)]
-    fn ceil(self, a: F) -> F {
-        each!(vrndpq_f32, a)
-    }
-    // Their intrinsics add to the first argument, or subtract from it.
-    #[inline(always)]
-    fn mul_add(self, a: F, b: F, c: F) -> F {
-        each!(vfmaq_f32, c, a, b)
-    }
-    #[inline(always)]
-    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
-        each!(vfmsq_f32, c, a, b)
-    }
-    #[inline(always)]
-    fn mul_sub(self, a: F, b: F, c: F) -> F {
-        self.mul_add(a, b, each!(vnegq_f32, c))
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
@@ -285,14 +264,6 @@ impl Lanes for Neon {
             vmovl_high_u16(high),
         ]);
         from_fn(|k| from_bits(four[k]))
-    }
-    #[inline(always)]
-    fn lt(self, a: F, b: F) -> u16 {
-        mask::<4>(each!(vcltq_f32, a, b))
-    }
-    #[inline(always)]
-    fn le(self, a: F, b: F) -> u16 {
-        mask::<4>(each!(vcleq_f32, a, b))
     }
     #[inline(always)]
     fn same(self, a: F, b: F) -> u16 {
@@ -347,10 +318,6 @@ impl Lanes for Neon {
         store(neon!(vcvt_high_f32_f64(vcvt_f32_f64(c), d)), high);
     }
     #[inline(always)]
-    fn splat64(self, x: f64) -> D {
-        [neon!(vdupq_n_f64(x)); 4]
-    }
-    #[inline(always)]
     fn load64(self, from: &[f64; WIDE]) -> D {
         let from: &[[f64; 2]; 4] = bytemuck::cast_ref(from);
         from_fn(|k| load64(&from[k]))
@@ -363,52 +330,8 @@ impl Lanes for Neon {
         }
     }
     #[inline(always)]
-    fn add64(self, a: D, b: D) -> D {
-        each!(vaddq_f64, a, b)
-    }
-    #[inline(always)]
-    fn sub64(self, a: D, b: D) -> D {
-        each!(vsubq_f64, a, b)
-    }
-    #[inline(always)]
-    fn mul64(self, a: D, b: D) -> D {
-        each!(vmulq_f64, a, b)
-    }
-    #[inline(always)]
-    fn div64(self, a: D, b: D) -> D {
-        each!(vdivq_f64, a, b)
-    }
-    #[inline(always)]
-    fn sqrt64(self, a: D) -> D {
-        each!(vsqrtq_f64, a)
-    }
-    #[inline(always)]
-    fn abs64(self, a: D) -> D {
-        each!(vabsq_f64, a)
-    }
-    #[inline(always)]
-    fn max64(self, a: D, b: D) -> D {
-        from_fn(|k| max64(a[k], b[k]))
-    }
-    #[inline(always)]
     fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
         self.fused_mul_add64(a, b, each!(vnegq_f64, c))
-    }
-    #[inline(always)]
-    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
-        each!(vfmaq_f64, c, a, b)
-    }
-    #[inline(always)]
-    fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
-        each!(vfmsq_f64, c, a, b)
-    }
-    #[inline(always)]
-    fn lt64(self, a: D, b: D) -> u8 {
-        mask64::<4>(each!(vcltq_f64, a, b))
-    }
-    #[inline(always)]
-    fn le64(self, a: D, b: D) -> u8 {
-        mask64::<4>(each!(vcleq_f64, a, b))
     }
     #[inline(always)]
     fn select64(self, mask: u8, a: D, b: D) -> D {

@@ -2,6 +2,7 @@
 
 use bytemuck::Pod;
 
+use super::lanes::inlined;
 use super::{Kernel, LANES, Lanes, WIDE};
 use crate::geometry::arrays::from_fn;
 
@@ -44,6 +45,40 @@ impl Lanes for Portable {
     type Floats = F;
     type Doubles = D;
 
+    inlined! {
+        fn load(self, from: &F) -> F = *from;
+        fn add(self, a: F, b: F) -> F = from_fn(|k| a[k] + b[k]);
+        fn sub(self, a: F, b: F) -> F = from_fn(|k| a[k] - b[k]);
+        fn mul(self, a: F, b: F) -> F = from_fn(|k| a[k] * b[k]);
+        fn div(self, a: F, b: F) -> F = from_fn(|k| a[k] / b[k]);
+        fn min(self, a: F, b: F) -> F = from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] });
+        fn max(self, a: F, b: F) -> F = from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] });
+        fn abs(self, a: F) -> F = from_fn(|k| a[k].abs());
+        fn floor(self, a: F) -> F = from_fn(|k| a[k].floor());
+        fn ceil(self, a: F) -> F = from_fn(|k| a[k].ceil());
+        fn mul_add(self, a: F, b: F, c: F) -> F = from_fn(|k| a[k] * b[k] + c[k]);
+        fn neg_mul_add(self, a: F, b: F, c: F) -> F = from_fn(|k| c[k] - a[k] * b[k]);
+        fn mul_sub(self, a: F, b: F, c: F) -> F = from_fn(|k| a[k] * b[k] - c[k]);
+        fn lt(self, a: F, b: F) -> u16 = mask(|k| a[k] < b[k]);
+        fn le(self, a: F, b: F) -> u16 = mask(|k| a[k] <= b[k]);
+        fn same(self, a: F, b: F) -> u16 = mask(|k| a[k].to_bits() == b[k].to_bits());
+        fn largest(self, a: F) -> f32 = a.into_iter().fold(f32::NEG_INFINITY, f32::max);
+        fn smallest(self, a: F) -> f32 = a.into_iter().fold(f32::INFINITY, f32::min);
+        fn load_widened(self, from: &[f32; WIDE]) -> D = from_fn(|k| f64::from(from[k]));
+        fn load64(self, from: &D) -> D = *from;
+        fn add64(self, a: D, b: D) -> D = from_fn(|k| a[k] + b[k]);
+        fn sub64(self, a: D, b: D) -> D = from_fn(|k| a[k] - b[k]);
+        fn mul64(self, a: D, b: D) -> D = from_fn(|k| a[k] * b[k]);
+        fn div64(self, a: D, b: D) -> D = from_fn(|k| a[k] / b[k]);
+        fn sqrt64(self, a: D) -> D = from_fn(|k| a[k].sqrt());
+        fn abs64(self, a: D) -> D = from_fn(|k| a[k].abs());
+        fn max64(self, a: D, b: D) -> D = from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] });
+        fn fused_mul_sub64(self, a: D, b: D, c: D) -> D = from_fn(|k| a[k].mul_add(b[k], -c[k]));
+        fn fused_mul_add64(self, a: D, b: D, c: D) -> D = from_fn(|k| a[k].mul_add(b[k], c[k]));
+        fn lt64(self, a: D, b: D) -> u8 = mask64(|k| a[k] < b[k]);
+        fn le64(self, a: D, b: D) -> u8 = mask64(|k| a[k] <= b[k]);
+    }
+
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {
         run(kernel)
@@ -53,60 +88,8 @@ impl Lanes for Portable {
         [x; LANES]
     }
     #[inline(always)]
-    fn load(self, from: &F) -> F {
-        *from
-    }
-    #[inline(always)]
     fn store(self, x: F, to: &mut F) {
         *to = x;
-    }
-    #[inline(always)]
-    fn add(self, a: F, b: F) -> F {
-        from_fn(|k| a[k] + b[k])
-    }
-    #[inline(always)]
-    fn sub(self, a: F, b: F) -> F {
-        from_fn(|k| a[k] - b[k])
-    }
-    #[inline(always)]
-    fn mul(self, a: F, b: F) -> F {
-        from_fn(|k| a[k] * b[k])
-    }
-    #[inline(always)]
-    fn div(self, a: F, b: F) -> F {
-        from_fn(|k| a[k] / b[k])
-    }
-    #[inline(always)]
-    fn min(self, a: F, b: F) -> F {
-        from_fn(|k| if a[k] < b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    fn max(self, a: F, b: F) -> F {
-        from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    fn abs(self, a: F) -> F {
-        from_fn(|k| a[k].abs())
-    }
-    #[inline(always)]
-    fn floor(self, a: F) -> F {
-        from_fn(|k| a[k].floor())
-    }
-    #[inline(always)]
-    fn ceil(self, a: F) -> F {
-        from_fn(|k| a[k].ceil())
-    }
-    #[inline(always)]
-    fn mul_add(self, a: F, b: F, c: F) -> F {
-        from_fn(|k| a[k] * b[k] + c[k])
-    }
-    #[inline(always)]
-    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
-        from_fn(|k| c[k] - a[k] * b[k])
-    }
-    #[inline(always)]
-    fn mul_sub(self, a: F, b: F, c: F) -> F {
-        from_fn(|k| a[k] * b[k] - c[k])
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
@@ -117,32 +100,12 @@ impl Lanes for Portable {
         from_fn(|k| f32::from_bits(u32::from(from[k])))
     }
     #[inline(always)]
-    fn lt(self, a: F, b: F) -> u16 {
-        mask(|k| a[k] < b[k])
-    }
-    #[inline(always)]
-    fn le(self, a: F, b: F) -> u16 {
-        mask(|k| a[k] <= b[k])
-    }
-    #[inline(always)]
-    fn same(self, a: F, b: F) -> u16 {
-        mask(|k| a[k].to_bits() == b[k].to_bits())
-    }
-    #[inline(always)]
     fn same_sixteen(self, a: F, b: F) -> u16 {
         mask(|k| a[k].to_bits() & !15 == b[k].to_bits() & !15)
     }
     #[inline(always)]
     fn select(self, mask: u16, a: F, b: F) -> F {
         from_fn(|k| if mask >> k & 1 == 1 { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    fn largest(self, a: F) -> f32 {
-        a.into_iter().fold(f32::NEG_INFINITY, f32::max)
-    }
-    #[inline(always)]
-    fn smallest(self, a: F) -> f32 {
-        a.into_iter().fold(f32::INFINITY, f32::min)
     }
     #[inline(always)]
     fn smallest_of_each(self, of: [&F; LANES]) -> F {
@@ -156,12 +119,6 @@ impl Lanes for Portable {
     fn compress(self, mask: u16, a: F, to: &mut F) {
         compress(mask, &a, to);
     }
-
-    #[inline(always)]
-    fn load_widened(self, from: &[f32; WIDE]) -> D {
-        from_fn(|k| f64::from(from[k]))
-    }
-
     #[inline(always)]
     #[expect(
         clippy::cast_possible_truncation,
@@ -170,68 +127,18 @@ impl Lanes for Portable {
     fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
         *to = from_fn(|k| x[k] as f32);
     }
-
     #[inline(always)]
     fn splat64(self, x: f64) -> D {
         [x; WIDE]
-    }
-    #[inline(always)]
-    fn load64(self, from: &D) -> D {
-        *from
     }
     #[inline(always)]
     fn store64(self, x: D, to: &mut D) {
         *to = x;
     }
     #[inline(always)]
-    fn add64(self, a: D, b: D) -> D {
-        from_fn(|k| a[k] + b[k])
-    }
-    #[inline(always)]
-    fn sub64(self, a: D, b: D) -> D {
-        from_fn(|k| a[k] - b[k])
-    }
-    #[inline(always)]
-    fn mul64(self, a: D, b: D) -> D {
-        from_fn(|k| a[k] * b[k])
-    }
-    #[inline(always)]
-    fn div64(self, a: D, b: D) -> D {
-        from_fn(|k| a[k] / b[k])
-    }
-    #[inline(always)]
-    fn sqrt64(self, a: D) -> D {
-        from_fn(|k| a[k].sqrt())
-    }
-    #[inline(always)]
-    fn abs64(self, a: D) -> D {
-        from_fn(|k| a[k].abs())
-    }
-    #[inline(always)]
-    fn max64(self, a: D, b: D) -> D {
-        from_fn(|k| if a[k] > b[k] { a[k] } else { b[k] })
-    }
-    #[inline(always)]
-    fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
-        from_fn(|k| a[k].mul_add(b[k], -c[k]))
-    }
-    #[inline(always)]
-    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
-        from_fn(|k| a[k].mul_add(b[k], c[k]))
-    }
-    #[inline(always)]
     fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
         from_fn(|k| (-a[k]).mul_add(b[k], c[k]))
     }
-    #[inline(always)]
-    fn lt64(self, a: D, b: D) -> u8 {
-        mask64(|k| a[k] < b[k])
-    }
-    #[inline(always)]
-    fn le64(self, a: D, b: D) -> u8 {
-        mask64(|k| a[k] <= b[k])
-    }
-
     #[inline(always)]
     fn select64(self, mask: u8, a: D, b: D) -> D {
         from_fn(|k| if mask >> k & 1 == 1 { a[k] } else { b[k] })
@@ -241,7 +148,6 @@ impl Lanes for Portable {
         let lane = |k: usize| [a, b][k % 2][k / 2];
         [from_fn(lane), from_fn(|k| lane(k + WIDE))]
     }
-
     #[inline(always)]
     fn prefetch<T>(self, _: &T) {}
     #[inline(always)]

@@ -9,6 +9,7 @@ use std::ops::{BitAnd, BitOr, Not};
 
 use bytemuck::Pod;
 
+use super::lanes::inlined;
 use super::portable::compress;
 use super::{Kernel, LANES, Lanes, WIDE};
 use crate::geometry::arithmetic::Arithmetic;
@@ -176,34 +177,21 @@ impl Arithmetic for Two {
     type Number = v128;
     type Mask = Where;
 
-    #[inline(always)]
-    fn number(self, x: f64) -> v128 {
-        f64x2_splat(x)
+    inlined! {
+        fn number(self, x: f64) -> v128 = f64x2_splat(x);
+        fn add(self, a: v128, b: v128) -> v128 = f64x2_add(a, b);
+        fn sub(self, a: v128, b: v128) -> v128 = f64x2_sub(a, b);
+        fn mul(self, a: v128, b: v128) -> v128 = f64x2_mul(a, b);
+        fn div(self, a: v128, b: v128) -> v128 = f64x2_div(a, b);
+        fn sqrt(self, a: v128) -> v128 = f64x2_sqrt(a);
+        fn max(self, a: v128, b: v128) -> v128 = f64x2_pmax(b, a);
+        fn lt(self, a: v128, b: v128) -> Where = Where(f64x2_lt(a, b));
+        fn le(self, a: v128, b: v128) -> Where = Where(f64x2_le(a, b));
+        fn select(self, mask: Where, a: v128, b: v128) -> v128 = v128_bitselect(a, b, mask.0);
+        fn is_everywhere(self, mask: Where) -> bool = i64x2_all_true(mask.0);
+        fn is_anywhere(self, mask: Where) -> bool = v128_any_true(mask.0);
     }
-    #[inline(always)]
-    fn add(self, a: v128, b: v128) -> v128 {
-        f64x2_add(a, b)
-    }
-    #[inline(always)]
-    fn sub(self, a: v128, b: v128) -> v128 {
-        f64x2_sub(a, b)
-    }
-    #[inline(always)]
-    fn mul(self, a: v128, b: v128) -> v128 {
-        f64x2_mul(a, b)
-    }
-    #[inline(always)]
-    fn div(self, a: v128, b: v128) -> v128 {
-        f64x2_div(a, b)
-    }
-    #[inline(always)]
-    fn sqrt(self, a: v128) -> v128 {
-        f64x2_sqrt(a)
-    }
-    #[inline(always)]
-    fn max(self, a: v128, b: v128) -> v128 {
-        f64x2_pmax(b, a)
-    }
+
     #[inline(always)]
     fn fused_mul_add(self, a: v128, b: v128, c: v128) -> v128 {
         fused::emulated(self, a, b, c).unwrap_or_else(|| one_by_one(a, b, c))
@@ -215,26 +203,6 @@ impl Arithmetic for Two {
     #[inline(always)]
     fn fused_neg_mul_add(self, a: v128, b: v128, c: v128) -> v128 {
         self.fused_mul_add(f64x2_neg(a), b, c)
-    }
-    #[inline(always)]
-    fn lt(self, a: v128, b: v128) -> Where {
-        Where(f64x2_lt(a, b))
-    }
-    #[inline(always)]
-    fn le(self, a: v128, b: v128) -> Where {
-        Where(f64x2_le(a, b))
-    }
-    #[inline(always)]
-    fn select(self, mask: Where, a: v128, b: v128) -> v128 {
-        v128_bitselect(a, b, mask.0)
-    }
-    #[inline(always)]
-    fn is_everywhere(self, mask: Where) -> bool {
-        i64x2_all_true(mask.0)
-    }
-    #[inline(always)]
-    fn is_anywhere(self, mask: Where) -> bool {
-        v128_any_true(mask.0)
     }
 }
 
@@ -283,72 +251,48 @@ impl Lanes for Simd128 {
     type Floats = F;
     type Doubles = D;
 
+    inlined! {
+        fn splat(self, x: f32) -> F = [f32x4_splat(x); 4];
+        fn load(self, from: &[f32; LANES]) -> F = from_fn(|k| load!(&from[4 * k..4 * k + 4]));
+        fn add(self, a: F, b: F) -> F = four!(f32x4_add, a, b);
+        fn sub(self, a: F, b: F) -> F = four!(f32x4_sub, a, b);
+        fn mul(self, a: F, b: F) -> F = four!(f32x4_mul, a, b);
+        fn div(self, a: F, b: F) -> F = four!(f32x4_div, a, b);
+        // Theirs give the first argument where either is NaN or both are the same, so the arguments change places.
+        fn min(self, a: F, b: F) -> F = four!(f32x4_pmin, b, a);
+        fn max(self, a: F, b: F) -> F = four!(f32x4_pmax, b, a);
+        fn abs(self, a: F) -> F = four!(f32x4_abs, a);
+        fn floor(self, a: F) -> F = four!(f32x4_floor, a);
+        fn ceil(self, a: F) -> F = four!(f32x4_ceil, a);
+        fn mul_add(self, a: F, b: F, c: F) -> F = self.add(self.mul(a, b), c);
+        fn neg_mul_add(self, a: F, b: F, c: F) -> F = self.sub(c, self.mul(a, b));
+        fn mul_sub(self, a: F, b: F, c: F) -> F = self.sub(self.mul(a, b), c);
+        fn lt(self, a: F, b: F) -> u16 = mask(four!(f32x4_lt, a, b));
+        fn le(self, a: F, b: F) -> u16 = mask(four!(f32x4_le, a, b));
+        fn same(self, a: F, b: F) -> u16 = mask(four!(i32x4_eq, a, b));
+        fn splat64(self, x: f64) -> D = [f64x2_splat(x); 4];
+        fn load64(self, from: &[f64; WIDE]) -> D = from_fn(|k| load!(&from[2 * k..2 * k + 2]));
+        fn add64(self, a: D, b: D) -> D = four!(f64x2_add, a, b);
+        fn sub64(self, a: D, b: D) -> D = four!(f64x2_sub, a, b);
+        fn mul64(self, a: D, b: D) -> D = four!(f64x2_mul, a, b);
+        fn div64(self, a: D, b: D) -> D = four!(f64x2_div, a, b);
+        fn sqrt64(self, a: D) -> D = four!(f64x2_sqrt, a);
+        fn abs64(self, a: D) -> D = four!(f64x2_abs, a);
+        fn max64(self, a: D, b: D) -> D = four!(f64x2_pmax, b, a);
+        fn fused_mul_add64(self, a: D, b: D, c: D) -> D = fused_mul_add64(a, b, c);
+        fn lt64(self, a: D, b: D) -> u8 = mask64(four!(f64x2_lt, a, b));
+        fn le64(self, a: D, b: D) -> u8 = mask64(four!(f64x2_le, a, b));
+    }
+
     #[inline(always)]
     fn call<K: Kernel>(self, kernel: K) -> K::Output {
         run(kernel)
-    }
-    #[inline(always)]
-    fn splat(self, x: f32) -> F {
-        [f32x4_splat(x); 4]
-    }
-    #[inline(always)]
-    fn load(self, from: &[f32; LANES]) -> F {
-        from_fn(|k| load!(&from[4 * k..4 * k + 4]))
     }
     #[inline(always)]
     fn store(self, x: F, to: &mut [f32; LANES]) {
         for k in 0..4 {
             store!(&mut to[4 * k..4 * k + 4], x[k]);
         }
-    }
-    #[inline(always)]
-    fn add(self, a: F, b: F) -> F {
-        four!(f32x4_add, a, b)
-    }
-    #[inline(always)]
-    fn sub(self, a: F, b: F) -> F {
-        four!(f32x4_sub, a, b)
-    }
-    #[inline(always)]
-    fn mul(self, a: F, b: F) -> F {
-        four!(f32x4_mul, a, b)
-    }
-    #[inline(always)]
-    fn div(self, a: F, b: F) -> F {
-        four!(f32x4_div, a, b)
-    }
-    // Theirs give the first argument where either is NaN or both are the same, so the arguments change places.
-    #[inline(always)]
-    fn min(self, a: F, b: F) -> F {
-        four!(f32x4_pmin, b, a)
-    }
-    #[inline(always)]
-    fn max(self, a: F, b: F) -> F {
-        four!(f32x4_pmax, b, a)
-    }
-    #[inline(always)]
-    fn abs(self, a: F) -> F {
-        four!(f32x4_abs, a)
-    }
-    #[inline(always)]
-    fn floor(self, a: F) -> F {
-        four!(f32x4_floor, a)
-    }
-    #[inline(always)]
-    fn ceil(self, a: F) -> F {
-        four!(f32x4_ceil, a)
-    }
-    #[inline(always)]
-    fn mul_add(self, a: F, b: F, c: F) -> F {
-        self.add(self.mul(a, b), c)
-    }
-    #[inline(always)]
-    fn neg_mul_add(self, a: F, b: F, c: F) -> F {
-        self.sub(c, self.mul(a, b))
-    }
-    #[inline(always)]
-    fn mul_sub(self, a: F, b: F, c: F) -> F {
-        self.sub(self.mul(a, b), c)
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
@@ -375,18 +319,6 @@ impl Lanes for Simd128 {
             u32x4_extend_low_u16x8(high),
             u32x4_extend_high_u16x8(high),
         ]
-    }
-    #[inline(always)]
-    fn lt(self, a: F, b: F) -> u16 {
-        mask(four!(f32x4_lt, a, b))
-    }
-    #[inline(always)]
-    fn le(self, a: F, b: F) -> u16 {
-        mask(four!(f32x4_le, a, b))
-    }
-    #[inline(always)]
-    fn same(self, a: F, b: F) -> u16 {
-        mask(four!(i32x4_eq, a, b))
     }
     #[inline(always)]
     fn same_sixteen(self, a: F, b: F) -> u16 {
@@ -445,66 +377,18 @@ impl Lanes for Simd128 {
         store!(&mut to[4..], two(x[2], x[3]));
     }
     #[inline(always)]
-    fn splat64(self, x: f64) -> D {
-        [f64x2_splat(x); 4]
-    }
-    #[inline(always)]
-    fn load64(self, from: &[f64; WIDE]) -> D {
-        from_fn(|k| load!(&from[2 * k..2 * k + 2]))
-    }
-    #[inline(always)]
     fn store64(self, x: D, to: &mut [f64; WIDE]) {
         for k in 0..4 {
             store!(&mut to[2 * k..2 * k + 2], x[k]);
         }
     }
     #[inline(always)]
-    fn add64(self, a: D, b: D) -> D {
-        four!(f64x2_add, a, b)
-    }
-    #[inline(always)]
-    fn sub64(self, a: D, b: D) -> D {
-        four!(f64x2_sub, a, b)
-    }
-    #[inline(always)]
-    fn mul64(self, a: D, b: D) -> D {
-        four!(f64x2_mul, a, b)
-    }
-    #[inline(always)]
-    fn div64(self, a: D, b: D) -> D {
-        four!(f64x2_div, a, b)
-    }
-    #[inline(always)]
-    fn sqrt64(self, a: D) -> D {
-        four!(f64x2_sqrt, a)
-    }
-    #[inline(always)]
-    fn abs64(self, a: D) -> D {
-        four!(f64x2_abs, a)
-    }
-    #[inline(always)]
-    fn max64(self, a: D, b: D) -> D {
-        four!(f64x2_pmax, b, a)
-    }
-    #[inline(always)]
     fn fused_mul_sub64(self, a: D, b: D, c: D) -> D {
         fused_mul_add64(a, b, four!(f64x2_neg, c))
     }
     #[inline(always)]
-    fn fused_mul_add64(self, a: D, b: D, c: D) -> D {
-        fused_mul_add64(a, b, c)
-    }
-    #[inline(always)]
     fn fused_neg_mul_add64(self, a: D, b: D, c: D) -> D {
         fused_mul_add64(four!(f64x2_neg, a), b, c)
-    }
-    #[inline(always)]
-    fn lt64(self, a: D, b: D) -> u8 {
-        mask64(four!(f64x2_lt, a, b))
-    }
-    #[inline(always)]
-    fn le64(self, a: D, b: D) -> u8 {
-        mask64(four!(f64x2_le, a, b))
     }
     #[inline(always)]
     fn select64(self, mask: u8, a: D, b: D) -> D {
