@@ -353,9 +353,12 @@ pub(super) mod tests {
         Mesh::new(Positions::compact(corners.collect()), own.collect()).unwrap()
     }
 
-    /// The corners of a unit box, and of its sides those that are named.
-    fn sides_of_box(sides: &[[u32; 4]]) -> Mesh {
-        let corner = |k: u32| [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+    /// The corners of a box of a size, and of its sides those that are named.
+    fn sides_of_box([x, y, z]: [f64; 3], sides: &[[u32; 4]]) -> Mesh {
+        let corner = |k: u32| {
+            let [a, b, c] = [k & 1, k >> 1 & 1, k >> 2].map(f64::from);
+            [a * x, b * y, c * z]
+        };
         let halves = |&[a, b, c, d]: &[u32; 4]| [[a, b, c], [a, c, d]];
         let triangles = sides.iter().flat_map(halves).collect();
         Mesh::new(Positions::compact((0..8).map(corner).collect()), triangles).unwrap()
@@ -365,16 +368,18 @@ pub(super) mod tests {
     fn a_floor_and_a_ceiling_are_two_leaves_and_a_box_is_one() {
         let (floor, ceiling) = ([0, 1, 3, 2], [4, 5, 7, 6]);
         let walls = [[0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
-        let room = MeshTree::build(&sides_of_box(&[floor, ceiling]));
-        assert_eq!(room.leaves.len(), 2);
-        for leaf in &*room.leaves {
-            let [low, high] = [leaf.bounds().low(), leaf.bounds().high()];
-            assert!(low[2] == high[2], "{low:?} to {high:?}");
+        // A room, and a low storey, whose floor and ceiling have most of its surface.
+        for size in [[1.0; 3], [80.0, 12.0, 3.0]] {
+            let room = MeshTree::build(&sides_of_box(size, &[floor, ceiling]));
+            assert_eq!(room.leaves.len(), 2);
+            for leaf in &*room.leaves {
+                let [low, high] = [leaf.bounds().low(), leaf.bounds().high()];
+                assert!(low[2] == high[2], "{low:?} to {high:?}");
+            }
+            let sides = [[floor, ceiling].as_slice(), &walls].concat();
+            let whole = MeshTree::build(&sides_of_box(size, &sides));
+            assert_eq!(whole.leaves.len(), 1, "{size:?}");
         }
-        let whole = MeshTree::build(&sides_of_box(
-            &[[floor, ceiling].as_slice(), &walls].concat(),
-        ));
-        assert_eq!(whole.leaves.len(), 1);
     }
 
     #[test]
