@@ -12,14 +12,14 @@
 use std::cell::{Cell, RefCell};
 
 use super::mesh_packet::{MeshRay, SettleExactly};
-use super::query::{MeshQuery, Visitor};
+use super::query::{MeshQuery, Visitor, visit_each};
 use crate::accel::eight_pairs::EightPairs;
 use crate::accel::filter::Candidates;
 use crate::accel::meshlet::leaf_lane;
 use crate::geometry::{DVec2, DVec3, Ray, SurfaceId};
 use crate::shape::Crossing;
 use crate::shape::triangle::{self, Doubtful, EdgeRule, TriangleHit};
-use crate::simd::{Aligned, Kernel, LANES, Lanes, WIDE, set_bits};
+use crate::simd::{Kernel, Lanes, WIDE};
 
 /// A crossing, the object that it is with, and the next one of its list.
 #[derive(Debug, Clone, Copy)]
@@ -317,11 +317,6 @@ impl MeshQuery for All {
     }
 
     #[inline(always)]
-    fn deferred(&self) -> Option<u32> {
-        None
-    }
-
-    #[inline(always)]
     fn finish<L: Lanes>(&self, _: L, _: &MeshRay<'_>) -> CrossingList {
         self.list
     }
@@ -341,15 +336,7 @@ impl Visitor for All {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
-        let mut lows = Aligned([0.0; LANES]);
-        let mut highs = lows;
-        l.store(candidates.low, &mut lows.0);
-        l.store(candidates.high, &mut highs.0);
-        for lane in set_bits(candidates.possible) {
-            let is_certain = candidates.certain >> lane & 1 == 1;
-            let depths = (lows.0[lane], highs.0[lane]);
-            self.visit_one(l, ray, (leaf, lane), depths, is_certain);
-        }
+        visit_each(l, self, ray, (leaf, candidates.possible), candidates);
     }
 
     #[inline(always)]

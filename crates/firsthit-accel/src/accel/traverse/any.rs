@@ -64,11 +64,6 @@ impl MeshQuery for Any {
     }
 
     #[inline(always)]
-    fn deferred(&self) -> Option<u32> {
-        None
-    }
-
-    #[inline(always)]
     fn finish<L: Lanes>(&self, _: L, _: &MeshRay<'_>) -> Self::Found {
         self.limit == FOUND
     }

@@ -7,11 +7,11 @@
 //! A triangle counts once for itself and once for each copy in its place, which the tree leaves out.
 
 use super::mesh_packet::MeshRay;
-use super::query::{MeshQuery, Visitor};
+use super::query::{MeshQuery, Visitor, visit_each};
 use crate::accel::filter::Candidates;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
-use crate::simd::{Aligned, LANES, Lanes, set_bits};
+use crate::simd::Lanes;
 
 /// The state of a counting query: see [the module](self).
 #[derive(Clone, Copy)]
@@ -58,11 +58,6 @@ impl MeshQuery for Count {
     }
 
     #[inline(always)]
-    fn deferred(&self) -> Option<u32> {
-        None
-    }
-
-    #[inline(always)]
     fn finish<L: Lanes>(&self, _: L, _: &MeshRay<'_>) -> u32 {
         self.count
     }
@@ -78,15 +73,7 @@ impl Visitor for Count {
 
     #[inline(always)]
     fn visit<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, leaf: u32, candidates: &Candidates<L>) {
-        let mut lows = Aligned([0.0; LANES]);
-        let mut highs = lows;
-        l.store(candidates.low, &mut lows.0);
-        l.store(candidates.high, &mut highs.0);
-        for lane in set_bits(candidates.possible) {
-            let is_certain = candidates.certain >> lane & 1 == 1;
-            let depths = (lows.0[lane], highs.0[lane]);
-            self.visit_one(l, ray, (leaf, lane), depths, is_certain);
-        }
+        visit_each(l, self, ray, (leaf, candidates.possible), candidates);
     }
 
     #[inline(always)]

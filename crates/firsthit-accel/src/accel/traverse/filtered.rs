@@ -5,11 +5,11 @@
 //! 2. For any other candidate the exact test of [`MeshFilter`] decides, and for each copy in its place where the filter tells them apart.
 
 use super::mesh_packet::MeshRay;
-use super::query::{MeshQuery, Visitor};
+use super::query::{MeshQuery, Visitor, visit_each};
 use crate::accel::filter::Candidates;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
-use crate::simd::{Aligned, LANES, Lanes, set_bits};
+use crate::simd::Lanes;
 
 #[cfg(doc)]
 use crate::shape::triangle::MeshFilter;
@@ -129,18 +129,7 @@ impl<Q: MeshQuery> Visitor for FilteredQuery<Q> {
         if left == 0 || self.query.limit() < 0.0 {
             return;
         }
-        let mut lows = Aligned([0.0; LANES]);
-        let mut highs = lows;
-        l.store(candidates.low, &mut lows.0);
-        l.store(candidates.high, &mut highs.0);
-        for lane in set_bits(left) {
-            let is_certain = candidates.certain >> lane & 1 == 1;
-            let depths = (lows.0[lane], highs.0[lane]);
-            self.visit_one(l, ray, (leaf, lane), depths, is_certain);
-            if self.query.limit() < 0.0 {
-                return;
-            }
-        }
+        visit_each(l, self, ray, (leaf, left), candidates);
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@ use crate::accel::rays::packet::RAYS;
 use crate::geometry::arrays;
 use crate::shape::Crossing;
 use crate::shape::triangle::EdgeRule;
-use crate::simd::Lanes;
+use crate::simd::{Aligned, LANES, Lanes, set_bits};
 
 /// Sees the candidates of one ray.
 #[doc(hidden)]
@@ -53,11 +53,37 @@ pub trait MeshQuery: Visitor + Copy {
     /// Sees a crossing that the exact test has found.
     fn see<L: Lanes>(&mut self, l: L, ray: &MeshRay<'_>, crossing: Crossing);
     /// The triangle that is the answer, as a leaf and a lane of it in one number, if where it is met is not computed yet.
-    fn deferred(&self) -> Option<u32>;
+    #[inline(always)]
+    fn deferred(&self) -> Option<u32> {
+        None
+    }
     /// The answer, after the last leaf.
     fn finish<L: Lanes>(&self, l: L, ray: &MeshRay<'_>) -> Self::Found;
     /// The answer of a ray that meets one thing at most.
     fn of_crossing(crossing: Option<Crossing>) -> Self::Found;
+}
+
+/// Shows a query some candidates of a leaf, one by one, until it has ended.
+#[inline(always)]
+pub(super) fn visit_each<L: Lanes, Q: MeshQuery>(
+    l: L,
+    query: &mut Q,
+    ray: &MeshRay<'_>,
+    (leaf, triangles): (u32, u16),
+    candidates: &Candidates<L>,
+) {
+    let mut lows = Aligned([0.0; LANES]);
+    let mut highs = lows;
+    l.store(candidates.low, &mut lows.0);
+    l.store(candidates.high, &mut highs.0);
+    for lane in set_bits(triangles) {
+        let is_certain = candidates.certain >> lane & 1 == 1;
+        let depths = (lows.0[lane], highs.0[lane]);
+        query.visit_one(l, ray, (leaf, lane), depths, is_certain);
+        if query.limit() < 0.0 {
+            return;
+        }
+    }
 }
 
 /// The queries of a packet's rays, which end at depths of at most `limits`.
