@@ -5,6 +5,22 @@ use crate::geometry::{DVec2, DVec3};
 use crate::shape::property::Counts;
 use crate::shape::{Attribute, Mesh, Property, PropertyOf, PropertyValues};
 
+/// Makes a function for each attribute of vertices or corners, of so many numbers each.
+macro_rules! attributes {
+    ($($(#[$about:meta])+ $with:ident $name:ident $numbers:literal)+) => {$(
+        $(#[$about])+
+        ///
+        /// # Errors
+        ///
+        /// [`Error::Argument`] when they do not fit the mesh.
+        pub fn $with(mut self, $name: Attribute<$numbers>) -> Result<Self> {
+            $name.check(stringify!($name), self.positions.len(), &self.triangles)?;
+            self.$name = Some($name);
+            Ok(self)
+        }
+    )+};
+}
+
 impl Mesh {
     /// The mesh with the polygon of the file that each triangle was part of.
     ///
@@ -26,71 +42,20 @@ impl Mesh {
         Ok(self)
     }
 
-    /// The mesh with shading normals, in object space; they need not be of length one.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_normals(mut self, normals: Attribute<3>) -> Result<Self> {
-        normals.check("normals", self.positions.len(), &self.triangles)?;
-        self.normals = Some(normals);
-        Ok(self)
-    }
-
-    /// The mesh with texture coordinates.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_uvs(mut self, uvs: Attribute<2>) -> Result<Self> {
-        uvs.check("uvs", self.positions.len(), &self.triangles)?;
-        self.uvs = Some(uvs);
-        Ok(self)
-    }
-
-    /// The mesh with a second set of texture coordinates, for textures that take it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_second_uvs(mut self, uvs: Attribute<2>) -> Result<Self> {
-        uvs.check("second_uvs", self.positions.len(), &self.triangles)?;
-        self.second_uvs = Some(uvs);
-        Ok(self)
-    }
-
-    /// The mesh with tangents, in object space, for normal maps: the direction in which the map's
-    /// columns run, and 1, or -1 where the bitangent is not normal times tangent but the opposite.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_tangents(mut self, tangents: Attribute<4>) -> Result<Self> {
-        tangents.check("tangents", self.positions.len(), &self.triangles)?;
-        self.tangents = Some(tangents);
-        Ok(self)
-    }
-
-    /// The mesh with linear colours, which the object's own colour multiplies.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_colors(mut self, colors: Attribute<3>) -> Result<Self> {
-        colors.check("colors", self.positions.len(), &self.triangles)?;
-        self.colors = Some(colors);
-        Ok(self)
-    }
-
-    /// The mesh with an alpha of its own, which a material's multiplies.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Argument`] when they do not fit the mesh.
-    pub fn with_alphas(mut self, alphas: Attribute<1>) -> Result<Self> {
-        alphas.check("alphas", self.positions.len(), &self.triangles)?;
-        self.alphas = Some(alphas);
-        Ok(self)
+    attributes! {
+        /// The mesh with shading normals, in object space; they need not be of length one.
+        with_normals normals 3
+        /// The mesh with texture coordinates.
+        with_uvs uvs 2
+        /// The mesh with a second set of texture coordinates, for textures that take it.
+        with_second_uvs second_uvs 2
+        /// The mesh with tangents, in object space, for normal maps: the direction in which the map's
+        /// columns run, and 1, or -1 where the bitangent is not normal times tangent but the opposite.
+        with_tangents tangents 4
+        /// The mesh with linear colours, which the object's own colour multiplies.
+        with_colors colors 3
+        /// The mesh with an alpha of its own, which a material's multiplies.
+        with_alphas alphas 1
     }
 
     /// The mesh with a slot for each triangle: the index of its object's material.
