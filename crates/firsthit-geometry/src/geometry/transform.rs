@@ -20,7 +20,8 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
     world_from_object: DAffine3,
-    object_from_world: DAffine3,
+    /// The inverse's matrix. What it moves by follows from both maps.
+    object_from_world: DMat3,
     rounding: f64,
     is_identity: bool,
 }
@@ -29,7 +30,7 @@ impl Transform {
     /// The object's coordinates are the world's. Rays pass through it without any rounding.
     pub const IDENTITY: Self = Self {
         world_from_object: DAffine3::IDENTITY,
-        object_from_world: DAffine3::IDENTITY,
+        object_from_world: DMat3::IDENTITY,
         rounding: f64::EPSILON,
         is_identity: true,
     };
@@ -56,7 +57,7 @@ impl Transform {
         }
         Ok(Self {
             world_from_object,
-            object_from_world,
+            object_from_world: back,
             rounding: left + f64::EPSILON * norm(there) * norm(back),
             is_identity: world_from_object == DAffine3::IDENTITY,
         })
@@ -79,8 +80,12 @@ impl Transform {
 
     /// The map from the world to object space.
     #[inline]
-    pub fn object_from_world(&self) -> &DAffine3 {
-        &self.object_from_world
+    pub fn object_from_world(&self) -> DAffine3 {
+        let matrix3 = self.object_from_world;
+        DAffine3 {
+            matrix3,
+            translation: -(matrix3 * self.world_from_object.translation),
+        }
     }
 
     /// The error of a point that goes to the object and back, as a share of its coordinates.
@@ -120,9 +125,8 @@ impl Transform {
         }
         Ray {
             // The translation first: far from the world's origin it would cancel what the matrix rounds.
-            origin: self.object_from_world.matrix3
-                * (ray.origin - self.world_from_object.translation),
-            direction: self.object_from_world.transform_vector3(ray.direction),
+            origin: self.object_from_world * (ray.origin - self.world_from_object.translation),
+            direction: self.object_from_world * ray.direction,
             t_min: ray.t_min,
             t_max: ray.t_max,
         }
@@ -145,7 +149,7 @@ impl Transform {
         if self.is_identity() {
             return normal;
         }
-        unit(self.object_from_world.matrix3.transpose() * normal)
+        unit(self.object_from_world.transpose() * normal)
     }
 }
 

@@ -252,7 +252,7 @@ fn a_ray_through_cells_without_a_gap_is_inside_all_along() {
 fn solids_hold_what_their_formulas_say() {
     let turn = DMat3::from_cols_array(&[0.0, 0.6, -0.8, 1.5, 0.0, 0.0, 0.0, 2.4, 1.8]);
     let place = Transform::new(DAffine3::from_mat3_translation(turn, DVec3::splat(0.25))).unwrap();
-    let back = *place.object_from_world();
+    let back = place.object_from_world();
     let z = DVec3::Z;
     let objects = vec![
         Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap()),

@@ -14,7 +14,7 @@ use crate::shape::{Mesh, Positions};
 const FINEST: f64 = 1.0 / (1 << 18) as f64;
 
 /// The properties that joined objects have in common: their transform, to the last bit, their mask, and the type of their vertices.
-pub(super) type Key = ([[u64; 12]; 2], u32, bool);
+pub(super) type Key = ([u64; 12], u32, bool);
 
 /// `None` for an object that is in no group.
 pub(super) fn key(object: &Object) -> Option<Key> {
@@ -22,12 +22,11 @@ pub(super) fn key(object: &Object) -> Option<Key> {
     let is_plain = !object.has_cutouts() && !object.is_hidden() && !object.is_out_of_range();
     let has_triangles = !mesh.triangles().is_empty();
     let is_sound = object.slack() <= LARGEST_SLACK;
-    let transform = object.transform();
-    let maps = [transform.world_from_object(), transform.object_from_world()];
+    let transform = object.transform().world_from_object();
     let are_single = matches!(mesh.positions().as_ref(), Positions::Single(_));
     (is_plain && has_triangles && is_sound).then(|| {
         (
-            maps.map(|map| map.to_cols_array().map(f64::to_bits)),
+            transform.to_cols_array().map(f64::to_bits),
             object.mask(),
             are_single,
         )
@@ -37,13 +36,14 @@ pub(super) fn key(object: &Object) -> Option<Key> {
 /// The number of uses of each mesh in the scene, and an object that has it.
 fn uses(objects: &[Object]) -> HashMap<*const Mesh, (u32, usize)> {
     let mut uses: HashMap<*const Mesh, (u32, usize)> = HashMap::new();
-    let mesh = |&(_, object): &(u32, &Object)| object.mesh().map(Arc::as_ptr);
+    let mesh_of = |object: &Object| object.mesh().map(Arc::as_ptr);
+    let mut first = 0;
     // Instances mostly stand side by side.
-    let numbered: Vec<_> = (0..).zip(objects).collect();
-    for same in numbered.chunk_by(|one, other| mesh(one) == mesh(other)) {
-        if let Some(mesh) = mesh(&same[0]) {
-            uses.entry(mesh).or_insert((same[0].0, 0)).1 += same.len();
+    for same in objects.chunk_by(|one, other| mesh_of(one) == mesh_of(other)) {
+        if let Some(mesh) = mesh_of(&same[0]) {
+            uses.entry(mesh).or_insert((first, 0)).1 += same.len();
         }
+        first += u32::try_from(same.len()).expect("identifiers are numbers of 31 bits");
     }
     uses
 }
