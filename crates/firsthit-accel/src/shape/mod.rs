@@ -119,8 +119,8 @@ pub trait Surface {
 
 /// Makes [`Shape`] and everything that depends on the list of shapes.
 macro_rules! shapes {
-    ($($(#[$doc:meta])* $name:literal => $kind:ident($type:ty);)*) => {
-        /// Any shape.
+    ($($(#[$doc:meta])* $name:literal => $kind:ident($held:ty) from $type:ty;)*) => {
+        /// Any shape. All but a mesh are in a box, so that objects take little memory, of which there may be a million.
         ///
         /// ```
         /// use firsthit::{DVec3, Shape, Sphere};
@@ -131,7 +131,7 @@ macro_rules! shapes {
         /// ```
         #[derive(Debug, Clone, PartialEq)]
         pub enum Shape {
-            $($(#[$doc])* $kind($type),)*
+            $($(#[$doc])* $kind($held),)*
         }
 
         impl Shape {
@@ -146,42 +146,42 @@ macro_rules! shapes {
 
         impl Surface for Shape {
             fn bounds(&self) -> Bounds {
-                match self { $(Self::$kind(shape) => Surface::bounds(shape),)* }
+                match self { $(Self::$kind(shape) => shape.bounds(),)* }
             }
 
             fn support(&self, direction: DVec3) -> f64 {
-                match self { $(Self::$kind(shape) => Surface::support(shape, direction),)* }
+                match self { $(Self::$kind(shape) => shape.support(direction),)* }
             }
 
             fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-                match self { $(Self::$kind(shape) => Surface::intersect(shape, ray),)* }
+                match self { $(Self::$kind(shape) => shape.intersect(ray),)* }
             }
 
             fn crossings(&self, ray: &Ray) -> [Option<Crossing>; 2] {
-                match self { $(Self::$kind(shape) => Surface::crossings(shape, ray),)* }
+                match self { $(Self::$kind(shape) => shape.crossings(ray),)* }
             }
 
             fn normal(&self, point: DVec3, primitive: i32) -> DVec3 {
-                match self { $(Self::$kind(shape) => Surface::normal(shape, point, primitive),)* }
+                match self { $(Self::$kind(shape) => shape.normal(point, primitive),)* }
             }
 
             fn onto(&self, point: DVec3, primitive: i32) -> DVec3 {
-                match self { $(Self::$kind(shape) => Surface::onto(shape, point, primitive),)* }
+                match self { $(Self::$kind(shape) => shape.onto(point, primitive),)* }
             }
 
             fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
-                match self { $(Self::$kind(shape) => Surface::nearest(shape, from, place, visit),)* }
+                match self { $(Self::$kind(shape) => shape.nearest(from, place, visit),)* }
             }
 
             fn digest(&self, digest: &mut Digest) {
                 digest.word(self.name());
-                match self { $(Self::$kind(shape) => Surface::digest(shape, digest),)* }
+                match self { $(Self::$kind(shape) => shape.digest(digest),)* }
             }
         }
 
         $(impl From<$type> for Shape {
             fn from(shape: $type) -> Self {
-                Self::$kind(shape)
+                Self::$kind(shape.into())
             }
         })*
 
@@ -195,7 +195,8 @@ macro_rules! shapes {
             }
 
             fn distance(&self, point: DVec3) -> f64 {
-                match self { $(Self::$kind(shape) => conformance::Conforming::distance(shape, point),)* }
+                use conformance::Conforming;
+                match self { $(Self::$kind(shape) => shape.distance(point),)* }
             }
         }
     };
@@ -203,19 +204,19 @@ macro_rules! shapes {
 
 shapes! {
     /// Triangles over shared vertices; many objects can share one mesh.
-    "mesh" => Mesh(Arc<Mesh>);
+    "mesh" => Mesh(Arc<Mesh>) from Arc<Mesh>;
     /// A sphere.
-    "sphere" => Sphere(Sphere);
+    "sphere" => Sphere(Box<Sphere>) from Sphere;
     /// An infinite plane.
-    "plane" => Plane(Plane);
+    "plane" => Plane(Box<Plane>) from Plane;
     /// A flat round disc.
-    "disc" => Disc(Disc);
+    "disc" => Disc(Box<Disc>) from Disc;
     /// A box, its sides along the axes of object space.
-    "box" => Box(Cuboid);
+    "box" => Box(Box<Cuboid>) from Cuboid;
     /// A cylinder with both lids.
-    "cylinder" => Cylinder(Cylinder);
+    "cylinder" => Cylinder(Box<Cylinder>) from Cylinder;
     /// A cone, or a part of one, with its lids.
-    "cone" => Cone(Cone);
+    "cone" => Cone(Box<Cone>) from Cone;
 }
 
 impl Shape {

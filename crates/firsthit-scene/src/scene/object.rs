@@ -23,7 +23,7 @@ use crate::shape::{Crossing, Mesh, Meshes, Shape, Surface};
 #[expect(clippy::struct_excessive_bools, reason = "independent facts")]
 #[derive(Clone, PartialEq)]
 pub struct Object {
-    name: String,
+    name: Arc<str>,
     shape: Shape,
     transform: Transform,
     /// The materials that a mesh's slots name; empty where the object was given none.
@@ -62,7 +62,7 @@ impl Object {
     pub fn new(shape: impl Into<Shape>) -> Self {
         let shape = shape.into();
         Self {
-            name: String::new(),
+            name: Arc::default(),
             is_out_of_range: is_out_of_range(&shape),
             farthest: farthest(&shape, &Transform::IDENTITY),
             shape,
@@ -78,7 +78,7 @@ impl Object {
     }
 
     /// The object with a name.
-    pub fn named(mut self, name: impl Into<String>) -> Self {
+    pub fn named(mut self, name: impl Into<Arc<str>>) -> Self {
         self.name = name.into();
         self
     }
