@@ -140,12 +140,16 @@ pub(super) fn object_trees(
             group.join(&mut trees);
         }
     }
-    // The objects whose meshes have no tree yet.
+    // The objects whose meshes have no tree yet. Instances mostly stand side by side.
     let mut seen = HashSet::new();
+    let mut last = None;
     let missing = (0..objects.len()).filter(|&k| {
         let mesh = objects[k].mesh().map(Arc::as_ptr);
-        let mut is_known = |mesh| built.contains_key(&mesh) || !seen.insert(mesh);
-        trees[k].any().is_none() && mesh.is_some_and(|mesh| !is_known(mesh))
+        if trees[k].any().is_some() || mesh == last {
+            return false;
+        }
+        last = mesh;
+        mesh.is_some_and(|mesh| !built.contains_key(&mesh) && seen.insert(mesh))
     });
     let missing: Vec<usize> = missing.collect();
     let builder = TreeBuilder::new(build, missing.iter().map(|&k| &objects[k]), watch);
@@ -176,14 +180,27 @@ pub(super) fn object_trees(
         made.into_iter()
             .filter_map(|(k, tree)| Some((pointer(k)?, tree))),
     );
+    hand_out(&built, objects, &mut trees);
+    Ok(trees)
+}
+
+/// Gives objects that have no tree that of their mesh, if there is one.
+fn hand_out(
+    built: &HashMap<*const Mesh, Arc<MeshTree>>,
+    objects: &[Object],
+    trees: &mut [ObjectTree],
+) {
+    let mut last = (std::ptr::null(), None);
     for (tree, object) in trees.iter_mut().zip(objects) {
-        if let (None, Some(mesh)) = (tree.any(), object.mesh())
-            && let Some(built) = built.get(&Arc::as_ptr(mesh))
-        {
-            *tree = ObjectTree::Own(Arc::clone(built));
+        if let (None, Some(mesh)) = (tree.any(), object.mesh()) {
+            if last.0 != Arc::as_ptr(mesh) {
+                last = (Arc::as_ptr(mesh), built.get(&Arc::as_ptr(mesh)));
+            }
+            if let Some(built) = last.1 {
+                *tree = ObjectTree::Own(Arc::clone(built));
+            }
         }
     }
-    Ok(trees)
 }
 
 impl Scene {

@@ -26,28 +26,44 @@ pub struct Duplicates {
 impl Duplicates {
     /// An object that shares a tree has none, and is none.
     pub(super) fn new(objects: &[Object], trees: &[ObjectTree], bounds: &[Bounds]) -> Self {
-        let mut first: HashMap<[u64; 6], Vec<u32>> = HashMap::new();
         let mut found = Self {
             is_duplicate: vec![false; objects.len()],
             of: HashMap::new(),
         };
-        for ((index, object), bounds) in (0_u32..).zip(objects).zip(bounds) {
-            if object.is_hidden() || trees[index as usize].group().is_some() {
-                continue;
+        let ends = |&[_, index]: &[u32; 2]| ends(&bounds[index as usize]);
+        let asked = (0..).zip(objects.iter().zip(trees));
+        let asked =
+            asked.filter(|(_, (object, tree))| !object.is_hidden() && tree.group().is_none());
+        // Equal boxes have equal sums. To sort them takes a tenth of the memory of a map.
+        let mut asked: Vec<[u32; 2]> = asked
+            .map(|(index, _)| [check_sum(ends(&[0, index])), index])
+            .collect();
+        asked.sort_unstable();
+        for alike in asked.chunk_by_mut(|[one, _], [other, _]| one == other) {
+            if alike.len() > 1 {
+                alike.sort_by_key(ends);
+                for equal in alike.chunk_by(|one, other| ends(one) == ends(other)) {
+                    found.compare(objects, equal.iter().map(|&[_, index]| index));
+                }
             }
-            let ends = [bounds.low, bounds.high].map(|end| end.to_array().map(f64::to_bits));
-            let [[a, b, c], [d, e, f]] = ends;
-            let earlier = first.entry([a, b, c, d, e, f]).or_default();
+        }
+        found
+    }
+
+    /// Finds the duplicates among objects with equal bounds, in the order of their numbers.
+    fn compare(&mut self, objects: &[Object], equal: impl Iterator<Item = u32>) {
+        let mut earlier: Vec<u32> = Vec::new();
+        for index in equal {
+            let object = &objects[index as usize];
             let is_same = |&&other: &&u32| covers(&objects[other as usize], object);
             if let Some(&other) = earlier.iter().find(is_same) {
-                found.is_duplicate[index as usize] = true;
-                found.of.entry(other).or_default().push(index);
+                self.is_duplicate[index as usize] = true;
+                self.of.entry(other).or_default().push(index);
             } else if earlier.len() < MOST && !object.has_cutouts() {
                 // What is cut out covers nothing.
                 earlier.push(index);
             }
         }
-        found
     }
 
     /// Builds the lists from pairs of an object and its duplicate; `None` where an index is out of
@@ -93,6 +109,22 @@ impl Duplicates {
     pub fn of(&self, object: u32) -> &[u32] {
         self.of.get(&object).map_or(&[], Vec::as_slice)
     }
+}
+
+/// The bits of a box.
+fn ends(bounds: &Bounds) -> [u64; 6] {
+    let [[a, b, c], [d, e, f]] = [bounds.low, bounds.high].map(|end| end.to_array());
+    [a, b, c, d, e, f].map(f64::to_bits)
+}
+
+/// Another number for nearly every other box.
+fn check_sum(ends: [u64; 6]) -> u32 {
+    let mix = |sum: u64, bits: u64| {
+        (sum ^ bits)
+            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            .rotate_left(32)
+    };
+    (ends.into_iter().fold(0, mix) >> 32) as u32
 }
 
 /// Whether two objects are the same surface at the same place, to the last bit.
