@@ -133,7 +133,8 @@ pub(super) struct Node<'a> {
     pub(super) mesh: Option<Index>,
     pub(super) camera: Option<Index>,
     pub(super) skin: Option<Index>,
-    pub(super) matrix: Option<[f64; 16]>,
+    /// In a box: few nodes have one, and there may be a million.
+    pub(super) matrix: Option<Box<[f64; 16]>>,
     pub(super) translation: Option<[f64; 3]>,
     pub(super) rotation: Option<[f64; 4]>,
     pub(super) scale: Option<[f64; 3]>,

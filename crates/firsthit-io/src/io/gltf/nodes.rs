@@ -130,7 +130,7 @@ fn roots(document: &Document<'_>) -> Vec<Root> {
 
 /// A node's own transform.
 fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
-    let Some(matrix) = node.matrix else {
+    let Some(matrix) = node.matrix.as_deref() else {
         let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
         // Three digits are what many files have, and other programs take those as they are.
         let rotation = of_length_one((rotation, 1e-3), || entry.at("rotation"), report);
@@ -144,7 +144,7 @@ fn local(node: &Node<'_>, entry: Entry, report: &mut Report) -> DAffine3 {
                 .to_owned()
         });
     }
-    let [a, b, c, w0, d, e, f, w1, g, h, i, w2, x, y, z, w3] = matrix;
+    let [a, b, c, w0, d, e, f, w1, g, h, i, w2, x, y, z, w3] = *matrix;
     if [w0, w1, w2, w3] != [0.0, 0.0, 0.0, 1.0] {
         report.warn("matrix", &entry.at("matrix"), || {
             format!("the last row must be 0 0 0 1, and is taken to be, not {w0} {w1} {w2} {w3}")

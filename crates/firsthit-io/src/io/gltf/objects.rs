@@ -1,5 +1,6 @@
 //! Makes objects of placed nodes.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -84,54 +85,46 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
         if primitives.is_empty() {
             return Ok(());
         }
+        let labels = self.labels(number, mesh)?;
         let name = place.name(entry.name.as_deref());
         let name = name.unwrap_or_else(|| format!("node {}", place.index));
+        // Mostly it is there already.
+        let same = labels.iter().find(|label| *label.name == *name);
+        let name = same.map_or_else(|| name.into(), |label| Arc::clone(&label.name));
         let instances = match &place.node.extensions.instancing {
-            Some(instancing) => self.instances(instancing, place)?,
-            None => vec![DAffine3::IDENTITY],
+            Some(instancing) => self.instances(instancing, place)?.into(),
+            None => Cow::Borrowed(&[DAffine3::IDENTITY][..]),
         };
-        let first = self.made.len();
         let mut visible = Vec::new();
         for &number in &*primitives {
-            if self.primitive(place, (mesh, number), &name, &instances)? {
+            if self.primitive(place, (mesh, number), (&name, &labels), &instances)? {
                 visible.push(number);
             }
         }
-        self.label(first, number, mesh)?;
         if visible.len() < primitives.len() || !self.visible.contains_key(&mesh) {
             self.visible.insert(mesh, visible.into());
         }
         Ok(())
     }
 
-    /// Says of the objects from `first` on what node and what mesh they come from.
-    fn label(&mut self, first: usize, place: usize, mesh: usize) -> Checked<()> {
-        if first == self.made.len() {
-            return Ok(());
-        }
+    /// The labels of a node and of its mesh.
+    fn labels(&mut self, place: usize, mesh: usize) -> Checked<[Label; 2]> {
         let node = nodes::label(self.placed, place);
         let budget = &mut self.report.budget;
         budget.charge(node.name.len() as u64, "a node's path")?;
-        let label = if let Some(known) = self.labels.get(&mesh) {
-            known.clone()
-        } else {
-            let entry = self.document.meshes.get(mesh);
-            let name = entry.and_then(|entry| entry.name.as_deref());
-            let name = escape_controls(name.unwrap_or_default());
-            budget.charge(name.len() as u64, "a mesh's name")?;
-            Label {
-                number: mesh as u64,
-                name: name.into(),
-            }
+        if let Some(known) = self.labels.get(&mesh) {
+            return Ok([node, known.clone()]);
+        }
+        let entry = self.document.meshes.get(mesh);
+        let name = entry.and_then(|entry| entry.name.as_deref());
+        let name = escape_controls(name.unwrap_or_default());
+        budget.charge(name.len() as u64, "a mesh's name")?;
+        let label = Label {
+            number: mesh as u64,
+            name: name.into(),
         };
         self.labels.insert(mesh, label.clone());
-        let made = self.made.split_off(first).into_iter();
-        let labelled = |object: Object| {
-            let object = object.from_mesh(label.clone());
-            object.from_node(node.clone())
-        };
-        self.made.extend(made.map(labelled));
-        Ok(())
+        Ok([node, label])
     }
 
     /// Makes the objects of a primitive; whether it has triangles at all, by its kind.
@@ -139,7 +132,7 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
         &mut self,
         place: &Placed<'a>,
         primitive: (usize, usize),
-        name: &str,
+        (name, [node, mesh_label]): (&Arc<str>, &[Label; 2]),
         instances: &[DAffine3],
     ) -> Checked<bool> {
         let entry = self.document.meshes.get(primitive.0);
@@ -165,13 +158,15 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
         let look = look.transpose()?;
         let is_shared = palette.is_none() && own_weights.is_none();
         let known = self.meshes.get(&primitive).filter(|_| is_shared).cloned();
-        let mesh = match known {
-            Some(mesh) => mesh,
-            None => self.mesh(primitive, &deformation, look.as_ref(), name)?,
+        let mesh = if let Some(mesh) = known {
+            mesh
+        } else {
+            let made = self.mesh(primitive, &deformation, look.as_ref(), name)?;
+            if is_shared {
+                self.meshes.insert(primitive, made.clone());
+            }
+            made
         };
-        if is_shared {
-            self.meshes.insert(primitive, mesh.clone());
-        }
         let Some(mesh) = mesh else {
             return Ok(false);
         };
@@ -190,7 +185,9 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
                 continue;
             };
             self.make_room(name)?;
-            let object = Object::new(mesh).named(name).placed(transform);
+            let object = Object::new(mesh).named(Arc::clone(name)).placed(transform);
+            let object = object.from_node(node.clone());
+            let object = object.from_mesh(mesh_label.clone());
             self.made.push(match &look {
                 Some(look) => object.with_materials(Arc::clone(&look.materials)),
                 // White leaves the vertices' own colours as they are.
