@@ -117,24 +117,14 @@ _PolylineOut = tuple[int, bool, _Doubles, _Doubles, _Integers, float | None, flo
 #: Takes how much is done; of work in steps also the step's total, its name and its unit.
 _Report = Callable[..., object]
 
-#: A list for each property of objects, but for those that many share: these are there once.
-class _Objects(TypedDict):
-    names: list[str]
-    shapes: list[int | tuple[str, list[float]]]
-    transforms: _Doubles | None
-    is_moved: list[bool]
-    materials: list[list[_MaterialOut]]
-    looks: list[int]
-    masks: list[int]
-    hidden: list[bool]
-    removed: list[bool]
-    labels: list[_Labels]
-    labelled: list[int]
+#: Shape, or the number of a mesh; name, transform, number of the look, mask, seen, labels.
+_ObjectOut = tuple[int | tuple[str, list[float]], str, _Doubles | None, int, int, _Seen, _Labels]
 
 class _Model(TypedDict):
     meshes: list[Mesh]
     textures: list[Texels]
-    objects: _Objects
+    looks: list[list[_MaterialOut]]
+    objects: Objects
     cameras: list[_CameraOut]
     lights: list[_Light]
     environment: _Environment | None
@@ -389,10 +379,16 @@ class Shape:
     def cone(bottom: _Vector, top: _Vector, bottom_radius: float, top_radius: float) -> Shape: ...
 
 @final
+class Objects:
+    def __len__(self) -> int: ...
+    def get(self, number: int) -> _ObjectOut: ...
+    def triangles(self, number: int) -> int: ...
+
+@final
 class Scene:
     def __new__(
         cls,
-        objects: Sequence[_Object],
+        objects: tuple[Sequence[int | _Object], Objects | None],
         lights: Sequence[_Light],
         environment: _Environment | None,
         up: tuple[_Vector, bool],

@@ -65,7 +65,7 @@ mod _firsthit {
     #[pymodule_export]
     use crate::lint::{Lint, lint_kinds};
     #[pymodule_export]
-    use crate::load::{load, open, save, units};
+    use crate::load::{Objects, load, open, save, units};
     #[pymodule_export]
     use crate::material::{Texels, check_material, meant_as_levels, named_color, srgb_levels};
     #[pymodule_export]

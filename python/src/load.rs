@@ -9,8 +9,10 @@ use firsthit::load::{LoadSettings, Loaded, UNITS};
 use firsthit::scene::Label;
 use firsthit::watch::Watch;
 use firsthit::world::{NamedCamera, World};
-use firsthit::{Background, DAffine3, Object, Shape, Texture};
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use firsthit::{Background, DAffine3, Object, Shape};
+use numpy::PyArray2;
+use numpy::ndarray::arr2;
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 
 use crate::camera::{Camera, ViewOut, view_out};
@@ -34,23 +36,58 @@ enum ShapeOut {
 /// The labels of an object's node and of its mesh.
 type LabelsOut = (Option<LabelTuple>, Option<LabelTuple>);
 
-/// All objects, a list for each of their properties: to make Python objects of one by one takes most of the time of a scene of many.
-#[derive(Default, IntoPyObject)]
-struct ObjectsOut {
-    names: Vec<String>,
-    shapes: Vec<ShapeOut>,
-    /// (n, 4, 4); `None` where no object was moved.
-    transforms: Option<Py<PyArray3<f64>>>,
-    is_moved: Vec<bool>,
-    /// The materials that objects have, and which of them each has.
-    materials: Vec<Vec<MaterialOut>>,
-    looks: Vec<usize>,
-    masks: Vec<u32>,
-    hidden: Vec<bool>,
-    removed: Vec<bool>,
-    /// The labels that objects have, and which of them each has.
-    labels: Vec<LabelsOut>,
-    labelled: Vec<usize>,
+/// An object, as `ObjectIn` has it, but with the numbers of its mesh and of its materials.
+type ObjectOut = (
+    ShapeOut,
+    String,
+    Option<Py<PyArray2<f64>>>,
+    usize,
+    u32,
+    (bool, bool),
+    LabelsOut,
+);
+
+/// The objects of a file. Python makes its own of one when that is asked for.
+#[pyclass(frozen, module = "firsthit._firsthit")]
+pub(crate) struct Objects {
+    list: Vec<Object>,
+    /// The numbers of meshes and of lists of materials, by where they are in memory.
+    meshes: HashMap<usize, usize>,
+    looks: HashMap<usize, usize>,
+}
+
+impl Objects {
+    pub(crate) fn object(&self, number: usize) -> PyResult<&Object> {
+        let found = self.list.get(number);
+        found.ok_or_else(|| PyIndexError::new_err(format!("the file has no object {number}")))
+    }
+}
+
+#[pymethods]
+impl Objects {
+    fn __len__(&self) -> usize {
+        self.list.len()
+    }
+
+    fn get(&self, py: Python<'_>, number: usize) -> PyResult<ObjectOut> {
+        let object = self.object(number)?;
+        let transform = object.transform();
+        let rows = (!transform.is_identity()).then(|| rows(transform.world_from_object()));
+        let rows = rows.map(|rows| PyArray2::from_owned_array(py, arr2(&rows)).unbind());
+        Ok((
+            shape_out(object.shape(), |mesh| self.meshes[&address(mesh)]),
+            object.name().to_owned(),
+            rows,
+            self.looks[&object.materials().as_ptr().addr()],
+            object.mask(),
+            (object.is_hidden(), object.is_removed()),
+            (label_out(object.node()), label_out(object.mesh_label())),
+        ))
+    }
+
+    fn triangles(&self, number: usize) -> PyResult<usize> {
+        self.object(number).map(Object::triangles)
+    }
 }
 
 /// Name; what it is made from; whether rows, columns and width are the file's own.
@@ -61,7 +98,9 @@ type CameraOut = (String, ViewOut, bool);
 pub(crate) struct ModelOut {
     meshes: Vec<Mesh>,
     textures: Vec<Texels>,
-    objects: ObjectsOut,
+    /// The materials that objects have.
+    looks: Vec<Vec<MaterialOut>>,
+    objects: Objects,
     cameras: Vec<CameraOut>,
     lights: Vec<LightOut>,
     environment: Option<EnvironmentOut>,
@@ -106,7 +145,7 @@ pub(crate) fn load(
     let load =
         |stop: &Stop| with_lit_scene(firsthit::load::load_watched(&path, &settings, stop)?, stop);
     let loaded = run_reported(py, 0, report, load)?;
-    Ok(taken_apart(py, loaded))
+    Ok(taken_apart(loaded))
 }
 
 /// The units of lengths by name, as metres.
@@ -125,7 +164,7 @@ pub(crate) fn open(
 ) -> PyResult<ModelOut> {
     let open = |stop: &Stop| with_lit_scene(fhs::open_watched(&path, verify, stop)?, stop);
     let loaded = run_reported(py, 0, report, open)?;
-    Ok(taken_apart(py, loaded))
+    Ok(taken_apart(loaded))
 }
 
 /// Makes the scene of a file that holds one built that of all its objects, lights and its environment.
@@ -202,18 +241,36 @@ impl CameraIn<'_> {
     }
 }
 
-fn taken_apart(py: Python<'_>, loaded: Loaded) -> ModelOut {
+fn taken_apart(loaded: Loaded) -> ModelOut {
     let Loaded {
-        world,
+        mut world,
         warnings,
         scene,
         ..
     } = loaded;
+    let list = std::mem::take(&mut world.objects);
     let model = &world;
     let (mut meshes, mut textures) = (Shared::default(), Shared::default());
-    let objects = objects_out(py, &world.objects, &mut meshes, &mut textures);
+    let (mut looks, mut numbers) = (Vec::new(), HashMap::new());
+    for object in &list {
+        if let Some(mesh) = object.mesh() {
+            meshes.number(mesh);
+        }
+        let materials = object.materials();
+        numbers.entry(materials.as_ptr().addr()).or_insert_with(|| {
+            let made = materials.iter();
+            let made = made.map(|it| material_out(it, |texture| textures.number(texture)));
+            looks.push(made.collect());
+            looks.len() - 1
+        });
+    }
     ModelOut {
-        objects,
+        looks,
+        objects: Objects {
+            list,
+            meshes: meshes.numbers,
+            looks: numbers,
+        },
         meshes: meshes.list.into_iter().map(Mesh).collect(),
         textures: textures.list.into_iter().map(Texels).collect(),
         cameras: model.cameras.iter().map(camera_out).collect(),
@@ -231,56 +288,18 @@ fn taken_apart(py: Python<'_>, loaded: Loaded) -> ModelOut {
     }
 }
 
-fn objects_out(
-    py: Python<'_>,
-    objects: &[Object],
-    meshes: &mut Shared<firsthit::Mesh>,
-    textures: &mut Shared<Texture>,
-) -> ObjectsOut {
-    let mut out = ObjectsOut::default();
-    let (mut looks, mut labels) = (HashMap::new(), HashMap::new());
-    let mut transforms = Vec::with_capacity(16 * objects.len());
-    for object in objects {
-        out.names.push(object.name().to_owned());
-        out.shapes
-            .push(shape_out(object.shape(), |mesh| meshes.number(mesh)));
-        let transform = object.transform();
-        let rows = rows(transform.world_from_object());
-        transforms.extend_from_slice(rows.as_flattened());
-        out.is_moved.push(!transform.is_identity());
-        let look = *looks.entry(object.materials().as_ptr()).or_insert_with(|| {
-            let made = object.materials().iter();
-            let made = made.map(|it| material_out(it, |texture| textures.number(texture)));
-            out.materials.push(made.collect());
-            out.materials.len() - 1
-        });
-        out.looks.push(look);
-        out.masks.push(object.mask());
-        out.hidden.push(object.is_hidden());
-        out.removed.push(object.is_removed());
-        let both = (label_out(object.node()), label_out(object.mesh_label()));
-        let labelled = *labels.entry(both).or_insert_with_key(|both| {
-            out.labels.push(both.clone());
-            out.labels.len() - 1
-        });
-        out.labelled.push(labelled);
-    }
-    if out.is_moved.contains(&true) {
-        let shape = [objects.len(), 4, 4];
-        let array = PyArray1::from_vec(py, transforms).reshape(shape);
-        out.transforms = Some(array.expect("sixteen for each").unbind());
-    }
-    out
-}
-
 fn label_out(label: Option<&Label>) -> Option<LabelTuple> {
     label.map(|label| (label.number, label.name.to_string()))
+}
+
+fn address<T>(thing: &Arc<T>) -> usize {
+    Arc::as_ptr(thing).addr()
 }
 
 /// Things that many share, each once, by number.
 struct Shared<T> {
     list: Vec<Arc<T>>,
-    numbers: HashMap<*const T, usize>,
+    numbers: HashMap<usize, usize>,
 }
 
 impl<T> Default for Shared<T> {
@@ -294,7 +313,7 @@ impl<T> Default for Shared<T> {
 
 impl<T> Shared<T> {
     fn number(&mut self, thing: &Arc<T>) -> usize {
-        *self.numbers.entry(Arc::as_ptr(thing)).or_insert_with(|| {
+        *self.numbers.entry(address(thing)).or_insert_with(|| {
             self.list.push(Arc::clone(thing));
             self.list.len() - 1
         })

@@ -8,13 +8,15 @@ use firsthit::scene::{Build, BuildSettings, Label};
 use firsthit::watch::Watch;
 use firsthit::{DAffine3, DMat3, DVec3, Material, Object, Transform};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::exceptions::PyIndexError;
 use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
-use pyo3::types::PyList;
+use pyo3::types::{PyInt, PyList};
 
 use crate::arrays::not_contiguous;
 use crate::environment::{EnvironmentIn, environment_in};
 use crate::errors::raise;
+use crate::load::Objects;
 use crate::material::{MaterialIn, material};
 use crate::run::{Report, guarded, run, run_reported};
 use crate::shading::{LightIn, light_in};
@@ -41,6 +43,23 @@ struct ObjectIn<'py>(
     (bool, bool),
     [Option<LabelTuple>; 2],
 );
+
+/// An object, or the number of one of a file.
+enum Given<'py> {
+    OfFile(usize),
+    New(Box<ObjectIn<'py>>),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Given<'py> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if given.is_instance_of::<PyInt>() {
+            return given.extract().map(Self::OfFile);
+        }
+        given.extract().map(|object| Self::New(Box::new(object)))
+    }
+}
 
 /// The rows of a transform, copied from an array, (4, 4). To borrow the arrays of all objects takes time in proportion to the square of
 /// their number where they are parts of one.
@@ -81,7 +100,7 @@ impl Scene {
     )]
     fn new(
         py: Python<'_>,
-        objects: Vec<ObjectIn<'_>>,
+        objects: (Vec<Given<'_>>, Option<PyRef<'_, Objects>>),
         lights: Vec<LightIn>,
         environment: Option<EnvironmentIn<'_>>,
         up: ([f64; 3], bool),
@@ -95,9 +114,14 @@ impl Scene {
             rays: None,
         };
         let mut known = Materials::default();
+        let (objects, of_file) = objects;
         let objects: Vec<Object> = objects
             .iter()
-            .map(|object| object_in(py, object, &mut known))
+            .map(|given| match (given, &of_file) {
+                (Given::New(object), _) => object_in(py, object, &mut known),
+                (Given::OfFile(number), Some(file)) => file.object(*number).cloned(),
+                (Given::OfFile(_), None) => Err(PyIndexError::new_err("there is no file")),
+            })
             .collect::<PyResult<_>>()?;
         let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
         let lights = lights.map_err(|error| raise(py, &error))?;

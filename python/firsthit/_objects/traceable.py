@@ -13,6 +13,7 @@ from firsthit._looks.lights import light_native
 
 from .filters import ALL, one_mask
 from .object import chosen
+from .of_file import natives
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -43,7 +44,7 @@ class Built:
 
     def __init__(
         self,
-        objects: Sequence[Object],
+        objects: list[Object],
         lights: Sequence[Light],
         around: Surroundings,
         native: _firsthit.Scene | None = None,
@@ -58,10 +59,9 @@ class Built:
         #: The environment that it was last lit by, which way is up there, and what that is.
         self._lit: tuple[Environment, Vector, _firsthit.Scene] | None = None
         environment, up, is_guessed = around
-        looks: dict[tuple[int, ...], list[_firsthit._Material]] = {}
         with uncollected():
             self.native = native or _firsthit.Scene(
-                [made._native(looks) for made in objects],
+                natives(objects),
                 [light_native(light) for light in lights],
                 None if environment is None else environment._native(),
                 (up, is_guessed),
@@ -75,7 +75,7 @@ class Built:
 
         Only what changed is converted: where an object only moved, its transform.
         """
-        objects = list(self.objects)
+        objects = self.objects[:]
         replaced, moved, hidden = [], [], []
         looks: dict[tuple[int, ...], list[_firsthit._Material]] = {}
         for identifier, made in changed.items():
@@ -147,7 +147,7 @@ class _Seen(Built):
 
     def __init__(
         self,
-        objects: Sequence[Object],
+        objects: list[Object],
         lights: Sequence[Light],
         around: Surroundings,
         native: _firsthit.Scene,
@@ -161,7 +161,7 @@ class _Seen(Built):
 
 
 def _seen_again(
-    objects: Sequence[Object],
+    objects: list[Object],
     lights: Sequence[Light],
     around: Surroundings,
     key: SeenKey,

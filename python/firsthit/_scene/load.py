@@ -20,15 +20,15 @@ from firsthit._looks.environment import environment_of
 from firsthit._looks.lights import Sky, light_of
 from firsthit._looks.material import Material, Texture
 from firsthit._looks.shading import Shader, Shading
-from firsthit._objects.object import Object, materials_of, refuse
-from firsthit._objects.shapes import Box, Cone, Cylinder, Disc, Mesh, Plane, Shape, Sphere
+from firsthit._objects.of_file import ObjectList, OfFile
+from firsthit._objects.shapes import Mesh
 from firsthit._sensors import named_camera
 
 from .scene import Scene
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
 
     from firsthit._queries.lint import LintReport
     from firsthit.typing import Build, Progress, Unit
@@ -201,7 +201,7 @@ def _filled(scene: Scene, model: _firsthit._Model, path: str | PathLike[str]) ->
 def _fill(scene: Scene, model: _firsthit._Model) -> None:
     scene.up = model["up"]
     scene._up_is_guessed = model["up_is_guessed"]
-    scene._objects = list(_objects(model))
+    scene._objects = _objects(model)
     for light in model["lights"]:
         scene.add_light(light_of(*light))
     if model["environment"] is not None:
@@ -331,48 +331,12 @@ def lint(
     return report(path) if isinstance(path, str | PathLike) else tuple(map(report, path))
 
 
-def _analytic(kind: str, numbers: Sequence[float]) -> Shape:
-    # Every one of them is made from one vector, perhaps a second, and radii.
-    kinds: dict[str, tuple[Callable[..., Shape], int]] = {
-        "sphere": (Sphere, 1),
-        "plane": (Plane, 2),
-        "disc": (Disc, 2),
-        "box": (Box, 2),
-        "cylinder": (Cylinder, 2),
-        "cone": (Cone, 2),
-    }
-    make, vectors = kinds[kind]
-    return make(*(numbers[3 * k : 3 * k + 3] for k in range(vectors)), *numbers[3 * vectors :])
-
-
-def _objects(model: _firsthit._Model) -> Iterator[Object]:
-    """Make a file's objects. There may be a million: they share what they can."""
-    given = model["objects"]
+def _objects(model: _firsthit._Model) -> ObjectList:
     materials = _Materials(model["textures"])
-    looks = [tuple(map(materials.made, each)) for each in given["materials"]]
+    looks = [tuple(map(materials.made, each)) for each in model["looks"]]
     meshes = [Mesh._wrap(mesh) for mesh in model["meshes"]]
-    without_look = [materials_of(mesh, None, None) for mesh in meshes]
-    transforms = given["transforms"]
-    if transforms is not None:
-        refuse(transforms, lambda k: f"the transform of object {k}")
-    for k, (name, shape) in enumerate(zip(given["names"], given["shapes"], strict=True)):
-        look = looks[given["looks"][k]]
-        if isinstance(shape, int):
-            made: Shape = meshes[shape]
-            look = look or without_look[shape]
-        else:
-            made = _analytic(*shape)
-        where = None if transforms is None or not given["is_moved"][k] else transforms[k]
-        yield Object(
-            made,
-            name,
-            where,
-            look,
-            mask=given["masks"][k],
-            is_hidden=given["hidden"][k],
-            is_removed=given["removed"][k],
-            labels=given["labels"][given["labelled"][k]],
-        )
+    native = model["objects"]
+    return ObjectList(OfFile(native, meshes, looks), range(len(native)))
 
 
 class _Materials:

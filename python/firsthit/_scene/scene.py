@@ -20,6 +20,7 @@ from firsthit._objects import foreign
 from firsthit._objects.filters import ALL, one_mask
 from firsthit._objects.foreign_kinds import WANTED, reader_of
 from firsthit._objects.object import Object, affine, placed
+from firsthit._objects.of_file import triangles
 from firsthit._objects.shapes import Shape
 from firsthit._queries.inspections import Inspections
 from firsthit._queries.of_points import PointQueries
@@ -452,7 +453,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         return self._cameras[0].camera if self._has_view else Camera.framing(self)
 
     def _triangles(self) -> int:
-        return sum(made.triangles for made in self._objects)
+        return triangles(self._objects)
 
     def __repr__(self) -> str:
         plural = "" if len(self._objects) == 1 else "s"
@@ -470,7 +471,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         """Copy: the shapes are shared, the lists are not."""
         other = Scene()
         other.__dict__.update({name: self.__dict__[name] for name in _KEPT})
-        other._objects, other._lights = list(self._objects), list(self._lights)
+        other._objects, other._lights = self._objects[:], self._lights[:]
         built = self._current()
         if built is not None:
             # Where the objects were when it was built, lest a move come in between.
