@@ -1,11 +1,13 @@
 """How files are read: units, folders that are allowed, and what is wrong in them."""
 
+import copy
 import gc
 import json
 import pickle
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import firsthit as fh
 import numpy as np
@@ -110,3 +112,51 @@ def test_the_collector_is_as_it_was_after_a_load(tmp_path: Path) -> None:
             assert gc.isenabled() == is_enabled
     finally:
         (gc.enable if was else gc.disable)()
+
+
+@pytest.mark.parametrize(
+    "make", [lambda x: x, copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))]
+)
+def test_what_a_file_holds_changes_as_what_was_added_does(tmp_path: Path, make: Any) -> None:
+    steps = [f"v 0 0 {k}\nv 1 0 {k}\nv 0 1 {k}\no {k}\nf -3 -2 -1\n" for k in range(4)]
+    (tmp_path / "steps.obj").write_text("".join(steps))
+    read = make(fh.load(tmp_path / "steps.obj"))
+    added = fh.Scene()
+    for each in fh.load(tmp_path / "steps.obj").objects:
+        added.add(each.shape, name=each.name)
+    above = np.array([0.2, 0.2, 9.0]), (0, 0, -1)
+    sideways = np.eye(4)
+    sideways[0, 3] = 5
+    for change in (
+        lambda scene: None,
+        lambda scene: scene.move(3, sideways),
+        lambda scene: scene.hide("2"),
+        lambda scene: scene.move([0, 3], [sideways, np.eye(4)]),
+        lambda scene: scene.remove(3),
+        lambda scene: scene.add(fh.Sphere((0.2, 0.2, 0), 0.5), name="ball"),
+        lambda scene: scene.replace(1, fh.Sphere((0.2, 0.2, 6), 0.5)),
+    ):
+        for scene in (read, added):
+            change(scene)
+        for name in ("t", "object", "primitive"):
+            told = (getattr(scene.shoot(*above), name) for scene in (read, added))
+            assert next(told) == next(told)
+        assert [each.name for each in read.objects] == [each.name for each in added.objects]
+        assert repr(read) == repr(added)
+
+
+def test_objects_of_a_file_are_made_in_python_when_they_are_asked_for(tmp_path: Path) -> None:
+    many = "".join(f"v 0 0 {k}\nv 1 0 {k}\nv 0 1 {k}\no {k}\nf -3 -2 -1\n" for k in range(2000))
+    (tmp_path / "many.obj").write_text(many)
+    kind = type(ball().objects[0])
+
+    def count() -> int:
+        gc.collect()
+        return sum(isinstance(each, kind) for each in gc.get_objects())
+
+    before = count()
+    scene = fh.load(tmp_path / "many.obj")
+    assert scene.shoot((0.2, 0.2, 1e4), (0, 0, -1)).object == 1999
+    scene.move(7, np.eye(4))
+    assert count() <= before + 2
+    assert (scene.objects[7].name, count() >= before + 2000) == ("7", True)
