@@ -36,8 +36,11 @@ impl Stop {
 
     /// Calls `report` with the number of rays done; of work in steps also with the step, its total and its unit.
     fn report(&self, report: &Bound<'_, PyAny>) -> PyResult<()> {
-        let step = self.step().clone();
-        let done = self.done.load(Ordering::Relaxed);
+        // Together: a step that begins sets the count anew.
+        let (step, done) = {
+            let present = self.step();
+            (present.clone(), self.done.load(Ordering::Relaxed))
+        };
         match step {
             Some((name, total, unit)) => report.call1((done.min(total), total, name, unit)),
             // Before the first step there is nothing to tell.

@@ -647,7 +647,7 @@ def test_rings_count_from_the_lowest_on_request():
     np.testing.assert_array_equal(raster.ring, 2 - raster.row)
     table = fh.Lidar([0, 1, 2, 3], [5, -5, 5, 0], rings=[7, 3, 7, 9])
     assert table.scan(room(), rings="lowest-first").ring.tolist() == [2, 0, 2, 1]
-    with pytest.raises(ValueError, match="rings must be one of maker lowest-first, got ros"):
+    with pytest.raises(ValueError, match="rings must be one of maker, lowest-first, got 'ros'"):
         table.scan(room(), rings="ros")
 
 

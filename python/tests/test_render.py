@@ -67,8 +67,8 @@ def test_rays_and_distances_are_the_specifications_formulas(projection, ray_star
         ({"columns": -1}, "columns must be zero or more"),
         ({"position": (np.nan, 0, 0)}, "position must be finite"),
         ({"position": (0, 0)}, "position must be three numbers"),
-        ({"projection": "fisheye"}, "projection must be one of perspective orthographic"),
-        ({"ray_start": "lens"}, "ray_start must be one of viewplane eye"),
+        ({"projection": "fisheye"}, "projection must be one of perspective, orthographic"),
+        ({"ray_start": "lens"}, "ray_start must be one of viewplane, eye"),
         ({"width": "wide"}, "width must be a number, got 'wide'"),
     ],
 )

@@ -114,9 +114,10 @@ impl Progress {
             .unwrap_or_else(PoisonError::into_inner)
             .take();
         if let Some(step) = step {
+            let done = self.bar.position().min(step.total);
             self.bar.finish_and_clear();
             if self.is_verbose {
-                say(step.line());
+                say(step.line(done));
             }
         }
     }
@@ -124,10 +125,13 @@ impl Progress {
 
 impl Step {
     /// The line of the log, such as `firsthit: reading a.ply: 190042305 bytes, 0.12 s, 203 MB`.
-    fn line(&self) -> String {
+    fn line(&self, done: u64) -> String {
         let Self { name, total, .. } = self;
         let seconds = self.began.elapsed().as_secs_f64();
-        let count = counted(*total, self.unit.trim_end_matches('s'));
+        let mut count = counted(*total, self.unit.trim_end_matches('s'));
+        if done < *total {
+            count = format!("{done} of {count}");
+        }
         let memory =
             memory_in_use().map_or_else(String::new, |bytes| format!(", {} MB", bytes / 1_000_000));
         format!("firsthit: {name}: {count}, {seconds:.2} s{memory}")
@@ -158,6 +162,10 @@ fn speed(state: &ProgressState, out: &mut dyn Write) {
 impl Watch for Progress {
     fn begin(&self, step: &str, total: u64, unit: &'static str) {
         self.end();
+        // Nothing would end it.
+        if total == 0 {
+            return;
+        }
         let began = Step {
             name: step.to_owned(),
             total,

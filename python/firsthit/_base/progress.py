@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import time
 from contextlib import contextmanager
@@ -58,7 +59,7 @@ def following(
 
 def later(report: Report | None, before: int) -> Report | None:
     """Return a report that counts on from ``before``."""
-    return None if report is None else lambda done: report(before + done)
+    return None if report is None else lambda done, *step: report(before + done, *step)
 
 
 class _Line:
@@ -94,6 +95,9 @@ class _Line:
             self._write_plain("\r")
 
     def _write(self, text: str) -> None:
+        columns = shutil.get_terminal_size().columns if sys.stderr.isatty() else len(text) + 1
+        # A line that wraps cannot be written anew. Its end says how much is done.
+        text = text if len(text) < columns else f"...{text[4 - columns :]}"
         self._write_plain("\r" + text.ljust(self._width))
         self._width = len(text)
 

@@ -87,7 +87,7 @@ def run(
             if arguments.verbose:
                 log_steps()
             text, report = work(arguments)
-        said.done(None if arguments.quiet else text, report)
+        said.done(text, report)
     except SystemExit as ended:  # argparse, after --help and --version
         return int(ended.code or 0)
     except BaseException as error:

@@ -95,7 +95,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     if not arguments.output:
         raise UsageError("--output must be given, and not empty; see firsthit dataset --help")
     began = time.monotonic()
-    shows = not arguments.quiet and sys.stderr.isatty()
+    shows = not (arguments.quiet or arguments.verbose) and sys.stderr.isatty()
     threads, workers = arguments.threads, arguments.workers
     if workers is not None and threads is None:
         threads = max(1, _firsthit.all_threads() // workers)
@@ -114,7 +114,7 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         text += f"\ndigest {made.digest}"
     seconds = round(time.monotonic() - began, 3)
     report = {"output": arguments.output, **made._asdict(), "seconds": seconds}
-    return text, report
+    return None if arguments.quiet else text, report
 
 
 def _checked(plan: Plan, arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:

@@ -76,7 +76,7 @@ def _parser() -> Parser:
 def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
     if not arguments.output:
         raise UsageError("--output must be given, and not empty; see firsthit pack --help")
-    shows = not arguments.quiet and sys.stderr.isatty()
+    shows = not (arguments.quiet or arguments.verbose) and sys.stderr.isatty()
     made = pack(
         arguments.folder,
         arguments.output,
@@ -94,4 +94,4 @@ def _work(arguments: argparse.Namespace) -> tuple[str | None, dict[str, Any]]:
         **made._asdict(),
         "shards": [path.name for path in made.shards],
     }
-    return text, report
+    return None if arguments.quiet else text, report

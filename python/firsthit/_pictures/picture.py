@@ -103,8 +103,8 @@ class Picture(NamedTuple):
         # The library draws over its own colours alone.
         if own is not None and lines is not None and "color" in names and "edge" not in asked:
             asked.append("edge")
-        camera = scene._view() if camera is None else camera
         ready = scene._ready(given.get("progress"))
+        camera = scene._view() if camera is None else camera
         built = ready.seen(None, given["objects"], given["blend_below"])
         filters, native = Filters.of(None, given["cull"], None), built.native
         if given["environment"] is not None:

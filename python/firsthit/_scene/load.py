@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from firsthit import _firsthit
-from firsthit._base.arrays import count, flag, number, settle, text
+from firsthit._base.arrays import count, flag, number, one_of, settle, text
 from firsthit._base.arrays import vector as as_vector
 from firsthit._base.errors import FileFormatError, warn
 from firsthit._base.log import timed
@@ -126,10 +126,8 @@ def load(
 def _factor(units: Unit | None, scale: float) -> float:
     """Return what a file's lengths are multiplied by."""
     metres = dict(_firsthit.units())
-    if units is not None and units not in metres:
-        raise ValueError(f"units must be one of {', '.join(metres)}, got {units!r}")
     factor = number("scale", scale)
-    return factor if units is None else metres[units] * factor
+    return factor if units is None else metres[one_of("units", units, metres)] * factor
 
 
 def open(  # noqa: A001 - fh.open

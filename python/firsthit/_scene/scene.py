@@ -58,7 +58,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
 
     An object's identifier is its index in the order of insertion. Coordinates and lengths have any
     unit, the scene unit. Adding is cheap: the trees for rays are built by the first call that needs
-    them, and later calls build only what has changed. Ctrl-C ends queries and builds at once.
+    them, and later calls build only what has changed. Ctrl-C ends queries and builds.
 
     Parameters
     ----------

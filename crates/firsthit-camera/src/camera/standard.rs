@@ -119,7 +119,7 @@ mod tests {
             assert_eq!(view.name().parse::<StandardView>().unwrap(), view);
         }
         let error = "side".parse::<StandardView>().unwrap_err();
-        let message = "view must be one of iso front back left right top bottom, got side";
+        let message = "view must be one of iso, front, back, left, right, top, bottom, got 'side'";
         assert_eq!(error.to_string(), message);
     }
 }

@@ -56,7 +56,8 @@ fn of_model(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
     if !args.json {
         warn(&loaded.warnings);
     }
-    let triangles = loaded.scene.triangles();
+    let listed = loaded.scene.objects().iter().take(most);
+    let triangles = listed.map(|object| object.triangles() as u64).sum();
     progress.begin("measuring", triangles, "triangles");
     with_all_cores(|| {
         Ok(if args.json {

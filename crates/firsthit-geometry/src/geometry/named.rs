@@ -31,7 +31,7 @@ macro_rules! named {
             fn from_str(name: &str) -> $crate::error::Result<Self> {
                 match name {
                     $($name => Ok(Self::$variant),)*
-                    _ => Err(Self::Err::argument($what, concat!("one of" $(, " ", $name)*), name)),
+                    _ => Err(Self::Err::argument($what, format!("one of {}", Self::NAMES.join(", ")), format_args!("'{name}'"))),
                 }
             }
         }

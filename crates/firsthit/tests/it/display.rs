@@ -382,6 +382,6 @@ fn tone_maps_have_names() {
     let message = "filmic".parse::<ToneMap>().unwrap_err().to_string();
     assert_eq!(
         message,
-        "tone_map must be one of none neutral agx aces, got filmic"
+        "tone_map must be one of none, neutral, agx, aces, got 'filmic'"
     );
 }
