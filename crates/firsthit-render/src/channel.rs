@@ -373,52 +373,63 @@ impl<'a> ChannelChunk<'a> {
 
 /// Fills the parts of channels that belong to `count` rays from `first` on, where they hit something.
 fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [ChannelChunk<'_>]) {
-    let needs_surface = parts.iter().any(ChannelChunk::needs_surface);
-    let has_origin = (parts.iter()).any(|part| matches!(part.kind.make, Make::Origin(_)));
-    let catalog = has_origin.then(|| shots.scene.catalog());
+    let met = |k: usize| Some(shots.hits.get(first + k)).filter(|hit| !hit.is_miss());
     for part in &mut *parts {
-        if let (Make::Valid, Values::Flags(out)) = (&part.kind.make, &mut part.values) {
-            for (k, out) in out.iter_mut().enumerate() {
-                *out = shots.rays.ray(first + k).is_valid();
+        match (&part.kind.make, &mut part.values) {
+            (Make::T, Values::Doubles(out)) => {
+                out.copy_from_slice(&shots.hits.t[first..first + count]);
             }
+            (Make::Valid, Values::Flags(out)) => {
+                for (k, out) in out.iter_mut().enumerate() {
+                    *out = shots.rays.ray(first + k).is_valid();
+                }
+            }
+            (Make::Identifier(value), Values::Integers(out)) => {
+                for (out, hit) in out.iter_mut().zip((0..).map(met)) {
+                    *out = hit.map_or(*out, |hit| value(&hit));
+                }
+            }
+            (Make::Origin(value), Values::Integers(out)) => {
+                let catalog = shots.scene.catalog();
+                for (out, hit) in out.iter_mut().zip((0..).map(met)) {
+                    if let Some(hit) = hit
+                        && let Some(object) = shots.scene.object(&hit)
+                    {
+                        *out = value(catalog, object, &hit);
+                    }
+                }
+            }
+            (&Make::Distance(which), Values::Doubles(out)) => {
+                for (k, out) in out.iter_mut().enumerate() {
+                    if let (Some(hit), Some(sensor)) = (met(k), shots.sensor) {
+                        *out = sensor.range_and_z(first + k, hit.t)[which];
+                    }
+                }
+            }
+            // The rest takes surfaces.
+            _ => {}
         }
     }
     // Nothing is fetched for hits that are not looked up.
-    let fetched = if needs_surface { count } else { 0 };
-    let mut prefetcher = Prefetcher::new(shots.scene, shots.hits, first, fetched);
+    if !parts.iter().any(ChannelChunk::needs_surface) {
+        return;
+    }
+    let mut prefetcher = Prefetcher::new(shots.scene, shots.hits, first, count);
     for k in 0..count {
         prefetcher.advance(k);
-        let hit = shots.hits.get(first + k);
-        if hit.is_miss() {
+        let Some(hit) = met(k) else { continue };
+        let ray = shots.rays.ray(first + k);
+        let Some(surface) = shots.scene.interaction(&ray, &hit) else {
             continue;
-        }
-        let ray = needs_surface.then(|| shots.rays.ray(first + k));
-        let surface = ray
-            .as_ref()
-            .and_then(|ray| shots.scene.interaction(ray, &hit));
+        };
         for part in &mut *parts {
-            match (&part.kind.make, &mut part.values, &surface) {
-                (Make::T, Values::Doubles(out), _) => out[k] = hit.t,
-                (Make::Identifier(value), Values::Integers(out), _) => out[k] = value(&hit),
-                (Make::Origin(value), Values::Integers(out), _) => {
-                    if let (Some(object), Some(catalog)) = (shots.scene.object(&hit), catalog) {
-                        out[k] = value(catalog, object, &hit);
-                    }
-                }
-                (&Make::Distance(which), Values::Doubles(out), _) => {
-                    if let Some(sensor) = shots.sensor {
-                        out[k] = sensor.range_and_z(first + k, hit.t)[which];
-                    }
-                }
-                (Make::Doubles(value), Values::Doubles(out), Some(surface)) => {
+            match (&part.kind.make, &mut part.values) {
+                (Make::Doubles(value), Values::Doubles(out)) => {
                     let components = part.kind.components;
-                    value(surface, &mut out[k * components..][..components]);
+                    value(&surface, &mut out[k * components..][..components]);
                 }
-                (Make::Integer(value), Values::Integers(out), Some(surface)) => {
-                    out[k] = value(surface);
-                }
-                (Make::Flag(value), Values::Flags(out), Some(surface)) => out[k] = value(surface),
-                // `Make::Valid`, of every ray, above.
+                (Make::Integer(value), Values::Integers(out)) => out[k] = value(&surface),
+                (Make::Flag(value), Values::Flags(out)) => out[k] = value(&surface),
                 _ => {}
             }
         }
