@@ -120,7 +120,7 @@ pub trait Surface {
 /// Makes [`Shape`] and everything that depends on the list of shapes.
 macro_rules! shapes {
     ($($(#[$doc:meta])* $name:literal => $kind:ident($held:ty) from $type:ty;)*) => {
-        /// Any shape. All but a mesh are in a box, so that objects take little memory, of which there may be a million.
+        /// Any shape. Those larger than a sphere are in a box: there may be a million objects.
         ///
         /// ```
         /// use firsthit::{DVec3, Shape, Sphere};
@@ -206,7 +206,7 @@ shapes! {
     /// Triangles over shared vertices; many objects can share one mesh.
     "mesh" => Mesh(Arc<Mesh>) from Arc<Mesh>;
     /// A sphere.
-    "sphere" => Sphere(Box<Sphere>) from Sphere;
+    "sphere" => Sphere(Sphere) from Sphere;
     /// An infinite plane.
     "plane" => Plane(Box<Plane>) from Plane;
     /// A flat round disc.
