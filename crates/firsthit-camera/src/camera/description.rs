@@ -259,11 +259,7 @@ impl Description {
             ];
             return Ok(lens.scaled(factors));
         }
-        let has_viewplane = matches!(
-            projection,
-            Projection::Perspective | Projection::Orthographic
-        );
-        if !has_viewplane {
+        if !projection.has_viewplane() {
             let expected = "left out of a camera without a viewplane, whose rays start at the eye";
             let is_fine = self.ray_start != Some(RayStart::Viewplane);
             require("ray_start", expected, is_fine, "viewplane")?;

@@ -288,13 +288,7 @@ impl Lens {
 
     /// Whether it is a panorama, of the whole sphere or of a part of it. Cameras with one stand in the middle of a scene.
     pub fn is_panorama(&self) -> bool {
-        matches!(
-            self,
-            Self::Equirectangular(_)
-                | Self::Cylindrical(_)
-                | Self::CubeMap(_)
-                | Self::Octahedral(_)
-        )
+        self.projection().is_panorama()
     }
 
     /// The parameters by their names.

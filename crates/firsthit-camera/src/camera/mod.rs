@@ -29,7 +29,7 @@ mod viewplane;
 
 pub use aim_at::FovAxis;
 pub use calibrated::Calibrated;
-pub use colmap::{ColmapImages, ColmapModel};
+pub use colmap::{ColmapCamera, ColmapImages, ColmapModel};
 pub use convention::{Convention, orthonormalised, rotation, rounded_pose};
 pub use cube_map::CubeMap;
 pub use cylindrical::Cylindrical;

@@ -1,5 +1,6 @@
 //! The intrinsic matrix K: from normalised image coordinates to pixels and back.
 
+use super::{Lens, Projection, Viewplane};
 use crate::error::Result;
 use crate::geometry::{DMat3, DVec2, DVec3, Domain, Settings, require, settings};
 
@@ -44,6 +45,39 @@ impl PixelMatrix {
         let y = (pixel.y - self.cy) * self.fy.recip();
         let x = (pixel.x - self.cx - self.skew * y) * self.fx.recip();
         DVec2::new(x, y)
+    }
+
+    /// The lens of a projection with this matrix, and with other numbers by their names, for a picture of rows and columns.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Argument`](crate::error::Error::Argument) for numbers that the projection has not, and for a matrix that no
+    /// viewplane has.
+    #[doc(hidden)]
+    pub fn lens(
+        &self,
+        projection: Projection,
+        others: &[(&str, f64)],
+        [rows, columns]: [usize; 2],
+    ) -> Result<Lens> {
+        if projection == Projection::Perspective && others.is_empty() {
+            return Viewplane::from_pixel_matrix(self, rows, columns).map(Lens::Flat);
+        }
+        let &Self {
+            fx,
+            fy,
+            cx,
+            cy,
+            skew,
+        } = self;
+        let own = [
+            ("fx", fx),
+            ("fy", fy),
+            ("cx", cx),
+            ("cy", cy),
+            ("skew", skew),
+        ];
+        Lens::named(projection, &[&own, others].concat())
     }
 
     /// The matrix K.

@@ -1,6 +1,6 @@
 //! A flat viewplane: perspective where rays run through the camera's position, orthographic where they are parallel.
 
-use super::lens::{Model, Reach};
+use super::lens::{Model, Projection, Reach};
 use super::parameters::Parameters;
 use super::pixel_matrix::PixelMatrix;
 use super::pose::Pose;
@@ -112,6 +112,23 @@ impl Parameters for Viewplane {
     /// Cameras without a lens do not speak of one.
     fn is_silent(&self, name: &str) -> bool {
         matches!(name, "aperture" | "focus") && self.aperture == 0.0 && self.focus == 0.0
+    }
+}
+
+impl Projection {
+    /// Whether its rays go through a flat viewplane.
+    #[doc(hidden)]
+    pub fn has_viewplane(self) -> bool {
+        matches!(self, Self::Perspective | Self::Orthographic)
+    }
+
+    /// Whether it is a panorama. Cameras with one stand in the middle of a scene.
+    #[doc(hidden)]
+    pub fn is_panorama(self) -> bool {
+        matches!(
+            self,
+            Self::Equirectangular | Self::Cylindrical | Self::CubeMap | Self::Octahedral
+        )
     }
 }
 

@@ -15,13 +15,16 @@
 )]
 
 mod binary;
+mod export;
 mod text;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::{Camera, Convention, Lens, PixelMatrix, Projection, Viewplane};
+use super::{Camera, Convention, Lens, PixelMatrix, Projection};
 use crate::error::{Error, Place, Result, escape_controls};
+
+pub use export::ColmapCamera;
 
 /// A result whose error says in words what is wrong with an entry of a file.
 type InWords<T> = std::result::Result<T, String>;
@@ -322,31 +325,18 @@ impl Intrinsics {
     }
 
     fn lens(&self, model: &ColmapModel) -> Result<Lens> {
-        let mut named = Vec::new();
+        let (mut matrix, mut others) = (PixelMatrix::default(), Vec::new());
         for (&name, &value) in model.parameters.iter().zip(&self.numbers) {
-            if name == "f" {
-                named.extend([("fx", value), ("fy", value)]);
-            } else {
-                named.push((name, value));
+            match name {
+                "f" => (matrix.fx, matrix.fy) = (value, value),
+                "fx" => matrix.fx = value,
+                "fy" => matrix.fy = value,
+                "cx" => matrix.cx = value,
+                "cy" => matrix.cy = value,
+                other => others.push((other, value)),
             }
         }
-        if model.projection != Projection::Perspective {
-            return Lens::named(model.projection, &named);
-        }
-        let of = |name| {
-            let found = named.iter().find(|(own, _)| *own == name);
-            found.map_or(0.0, |(_, value)| *value)
-        };
-        let matrix = PixelMatrix {
-            fx: of("fx"),
-            fy: of("fy"),
-            cx: of("cx"),
-            cy: of("cy"),
-            skew: 0.0,
-        };
-        let [rows, columns] = self.size;
-        let viewplane = Viewplane::from_pixel_matrix(&matrix, rows, columns)?;
-        Ok(Lens::Flat(viewplane))
+        matrix.lens(model.projection, &others, self.size)
     }
 }
 

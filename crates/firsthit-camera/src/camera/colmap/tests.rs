@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::*;
+use crate::camera::View;
 use crate::geometry::DVec3;
 
 const CAMERAS: &str = "\
@@ -355,4 +356,79 @@ fn files_with_changed_bytes_are_read_or_refused() {
         }
     }
     assert!(read > 500 && refused > 500, "{read} {refused}");
+}
+
+/// Every camera that is written is read back, to the last bit, by both of the readers of files.
+#[test]
+fn cameras_in_colmaps_words_are_read_back() {
+    let models = ColmapModel::ALL.iter();
+    for model in models.filter(|model| model.parameters.contains(&"fx")) {
+        let distortion = (1..).zip(model.parameters.iter().skip(4));
+        let others: Vec<(&str, f64)> = distortion
+            .map(|(k, name)| (*name, 0.003 * f64::from(k)))
+            .collect();
+        let [fx, fy, cx, cy] = [500.0, 510.0, 321.5, 239.0];
+        let matrix = PixelMatrix {
+            fx,
+            fy,
+            cx,
+            cy,
+            skew: 0.0,
+        };
+        let lens = matrix.lens(model.projection, &others, [480, 640]).unwrap();
+        for aim in [
+            -DVec3::Z,
+            DVec3::new(0.3, -1.0, 2.0),
+            DVec3::new(-9.0, 1.0, 0.5),
+        ] {
+            let view = View {
+                position: DVec3::new(1.0, -2.0, 0.1),
+                aim,
+                lens,
+                ..View::default()
+            };
+            let given = ColmapCamera::of(&Camera::new(view).unwrap()).unwrap();
+            assert!(given.qvec[0] >= 0.0 && given.model.projection == model.projection);
+            let lines = [given.camera_line(7), given.image_lines("a b.png", 3, 7)];
+            let read = text(&lines[0], &lines[1]).unwrap();
+            let image = &read.images[0];
+            assert_eq!(image.pose.to_vec(), [&given.qvec[..], &given.tvec].concat());
+            assert_eq!(read.cameras[&7].numbers, given.params);
+            let again = read.camera("a b.png").unwrap().unwrap();
+            let off =
+                again.position().distance(view.position) + again.aim().distance(aim.normalize());
+            assert!(off < 1e-14, "{off}");
+        }
+    }
+}
+
+#[test]
+fn cameras_without_a_model_of_colmap_are_refused_with_what_they_have() {
+    let matrix = PixelMatrix {
+        fx: 9.0,
+        fy: 9.0,
+        cx: 3.0,
+        cy: 3.0,
+        skew: 0.0,
+    };
+    let others = [("xi", 0.1), ("alpha", 0.5)];
+    let sphere = matrix
+        .lens(Projection::DoubleSphere, &others, [480, 640])
+        .unwrap();
+    let parallel = Lens::named(Projection::Orthographic, &[]).unwrap();
+    for (lens, expected) in [
+        (
+            parallel,
+            "got orthographic with skew 0 and rays from the viewplane",
+        ),
+        (sphere, "got double_sphere with alpha, xi"),
+    ] {
+        let camera = Camera::new(View {
+            lens,
+            ..View::default()
+        })
+        .unwrap();
+        let error = ColmapCamera::of(&camera).unwrap_err().to_string();
+        assert!(error.ends_with(expected), "{error}");
+    }
 }
