@@ -6,8 +6,10 @@ use numpy::{
     PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArray2,
     PyReadwriteArrayDyn,
 };
-use pyo3::exceptions::{PyMemoryError, PyValueError};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
+
+use crate::errors::{Outcome, Raised};
 use rayon::prelude::*;
 
 use crate::filters::{FilterArrays, Filters};
@@ -88,14 +90,14 @@ pub(crate) struct RayArrays<'py>(
 
 impl RayArrays<'_> {
     /// The slices of `count` rays.
-    pub(crate) fn slices(&self, count: usize) -> PyResult<RaySlices<'_>> {
+    pub(crate) fn slices(&self, count: usize) -> Outcome<RaySlices<'_>> {
         let filters = self.4.as_ref().map(|filters| filters.filters(count));
         let rays = RaySlices {
             count,
-            origins: self.0.as_slice().map_err(not_contiguous)?.as_chunks().0,
-            directions: self.1.as_slice().map_err(not_contiguous)?.as_chunks().0,
-            t_min: self.2.as_slice().map_err(not_contiguous)?,
-            t_max: self.3.as_slice().map_err(not_contiguous)?,
+            origins: self.0.as_slice()?.as_chunks().0,
+            directions: self.1.as_slice()?.as_chunks().0,
+            t_min: self.2.as_slice()?,
+            t_max: self.3.as_slice()?,
             filters: filters.transpose()?,
         };
         let counts = [
@@ -107,7 +109,7 @@ impl RayArrays<'_> {
         if counts.iter().all(|&each| each == count || each == 1) {
             Ok(rays)
         } else {
-            Err(PyValueError::new_err("expected arrays of one length"))
+            Err(Raised::value("expected arrays of one length"))
         }
     }
 }
@@ -121,10 +123,7 @@ pub(crate) struct CopiesOut<'py>(
 
 impl CopiesOut<'_> {
     /// The slices for copies of `rays`, whose arrays must be as long.
-    pub(crate) fn slices(
-        &mut self,
-        rays: &RaySlices<'_>,
-    ) -> PyResult<[Option<&mut [[f64; 3]]>; 2]> {
+    pub(crate) fn slices(&mut self, rays: &RaySlices<'_>) -> Outcome<[Option<&mut [[f64; 3]]>; 2]> {
         Ok([
             copy_slice(self.0.as_mut(), rays.origins.len())?,
             copy_slice(self.1.as_mut(), rays.directions.len())?,
@@ -135,26 +134,26 @@ impl CopiesOut<'_> {
 fn copy_slice<'a>(
     copy: Option<&'a mut PyReadwriteArrayDyn<'_, f64>>,
     count: usize,
-) -> PyResult<Option<&'a mut [[f64; 3]]>> {
+) -> Outcome<Option<&'a mut [[f64; 3]]>> {
     let Some(copy) = copy else {
         return Ok(None);
     };
-    let copy = copy.as_slice_mut().map_err(not_contiguous)?;
+    let copy = copy.as_slice_mut()?;
     let copy = copy.as_chunks_mut().0;
     if copy.len() == count {
         Ok(Some(copy))
     } else {
-        Err(PyValueError::new_err("expected copies of the rays' length"))
+        Err(Raised::value("expected copies of the rays' length"))
     }
 }
 
 /// A copy of what Python owns, or a `MemoryError`.
-pub(crate) fn copied<T: Copy>(values: &[T]) -> PyResult<Vec<T>> {
+pub(crate) fn copied<T: Copy>(values: &[T]) -> Outcome<Vec<T>> {
     collected(values.len(), values.iter().copied())
 }
 
 /// `count` values in memory, or a `MemoryError`.
-pub(crate) fn collected<T>(count: usize, values: impl Iterator<Item = T>) -> PyResult<Vec<T>> {
+pub(crate) fn collected<T>(count: usize, values: impl Iterator<Item = T>) -> Outcome<Vec<T>> {
     let mut all = Vec::new();
     all.try_reserve_exact(count)
         .map_err(|error| PyMemoryError::new_err(format!("{count} elements: {error}")))?;
@@ -173,17 +172,17 @@ pub(crate) struct HitsOut<'py>(
 );
 
 impl HitsOut<'_> {
-    pub(crate) fn slices(&mut self) -> PyResult<(HitSlices<'_>, usize)> {
-        let weights = self.3.as_slice_mut().map_err(not_contiguous)?;
+    pub(crate) fn slices(&mut self) -> Outcome<(HitSlices<'_>, usize)> {
+        let weights = self.3.as_slice_mut()?;
         let slices = HitSlices {
-            t: self.0.as_slice_mut().map_err(not_contiguous)?,
-            object: self.1.as_slice_mut().map_err(not_contiguous)?,
-            primitive: self.2.as_slice_mut().map_err(not_contiguous)?,
+            t: self.0.as_slice_mut()?,
+            object: self.1.as_slice_mut()?,
+            primitive: self.2.as_slice_mut()?,
             barycentric: bytemuck::cast_slice_mut(weights.as_chunks_mut::<2>().0),
         };
         match slices.count() {
             Some(count) => Ok((slices, count)),
-            None => Err(PyValueError::new_err("expected an element for each ray")),
+            None => Err(Raised::value("expected an element for each ray")),
         }
     }
 }
@@ -199,23 +198,13 @@ pub(crate) struct HitsIn<'py>(
 
 impl HitsIn<'_> {
     /// A copy: callers send a limited number at a time.
-    pub(crate) fn hits(&self) -> PyResult<Hits> {
-        let pairs = self
-            .3
-            .as_slice()
-            .map_err(not_contiguous)?
-            .as_chunks::<2>()
-            .0;
+    pub(crate) fn hits(&self) -> Outcome<Hits> {
+        let pairs = self.3.as_slice()?.as_chunks::<2>().0;
         Ok(Hits {
-            t: copied(self.0.as_slice().map_err(not_contiguous)?)?,
-            object: copied(self.1.as_slice().map_err(not_contiguous)?)?,
-            primitive: copied(self.2.as_slice().map_err(not_contiguous)?)?,
+            t: copied(self.0.as_slice()?)?,
+            object: copied(self.1.as_slice()?)?,
+            primitive: copied(self.2.as_slice()?)?,
             barycentric: collected(pairs.len(), pairs.iter().map(|&pair| DVec2::from(pair)))?,
         })
     }
-}
-
-/// The Python half sends contiguous arrays; this is for calls around it.
-pub(crate) fn not_contiguous<E>(_: E) -> PyErr {
-    PyValueError::new_err("expected a C-contiguous array")
 }

@@ -2,16 +2,13 @@
 
 use firsthit::channel::{AttributeName, AttributeValues, attribute as look_up, attributes};
 use firsthit::shape::{Between, Property, PropertyOf, PropertyValues};
-use firsthit::watch::Watch;
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{HitsIn, copied, not_contiguous};
-use crate::errors::raise;
-use crate::run::{guarded, report_done, run_reported};
+use crate::arrays::{HitsIn, copied};
+use crate::errors::{Outcome, Raised};
+use crate::run::{FEW, run_sized};
 use crate::scene::Scene;
-use crate::shoot::FEW;
 
 /// The elements that have a property, by name.
 const OF: [(&str, PropertyOf); 3] = [
@@ -20,11 +17,11 @@ const OF: [(&str, PropertyOf); 3] = [
     ("faces", PropertyOf::Faces),
 ];
 
-fn of_named(name: &str) -> PyResult<PropertyOf> {
+fn of_named(name: &str) -> Outcome<PropertyOf> {
     let found = OF.iter().find(|(known, _)| *known == name);
     found.map(|&(_, of)| of).ok_or_else(|| {
         let got = format!("of must be vertices, corners or faces, got {name:?}");
-        PyValueError::new_err(got)
+        Raised::value(got)
     })
 }
 
@@ -44,7 +41,7 @@ enum ValuesIn<'py> {
 }
 
 impl PropertyIn<'_> {
-    pub(crate) fn property(self) -> PyResult<Property> {
+    pub(crate) fn property(self) -> Outcome<Property> {
         let Self(of, name, components, is_of_nearest, values) = self;
         Ok(Property {
             name,
@@ -57,11 +54,11 @@ impl PropertyIn<'_> {
             },
             values: match values {
                 ValuesIn::Single(values) => {
-                    let values = values.as_slice().map_err(not_contiguous)?;
+                    let values = values.as_slice()?;
                     PropertyValues::Single(copied(values)?.into())
                 }
                 ValuesIn::Double(values) => {
-                    let values = values.as_slice().map_err(not_contiguous)?;
+                    let values = values.as_slice()?;
                     PropertyValues::Double(copied(values)?.into())
                 }
             },
@@ -72,10 +69,7 @@ impl PropertyIn<'_> {
 /// A property as it goes in.
 pub(crate) type PropertyOut<'py> = (&'static str, String, usize, bool, Bound<'py, PyAny>);
 
-pub(crate) fn property_out<'py>(
-    py: Python<'py>,
-    property: &Property,
-) -> PyResult<PropertyOut<'py>> {
+pub(crate) fn property_out<'py>(py: Python<'py>, property: &Property) -> Outcome<PropertyOut<'py>> {
     let values = match &property.values {
         PropertyValues::Single(values) => PyArray1::from_vec(py, copied(values)?).into_any(),
         PropertyValues::Double(values) => PyArray1::from_vec(py, copied(values)?).into_any(),
@@ -100,19 +94,15 @@ pub(crate) fn attribute<'py>(
     hits: HitsIn<'py>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<(usize, Bound<'py, PyArray1<f64>>)> {
+) -> Outcome<(usize, Bound<'py, PyArray1<f64>>)> {
     let (name, of) = named;
     let of = of.as_deref().map(of_named).transpose()?;
     let hits = hits.hits()?;
-    let work = |watch: &dyn Watch| look_up(&name, of, &scene.0, &hits, watch);
-    let report = report.as_ref();
-    let AttributeValues { components, values } = if hits.len() < FEW {
-        let made = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
-        report_done(report, hits.len())?;
-        made
-    } else {
-        run_reported(py, threads, report, |stop| work(stop))?
-    };
+    let size = (hits.len(), hits.len() < FEW);
+    let found = run_sized(py, size, threads, report.as_ref(), |watch| {
+        look_up(&name, of, &scene.0, &hits, watch)
+    })?;
+    let AttributeValues { components, values } = found;
     Ok((components, PyArray1::from_vec(py, values)))
 }
 

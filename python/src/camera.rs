@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use firsthit::camera::{ColmapModel, Convention, Description, FovAxis, PixelMatrix, Projection};
+use firsthit::camera::{ColmapCamera, Convention, Description, PixelMatrix, Projection};
 use firsthit::geometry::DMat3;
 use firsthit::image::CameraRecord;
 use firsthit::load::{colmap_files, read_colmap};
@@ -11,15 +11,13 @@ use firsthit::sensor::{Sensor, camera_of};
 use firsthit::watch::Watch;
 use firsthit::{DVec3, Lens, Ray, RayStart, Rays, View, Viewplane};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::{collected, not_contiguous};
-use crate::errors::raise;
-use crate::run::run;
+use crate::arrays::collected;
+use crate::errors::{Outcome, Raised};
+use crate::run::{FEW, run};
 use crate::scene::Scene;
-use crate::shoot::FEW;
 
 /// A checked camera.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -40,7 +38,6 @@ impl Camera {
         reason = "a camera's words, sent by the Python half alone"
     )]
     fn new(
-        py: Python<'_>,
         position: [f64; 3],
         aim: [f64; 3],
         up: [f64; 3],
@@ -49,92 +46,66 @@ impl Camera {
         ray_start: &str,
         parameters: Vec<(String, f64)>,
         is_exact: bool,
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let make = if is_exact {
             firsthit::Camera::from_view_exact
         } else {
             firsthit::Camera::new
         };
-        let lens = lens_in(projection, ray_start, &parameters);
-        let camera = lens.and_then(|lens| {
-            make(View {
-                position: DVec3::from(position),
-                aim: DVec3::from(aim),
-                up: DVec3::from(up),
-                rows: pixels[0],
-                columns: pixels[1],
-                lens,
-            })
+        let camera = make(View {
+            position: DVec3::from(position),
+            aim: DVec3::from(aim),
+            up: DVec3::from(up),
+            rows: pixels[0],
+            columns: pixels[1],
+            lens: lens_in(projection, ray_start, &parameters)?,
         });
-        camera.map(Self).map_err(|error| raise(py, &error))
+        Ok(Self(camera?))
     }
 
     /// The camera of a matrix K and a matrix of a pose, row by row, as a convention has them; with the parameters of a projection
     /// that distorts.
     #[staticmethod]
     fn from_intrinsics(
-        py: Python<'_>,
         k: [[f64; 3]; 3],
         pose: [[f64; 4]; 4],
         convention: &str,
         pixels: [usize; 2],
         projection: &str,
         parameters: Vec<(String, f64)>,
-    ) -> PyResult<Self> {
-        let make = || {
-            let convention: Convention = convention.parse()?;
-            let columns = [0, 1, 2].map(|column| DVec3::from([0, 1, 2].map(|row| k[row][column])));
-            let k = DMat3::from_cols(columns[0], columns[1], columns[2]);
-            let matrix = convention.pixel_matrix(PixelMatrix::from_matrix(k)?);
-            let pose = convention.pose(pose)?;
-            let [rows, columns] = pixels;
-            let projection: Projection = projection.parse()?;
-            if projection == Projection::Perspective && parameters.is_empty() {
-                return firsthit::Camera::from_intrinsics(&matrix, &pose, rows, columns);
-            }
-            let mut all = vec![
-                ("fx", matrix.fx),
-                ("fy", matrix.fy),
-                ("cx", matrix.cx),
-                ("cy", matrix.cy),
-                ("skew", matrix.skew),
-            ];
-            all.extend(parameters.iter().map(|(name, value)| (&**name, *value)));
-            let lens = Lens::named(projection, &all)?;
-            firsthit::Camera::at_pose(&pose, lens, rows, columns)
-        };
-        make().map(Self).map_err(|error| raise(py, &error))
+    ) -> Outcome<Self> {
+        let convention: Convention = convention.parse()?;
+        let columns = [0, 1, 2].map(|column| DVec3::from([0, 1, 2].map(|row| k[row][column])));
+        let k = DMat3::from_cols(columns[0], columns[1], columns[2]);
+        let matrix = convention.pixel_matrix(PixelMatrix::from_matrix(k)?);
+        let pose = convention.pose(pose)?;
+        let others = parameters.iter();
+        let others: Vec<(&str, f64)> = others.map(|(name, value)| (&**name, *value)).collect();
+        let lens = matrix.lens(projection.parse()?, &others, pixels)?;
+        let [rows, columns] = pixels;
+        Ok(Self(firsthit::Camera::at_pose(&pose, lens, rows, columns)?))
     }
 
     /// The matrix K, if there is one, and the matrix of the pose, row by row, as a convention has them.
     #[expect(clippy::type_complexity, reason = "two matrices")]
-    fn matrices(
-        &self,
-        py: Python<'_>,
-        convention: &str,
-    ) -> PyResult<(Option<[[f64; 3]; 3]>, [[f64; 4]; 4])> {
-        let convention: Convention = convention.parse().map_err(|error| raise(py, &error))?;
+    fn matrices(&self, convention: &str) -> Outcome<(Option<[[f64; 3]; 3]>, [[f64; 4]; 4])> {
+        let convention: Convention = convention.parse()?;
         let matrix = self.0.pixel_matrix();
         let k = matrix.map(|matrix| convention.own_pixel_matrix(matrix).matrix());
         let k = k.map(|k| [0, 1, 2].map(|row| k.row(row).to_array()));
         Ok((k, convention.matrix(&self.0.world_from_camera())))
     }
 
-    /// COLMAP's models: name, parameters and projection.
-    #[staticmethod]
-    fn colmap_models() -> Vec<(&'static str, Vec<&'static str>, &'static str)> {
-        let models = ColmapModel::ALL.iter();
-        let models = models.map(|model| {
-            let projection = model.projection.name();
-            (model.name, model.parameters.to_vec(), projection)
-        });
-        models.collect()
+    /// The camera in COLMAP's words: the model's name, its parameters, the quaternion and the translation.
+    fn to_colmap(&self) -> Outcome<(&'static str, Vec<f64>, [f64; 4], [f64; 3])> {
+        let camera = ColmapCamera::of(&self.0)?;
+        Ok((camera.model.name, camera.params, camera.qvec, camera.tvec))
     }
 
     /// The cameras of a reconstruction by COLMAP, with their images' names: of its folder, or of two files; and the file of images.
     #[staticmethod]
-    fn of_colmap(py: Python<'_>, cameras: PathBuf, images: Option<PathBuf>) -> PyResult<ColmapOut> {
-        let read = || {
+    fn of_colmap(py: Python<'_>, cameras: PathBuf, images: Option<PathBuf>) -> Outcome<ColmapOut> {
+        let read = || -> firsthit::Result<ColmapOut> {
             let [cameras, of_images] = match images {
                 Some(images) => [cameras, images],
                 None => colmap_files(&cameras)?,
@@ -150,7 +121,7 @@ impl Camera {
             }
             Ok((made, unsupported, of_images))
         };
-        py.detach(read).map_err(|error| raise(py, &error))
+        Ok(py.detach(read)?)
     }
 
     /// The expectation for an aperture with a projection that has no thin lens.
@@ -171,46 +142,37 @@ impl Camera {
 
     /// The camera that made an output, from the JSON of its record.
     #[staticmethod]
-    fn of_record(py: Python<'_>, json: &str) -> PyResult<Self> {
-        let record: CameraRecord =
-            serde_json::from_str(json).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let camera = camera_of(&record);
-        camera.map(Self).map_err(|error| raise(py, &error))
+    fn of_record(json: &str) -> Outcome<Self> {
+        let record: CameraRecord = serde_json::from_str(json)?;
+        Ok(Self(camera_of(&record)?))
     }
 
     /// The parameters of a fisheye or a panorama of `fov` degrees.
     #[staticmethod]
     fn with_fov(
-        py: Python<'_>,
         projection: &str,
         fov: f64,
         pixels: [usize; 2],
-    ) -> PyResult<Vec<(&'static str, f64)>> {
+    ) -> Outcome<Vec<(&'static str, f64)>> {
         let [rows, columns] = pixels;
-        let lens = projection
-            .parse()
-            .and_then(|projection| Lens::with_fov(projection, fov, rows, columns));
-        lens.map(|lens| lens.parameters())
-            .map_err(|error| raise(py, &error))
+        let lens = Lens::with_fov(projection.parse()?, fov, rows, columns)?;
+        Ok(lens.parameters())
     }
 
     /// The camera of a part of the picture: from a row to a row, from a column to a column.
-    fn crop(&self, py: Python<'_>, region: [usize; 4]) -> PyResult<Self> {
+    fn crop(&self, region: [usize; 4]) -> Outcome<Self> {
         let [top, bottom, left, right] = region;
-        let part = self.0.crop(top..bottom, left..right);
-        part.map(Self).map_err(|error| raise(py, &error))
+        Ok(Self(self.0.crop(top..bottom, left..right)?))
     }
 
     /// The camera of the picture with other numbers of rows and columns.
-    fn resize(&self, py: Python<'_>, rows: usize, columns: usize) -> PyResult<Self> {
-        let sized = self.0.resize(rows, columns);
-        sized.map(Self).map_err(|error| raise(py, &error))
+    fn resize(&self, rows: usize, columns: usize) -> Outcome<Self> {
+        Ok(Self(self.0.resize(rows, columns)?))
     }
 
     /// The camera with a thin lens.
-    fn thin_lens(&self, py: Python<'_>, aperture: f64, focus: f64) -> PyResult<Self> {
-        let camera = self.0.thin_lens(aperture, focus);
-        camera.map(Self).map_err(|error| raise(py, &error))
+    fn thin_lens(&self, aperture: f64, focus: f64) -> Outcome<Self> {
+        Ok(Self(self.0.thin_lens(aperture, focus)?))
     }
 
     /// The distance of a point ahead along the aim.
@@ -223,8 +185,8 @@ impl Camera {
         &self,
         py: Python<'py>,
         points: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let points = points.as_slice().map_err(not_contiguous)?;
+    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
+        let points = points.as_slice()?;
         let (points, _) = points.as_chunks::<3>();
         let camera = &self.0;
         let pixel = |point: &[f64; 3]| {
@@ -248,8 +210,8 @@ impl Camera {
         view: &str,
         rows: Option<usize>,
         columns: Option<usize>,
-    ) -> PyResult<Self> {
-        let view = view.parse().map_err(|error| raise(py, &error))?;
+    ) -> Outcome<Self> {
+        let view = view.parse()?;
         let sized = Description {
             rows,
             columns,
@@ -266,16 +228,8 @@ impl Camera {
 
     /// The viewplane of a field of view: focal length, width, height.
     #[staticmethod]
-    fn lens(
-        py: Python<'_>,
-        fov: f64,
-        fov_axis: &str,
-        rows: usize,
-        columns: usize,
-    ) -> PyResult<(f64, f64, f64)> {
-        let axis = fov_axis.parse::<FovAxis>();
-        let viewplane = axis.and_then(|axis| Viewplane::with_fov(fov, axis, rows, columns));
-        let viewplane = viewplane.map_err(|error| raise(py, &error))?;
+    fn lens(fov: f64, fov_axis: &str, rows: usize, columns: usize) -> Outcome<(f64, f64, f64)> {
+        let viewplane = Viewplane::with_fov(fov, fov_axis.parse()?, rows, columns)?;
         Ok((viewplane.focal_length, viewplane.width, viewplane.height))
     }
 
@@ -299,7 +253,7 @@ impl Camera {
         py: Python<'py>,
         rows: (usize, usize),
         sample: u32,
-    ) -> PyResult<RayArraysOut<'py>> {
+    ) -> Outcome<RayArraysOut<'py>> {
         rays_of_rows(py, &self.0, rows, sample)
     }
 
@@ -308,7 +262,7 @@ impl Camera {
         &self,
         py: Python<'py>,
         pixels: PyReadonlyArray1<'py, i64>,
-    ) -> PyResult<RayArraysOut<'py>> {
+    ) -> Outcome<RayArraysOut<'py>> {
         let pixels: Vec<usize> = checked_pixels(&pixels, self.0.pixels())?.collect();
         ray_arrays(py, pixels.len(), |k| Rays::ray(&self.0, pixels[k]))
     }
@@ -320,15 +274,14 @@ impl Camera {
         is_range: bool,
         pixels: PyReadonlyArray1<'py, i64>,
         t: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
         distances_of(py, &self.0, is_range, &pixels, &t)
     }
 
     /// The camera carried by a body, by the matrix of its pose.
-    fn moved(&self, py: Python<'_>, world_from_body: [[f64; 4]; 4]) -> PyResult<Self> {
-        let pose = Convention::OpenGl.pose(world_from_body);
-        let moved = pose.and_then(|pose| self.0.moved(&pose));
-        moved.map(Self).map_err(|error| raise(py, &error))
+    fn moved(&self, world_from_body: [[f64; 4]; 4]) -> Outcome<Self> {
+        let pose = Convention::OpenGl.pose(world_from_body)?;
+        Ok(Self(self.0.moved(&pose)?))
     }
 }
 
@@ -341,7 +294,7 @@ pub(crate) fn rays_of_rows<'py>(
     sensor: &(dyn Sensor + Send + Sync),
     rows: (usize, usize),
     sample: u32,
-) -> PyResult<RayArraysOut<'py>> {
+) -> Outcome<RayArraysOut<'py>> {
     let [all_rows, columns] = sensor.shape();
     let last_row = rows.1.min(all_rows);
     let (first, last) = (
@@ -361,8 +314,8 @@ pub(crate) fn distances_of<'py>(
     is_range: bool,
     pixels: &PyReadonlyArray1<'py, i64>,
     t: &PyReadonlyArray1<'py, f64>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let t = t.as_slice().map_err(not_contiguous)?;
+) -> Outcome<Bound<'py, PyArray1<f64>>> {
+    let t = t.as_slice()?;
     let pixels = checked_pixels(pixels, sensor.len())?;
     let distance = |(pixel, &t): (usize, &f64)| {
         let [range, z] = sensor.range_and_z(pixel, t);
@@ -378,15 +331,15 @@ pub(crate) fn distances_of<'py>(
 pub(crate) fn checked_pixels(
     pixels: &PyReadonlyArray1<'_, i64>,
     count: usize,
-) -> PyResult<impl ExactSizeIterator<Item = usize>> {
-    let pixels = pixels.as_slice().map_err(not_contiguous)?;
+) -> Outcome<impl ExactSizeIterator<Item = usize>> {
+    let pixels = pixels.as_slice()?;
     let checked = pixels.iter().map(|&pixel| usize::try_from(pixel));
     let checked: Result<Vec<usize>, _> = checked.collect();
     let checked = checked.ok().filter(|pixels| {
         let largest = pixels.iter().max();
         largest.is_none_or(|&largest| largest < count)
     });
-    let outside = || PyValueError::new_err("expected pixels of the camera");
+    let outside = || Raised::value("expected pixels of the camera");
     Ok(checked.ok_or_else(outside)?.into_iter())
 }
 
@@ -396,7 +349,7 @@ pub(crate) fn ray_arrays(
     py: Python<'_>,
     count: usize,
     ray: impl Fn(usize) -> Ray + Sync,
-) -> PyResult<RayArraysOut<'_>> {
+) -> Outcome<RayArraysOut<'_>> {
     /// Rays that are made between two looks at whether to stop.
     const PIECE: usize = 1 << 14;
     let zeros = || collected(count, std::iter::repeat_n([0.0; 3], count));
@@ -455,9 +408,9 @@ pub(crate) fn rotation(vector: [f64; 3]) -> [[f64; 3]; 3] {
 
 /// Refuses a pose that is no rotation and translation.
 #[pyfunction]
-pub(crate) fn check_pose(py: Python<'_>, pose: [[f64; 4]; 4]) -> PyResult<()> {
-    let checked = Convention::OpenGl.pose(pose);
-    checked.map(|_| ()).map_err(|error| raise(py, &error))
+pub(crate) fn check_pose(pose: [[f64; 4]; 4]) -> Outcome<()> {
+    Convention::OpenGl.pose(pose)?;
+    Ok(())
 }
 
 /// A pose with a rounded rotation: with the nearest one, and how far off it was.

@@ -3,7 +3,7 @@
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
 use pyo3::prelude::*;
 
-use crate::errors::raise;
+use crate::errors::Outcome;
 
 /// Width, angle, the names of kinds, the lengths of dashes and gaps of what is hidden, and the colour.
 pub(crate) type EdgesOut = (f64, f64, Vec<&'static str>, Option<[f64; 2]>, [f64; 3]);
@@ -45,7 +45,7 @@ pub(crate) fn edge_defaults() -> (Vec<&'static str>, EdgesOut) {
 
 /// Refuses lines that cannot be drawn.
 #[pyfunction]
-pub(crate) fn check_edges(py: Python<'_>, edges: EdgesIn) -> PyResult<()> {
-    let checked = edges.edges().map(drop);
-    checked.map_err(|error| raise(py, &error))
+pub(crate) fn check_edges(edges: EdgesIn) -> Outcome<()> {
+    edges.edges()?;
+    Ok(())
 }

@@ -8,11 +8,10 @@ use firsthit::load::{LoadSettings, load_environment};
 use firsthit::scene::{Daylight, EnvironmentKind};
 use firsthit::{Color, DMat3, DVec3};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{copied, not_contiguous};
-use crate::errors::raise;
+use crate::arrays::copied;
+use crate::errors::{Outcome, Raised};
 use crate::run::run;
 use crate::shading::{LightOut, light_out};
 
@@ -24,11 +23,11 @@ pub(crate) struct EnvironmentMap(pub(crate) Arc<firsthit::scene::EnvironmentMap>
 impl EnvironmentMap {
     /// A map from float32 (rows, columns, 3).
     #[new]
-    fn new(py: Python<'_>, texels: PyReadonlyArray3<'_, f32>) -> PyResult<Self> {
+    fn new(py: Python<'_>, texels: PyReadonlyArray3<'_, f32>) -> Outcome<Self> {
         let &[rows, columns, 3] = texels.shape() else {
-            return Err(PyValueError::new_err("texels must be (rows, columns, 3)"));
+            return Err(Raised::value("texels must be (rows, columns, 3)"));
         };
-        let numbers = texels.as_slice().map_err(not_contiguous)?;
+        let numbers = texels.as_slice()?;
         let texels = copied(numbers.as_chunks().0)?;
         let made = run(py, 0, |_| {
             firsthit::scene::EnvironmentMap::new(columns, rows, texels)
@@ -43,7 +42,7 @@ impl EnvironmentMap {
         path: PathBuf,
         max_memory: u64,
         max_texture: u32,
-    ) -> PyResult<(Self, Vec<String>)> {
+    ) -> Outcome<(Self, Vec<String>)> {
         let settings = LoadSettings {
             max_memory,
             max_texture,
@@ -54,9 +53,9 @@ impl EnvironmentMap {
     }
 
     /// The texels, float32 (rows, columns, 3): a copy.
-    fn array<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    fn array<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyArray3<f32>>> {
         let numbers = PyArray1::from_vec(py, copied(self.0.texels().as_flattened())?);
-        numbers.reshape([self.0.rows(), self.0.columns(), 3])
+        Ok(numbers.reshape([self.0.rows(), self.0.columns(), 3])?)
     }
 }
 
@@ -95,21 +94,16 @@ pub(crate) type EnvironmentOut = (
 
 /// The environment in a scene with that direction upwards.
 pub(crate) fn environment_in(
-    py: Python<'_>,
     environment: &EnvironmentIn<'_>,
     up: DVec3,
-) -> PyResult<firsthit::scene::Environment> {
+) -> firsthit::Result<firsthit::scene::Environment> {
     let &EnvironmentIn(.., strength, is_seen, own_up) = environment;
-    let kind = kind(environment, own_up.map_or(up, DVec3::from));
-    let made = kind.and_then(|kind| {
-        let environment = firsthit::scene::Environment {
-            kind,
-            strength,
-            is_seen,
-        };
-        environment.check().map(|()| environment)
-    });
-    made.map_err(|error| raise(py, &error))
+    let environment = firsthit::scene::Environment {
+        kind: kind(environment, own_up.map_or(up, DVec3::from))?,
+        strength,
+        is_seen,
+    };
+    environment.check().map(|()| environment)
 }
 
 fn kind(
@@ -181,18 +175,15 @@ pub(crate) fn environment_out(environment: &firsthit::scene::Environment) -> Env
 
 /// Refuses an environment whose numbers make no sense.
 #[pyfunction]
-pub(crate) fn check_environment(py: Python<'_>, candidate: EnvironmentIn<'_>) -> PyResult<()> {
-    environment_in(py, &candidate, DVec3::Z).map(drop)
+pub(crate) fn check_environment(candidate: EnvironmentIn<'_>) -> Outcome<()> {
+    environment_in(&candidate, DVec3::Z)?;
+    Ok(())
 }
 
 /// The sun of a sky in a scene with that direction upwards; `None` for what is no sky.
 #[pyfunction]
-pub(crate) fn sun_of(
-    py: Python<'_>,
-    environment: EnvironmentIn<'_>,
-    up: [f64; 3],
-) -> PyResult<Option<LightOut>> {
-    let environment = environment_in(py, &environment, up.into())?;
+pub(crate) fn sun_of(environment: EnvironmentIn<'_>, up: [f64; 3]) -> Outcome<Option<LightOut>> {
+    let environment = environment_in(&environment, up.into())?;
     Ok(environment.sun().as_ref().map(light_out))
 }
 
@@ -203,8 +194,8 @@ pub(crate) fn environment_radiance<'py>(
     environment: EnvironmentIn<'_>,
     up: [f64; 3],
     directions: Vec<[f64; 3]>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let environment = environment_in(py, &environment, up.into())?;
+) -> Outcome<Bound<'py, PyArray1<f64>>> {
+    let environment = environment_in(&environment, up.into())?;
     let radiance = |&direction: &[f64; 3]| environment.radiance(direction.into());
     let colors: Vec<Color> = directions.iter().map(radiance).collect();
     let numbers = colors.iter().flat_map(DVec3::to_array).collect();

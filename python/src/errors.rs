@@ -5,8 +5,54 @@ use std::path::Path;
 
 use firsthit::Error;
 use firsthit::error::{Place, escape_controls};
+use numpy::AsSliceError;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+
+/// An exception on its way to Python.
+#[derive(Debug)]
+pub(crate) struct Raised(PyErr);
+
+/// The result of a function that Python calls.
+pub(crate) type Outcome<T> = Result<T, Raised>;
+
+impl Raised {
+    /// A `ValueError`.
+    pub(crate) fn value(text: impl Into<String>) -> Self {
+        PyValueError::new_err(text.into()).into()
+    }
+}
+
+impl From<Error> for Raised {
+    fn from(error: Error) -> Self {
+        Self(Python::attach(|py| raise(py, &error)))
+    }
+}
+
+impl From<PyErr> for Raised {
+    fn from(error: PyErr) -> Self {
+        Self(error)
+    }
+}
+
+impl From<AsSliceError> for Raised {
+    /// The Python half sends contiguous arrays; this is for calls around it.
+    fn from(_: AsSliceError) -> Self {
+        Self::value("expected a C-contiguous array")
+    }
+}
+
+impl From<serde_json::Error> for Raised {
+    fn from(error: serde_json::Error) -> Self {
+        Self::value(error.to_string())
+    }
+}
+
+impl From<Raised> for PyErr {
+    fn from(Raised(error): Raised) -> Self {
+        error
+    }
+}
 
 /// The Python exception for an error; those about files are classes of the Python half.
 pub(crate) fn raise(py: Python<'_>, error: &Error) -> PyErr {

@@ -7,6 +7,8 @@ use firsthit::explain::{
 };
 use pyo3::prelude::*;
 
+use crate::errors::Outcome;
+
 use crate::arrays::RayArrays;
 use crate::camera::Camera;
 use crate::filters::FilterArrays;
@@ -33,7 +35,7 @@ pub(crate) enum Explained<'py> {
 /// The number of objects between a camera's eye and its viewplane where its rays meet nothing else;
 /// 0 where they do.
 #[pyfunction]
-pub(crate) fn before_viewplane(scene: &Scene, camera: &Camera) -> PyResult<usize> {
+pub(crate) fn before_viewplane(scene: &Scene, camera: &Camera) -> Outcome<usize> {
     let passed = guarded(|| passed_by(&scene.0, &camera.0))?;
     Ok(if passed.is_all { passed.objects } else { 0 })
 }
@@ -46,7 +48,7 @@ pub(crate) fn explain<'py>(
     explained: Explained<'py>,
     among: Option<Vec<usize>>,
     behind: usize,
-) -> PyResult<(String, String)> {
+) -> Outcome<(String, String)> {
     let mut settings = ExplainSettings {
         among,
         behind,

@@ -3,14 +3,12 @@
 use firsthit::shoot::{Viewpoint, visible as see};
 use firsthit::{DVec2, DVec3, Departure, RayFilter, Side, SurfaceId};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{collected, not_contiguous, of};
-use crate::errors::raise;
-use crate::run::{guarded, report_done, run_reported};
+use crate::arrays::{collected, of};
+use crate::errors::{Outcome, Raised};
+use crate::run::{FEW, run_sized};
 use crate::scene::Scene;
-use crate::shoot::FEW;
 
 type Identifiers<'py> = (PyReadonlyArray1<'py, i32>, PyReadonlyArray1<'py, i32>);
 
@@ -48,7 +46,7 @@ pub(crate) struct Filters<'a> {
 
 impl FilterArrays<'_> {
     /// The filters of `count` rays.
-    pub(crate) fn filters(&self, count: usize) -> PyResult<Filters<'_>> {
+    pub(crate) fn filters(&self, count: usize) -> Outcome<Filters<'_>> {
         let Self(masks, cull, skip, left, only) = self;
         let masks = masks
             .as_ref()
@@ -58,12 +56,12 @@ impl FilterArrays<'_> {
         let skip = skip.map(|(object, primitive)| identifiers(object, primitive, count));
         let left = left.as_ref().map(|(object, primitive, weights, sides)| {
             let (object, primitive) = identifiers(object, primitive, count)?;
-            let weights = weights.as_slice().map_err(not_contiguous)?;
+            let weights = weights.as_slice()?;
             let weights = of_count(weights.as_chunks::<2>().0, count)?;
             Ok::<_, PyErr>((object, primitive, weights, slice(sides, count)?))
         });
         let side = |name: &String| {
-            Side::from_name(name).ok_or_else(|| PyValueError::new_err("expected a side's name"))
+            Side::from_name(name).ok_or_else(|| Raised::value("expected a side's name"))
         };
         Ok(Filters {
             masks,
@@ -78,23 +76,23 @@ impl FilterArrays<'_> {
 fn slice<'a, T: numpy::Element>(
     array: &'a PyReadonlyArray1<'_, T>,
     count: usize,
-) -> PyResult<&'a [T]> {
-    of_count(array.as_slice().map_err(not_contiguous)?, count)
+) -> Outcome<&'a [T]> {
+    of_count(array.as_slice()?, count)
 }
 
 fn identifiers<'a>(
     object: &'a PyReadonlyArray1<'_, i32>,
     primitive: &'a PyReadonlyArray1<'_, i32>,
     count: usize,
-) -> PyResult<(&'a [i32], &'a [i32])> {
+) -> Outcome<(&'a [i32], &'a [i32])> {
     Ok((slice(object, count)?, slice(primitive, count)?))
 }
 
-fn of_count<T>(elements: &[T], count: usize) -> PyResult<&[T]> {
+fn of_count<T>(elements: &[T], count: usize) -> Outcome<&[T]> {
     if elements.len() == count || elements.len() == 1 {
         Ok(elements)
     } else {
-        Err(PyValueError::new_err("expected an element for each ray"))
+        Err(Raised::value("expected an element for each ray"))
     }
 }
 
@@ -138,9 +136,9 @@ impl Filters<'_> {
 pub(crate) struct EndsIn<'py>(PyReadonlyArray2<'py, f64>, Option<Identifiers<'py>>);
 
 impl EndsIn<'_> {
-    fn viewpoints(&self, count: usize) -> PyResult<impl Fn(usize) -> Viewpoint> {
+    fn viewpoints(&self, count: usize) -> Outcome<impl Fn(usize) -> Viewpoint> {
         let Self(positions, surfaces) = self;
-        let positions = positions.as_slice().map_err(not_contiguous)?;
+        let positions = positions.as_slice()?;
         let positions = of_count(positions.as_chunks::<3>().0, count)?;
         let surfaces = surfaces.as_ref();
         let surfaces = surfaces.map(|(object, primitive)| identifiers(object, primitive, count));
@@ -162,20 +160,13 @@ pub(crate) fn visible<'py>(
     how: (usize, f64),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
+) -> Outcome<Bound<'py, PyArray1<bool>>> {
     let (count, tolerance) = how;
     let (a, b) = (ends.0.viewpoints(count)?, ends.1.viewpoints(count)?);
     let pairs = collected(count, (0..count).map(|index| [a(index), b(index)]))?;
-    let report = report.as_ref();
-    let seen = if count < FEW {
-        let seen = guarded(|| see(&scene.0, &pairs, tolerance, &()))?;
-        let seen = seen.map_err(|error| raise(py, &error))?;
-        report_done(report, count)?;
-        seen
-    } else {
-        run_reported(py, threads, report, |stop| {
-            see(&scene.0, &pairs, tolerance, stop)
-        })?
-    };
+    let size = (count, count < FEW);
+    let seen = run_sized(py, size, threads, report.as_ref(), |watch| {
+        see(&scene.0, &pairs, tolerance, watch)
+    })?;
     Ok(PyArray1::from_vec(py, seen))
 }

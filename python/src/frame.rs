@@ -10,13 +10,13 @@ use firsthit::sensor::Sensor;
 use firsthit::shoot::Cpu;
 use firsthit::{Background, Color, DisplayTransform, Side};
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::arrays::{copied, not_contiguous};
+use crate::arrays::copied;
 use crate::edges::EdgesIn;
-use crate::errors::raise;
+use crate::errors::{Outcome, Raised};
 use crate::load::background_out;
 use crate::run::{Stop, run, run_reported};
 use crate::scene::Scene;
@@ -38,11 +38,8 @@ impl DisplayIn {
 }
 
 /// The kinds of some channels.
-fn kinds(py: Python<'_>, channels: &[String]) -> PyResult<Vec<Cow<'static, ChannelKind>>> {
-    let kinds = channels.iter().map(|name| channel::asked(name));
-    kinds
-        .collect::<firsthit::Result<_>>()
-        .map_err(|error| raise(py, &error))
+fn kinds(channels: &[String]) -> firsthit::Result<Vec<Cow<'static, ChannelKind>>> {
+    channels.iter().map(|name| channel::asked(name)).collect()
 }
 
 fn references<'a>(kinds: &'a [Cow<'static, ChannelKind>]) -> Vec<&'a ChannelKind> {
@@ -51,13 +48,8 @@ fn references<'a>(kinds: &'a [Cow<'static, ChannelKind>]) -> Vec<&'a ChannelKind
 
 /// The number of rays that [`render`] reports.
 #[pyfunction]
-pub(crate) fn render_work(
-    py: Python<'_>,
-    pixels: usize,
-    channels: Vec<String>,
-    samples: u32,
-) -> PyResult<u64> {
-    let kinds = kinds(py, &channels)?;
+pub(crate) fn render_work(pixels: usize, channels: Vec<String>, samples: u32) -> Outcome<u64> {
+    let kinds = kinds(&channels)?;
     Ok(work(pixels, &references(&kinds), samples))
 }
 
@@ -96,9 +88,9 @@ impl PictureIn {
         channels: &[String],
         (threads, report): &HowIn<'_>,
         work: impl FnOnce(&Picture<'_>, &Stop) -> firsthit::Result<T> + Send,
-    ) -> PyResult<T> {
+    ) -> Outcome<T> {
         let Self(shading, background, up, samples, region, cull, edges, noise) = self;
-        let kinds = kinds(py, channels)?;
+        let kinds = kinds(channels)?;
         let kinds = references(&kinds);
         let sensor = sensor.sensor();
         // Kept by the scene, of which the next picture may be.
@@ -109,8 +101,7 @@ impl PictureIn {
         let shade = resolved.shading(Cpu::shared());
         let &[top, bottom, left, right] = region;
         let is_whole = [top, left] == [0, 0] && [bottom, right] == sensor.shape();
-        let edges = edges.as_ref().map(EdgesIn::edges).transpose();
-        let edges = edges.map_err(|error| raise(py, &error))?;
+        let edges = edges.as_ref().map(EdgesIn::edges).transpose()?;
         let picture = Picture {
             samples: *samples,
             noise: *noise,
@@ -138,14 +129,13 @@ pub(crate) fn render<'py>(
     picture: PictureIn,
     resume: Option<PathBuf>,
     how: HowIn<'py>,
-) -> PyResult<(Vec<Bound<'py, PyAny>>, String)> {
+) -> Outcome<(Vec<Bound<'py, PyAny>>, String)> {
     let seen = (&scene.0, &camera);
     let frame = picture.with(py, seen, &channels, &how, |picture, stop| match &resume {
         Some(path) => picture.render_resumed(path, stop),
         None => picture.render(stop),
     })?;
-    let origin = serde_json::to_string(frame.origin());
-    let origin = origin.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let origin = serde_json::to_string(frame.origin())?;
     Ok((arrays(py, frame), origin))
 }
 
@@ -164,7 +154,7 @@ pub(crate) fn render_more<'py>(
     picture: PictureIn,
     known: Option<PyRef<'py, Accumulated>>,
     how: HowIn<'py>,
-) -> PyResult<(Vec<Bound<'py, PyAny>>, Accumulated)> {
+) -> Outcome<(Vec<Bound<'py, PyAny>>, Accumulated)> {
     let (seen, known) = ((&scene.0, &camera), known.as_deref());
     let (frame, known) = picture.with(py, seen, &channels, &how, |picture, stop| {
         let mut going_on = match known {
@@ -180,8 +170,8 @@ pub(crate) fn render_more<'py>(
 /// The samples of a pixel that each channel is made of: `accumulated`, of all, to which a
 /// progressive picture adds; `all`, of all at once; or `centre`, of the pixel's centre alone.
 #[pyfunction]
-pub(crate) fn sampling(py: Python<'_>, channels: Vec<String>) -> PyResult<Vec<&'static str>> {
-    let kinds = kinds(py, &channels)?;
+pub(crate) fn sampling(channels: Vec<String>) -> Outcome<Vec<&'static str>> {
+    let kinds = kinds(&channels)?;
     let made_of =
         |kind: &Cow<'static, ChannelKind>| match (kind.needs_shade(), kind.needs_samples()) {
             (true, _) => "accumulated",
@@ -194,11 +184,10 @@ pub(crate) fn sampling(py: Python<'_>, channels: Vec<String>) -> PyResult<Vec<&'
 /// Pairs each of some settings that do nothing for a picture's channels with the channels that it needs, in words.
 #[pyfunction]
 pub(crate) fn idle(
-    py: Python<'_>,
     settings: Vec<String>,
     channels: Vec<String>,
-) -> PyResult<Vec<(String, &'static str)>> {
-    let kinds = kinds(py, &channels)?;
+) -> Outcome<Vec<(String, &'static str)>> {
+    let kinds = kinds(&channels)?;
     let idle =
         |setting: String| firsthit::render::idle(&setting, &kinds).map(|needed| (setting, needed));
     Ok(settings.into_iter().filter_map(idle).collect())
@@ -208,12 +197,11 @@ pub(crate) fn idle(
 /// files that it needs, in words.
 #[pyfunction]
 pub(crate) fn idle_in_files(
-    py: Python<'_>,
     settings: Vec<String>,
     files: Vec<(String, String)>,
-) -> PyResult<Vec<(String, &'static str)>> {
+) -> Outcome<Vec<(String, &'static str)>> {
     let (formats, channels): (Vec<_>, Vec<_>) = files.into_iter().unzip();
-    let kinds = kinds(py, &channels)?;
+    let kinds = kinds(&channels)?;
     let idle = |setting: String| {
         let files = formats.iter().map(String::as_str).zip(&kinds);
         firsthit::render::idle_in_files(&setting, files.map(|(format, kind)| (format, &**kind)))
@@ -254,12 +242,11 @@ pub(crate) fn array(py: Python<'_>, data: Data) -> Bound<'_, PyAny> {
 /// The metadata of a frame of that shape, of whose channels one pixel is given, as JSON.
 #[pyfunction]
 pub(crate) fn metadata(
-    py: Python<'_>,
     shape: Vec<u64>,
     channels: Vec<(String, Bound<'_, PyAny>)>,
     origin: &str,
-) -> PyResult<String> {
-    let mut metadata = frame(py, vec![1, 1], channels, origin)?.metadata();
+) -> Outcome<String> {
+    let mut metadata = frame(vec![1, 1], channels, origin)?.metadata();
     metadata.shape = shape;
     Ok(metadata.to_json())
 }
@@ -272,9 +259,8 @@ pub(crate) fn matte_id(name: &str) -> u32 {
 
 /// Refuses a number of samples that colours of a sensor cannot have.
 #[pyfunction]
-pub(crate) fn check_samples(py: Python<'_>, camera: SensorIn<'_>, samples: u32) -> PyResult<()> {
-    let checked = firsthit::render::check_samples(camera.sensor(), samples);
-    checked.map_err(|error| raise(py, &error))
+pub(crate) fn check_samples(camera: SensorIn<'_>, samples: u32) -> Outcome<()> {
+    Ok(firsthit::render::check_samples(camera.sensor(), samples)?)
 }
 
 /// The JSON of the origin of what rays met, of a camera's or of others.
@@ -284,26 +270,25 @@ pub(crate) fn origin(
     scene: &Scene,
     camera: Option<SensorIn<'_>>,
     channels: Vec<String>,
-) -> PyResult<String> {
-    let kinds = kinds(py, &channels)?;
+) -> Outcome<String> {
+    let kinds = kinds(&channels)?;
     let kinds = references(&kinds);
     let sensor = camera.as_ref().map(|camera| camera.sensor() as &dyn Sensor);
     // The fingerprint takes long the first time.
     let origin = run(py, 0, |_| {
         Ok(firsthit::render::origin(&scene.0, sensor, None, &kinds))
     })?;
-    serde_json::to_string(&origin).map_err(|error| PyRuntimeError::new_err(error.to_string()))
+    Ok(serde_json::to_string(&origin)?)
 }
 
 /// A frame from flat arrays; `origin` is the JSON of an origin, or of metadata.
 fn frame(
-    py: Python<'_>,
     shape: Vec<usize>,
     arrays: Vec<(String, Bound<'_, PyAny>)>,
     origin: &str,
-) -> PyResult<Frame> {
-    let origin: Origin = serde_json::from_str(origin)
-        .map_err(|error| PyValueError::new_err(format!("origin: {error}")))?;
+) -> Outcome<Frame> {
+    let origin: Origin =
+        serde_json::from_str(origin).map_err(|error| Raised::value(format!("origin: {error}")))?;
     let mut frame = Frame::new(shape).from_origin(origin);
     for (name, array) in arrays {
         let data = data(&array)?;
@@ -311,8 +296,7 @@ fn frame(
             Cow::Borrowed(RAY)
         } else {
             let own = || ChannelKind::own(&name, &data).ok().map(Cow::Owned);
-            let asked = channel::asked(&name).or_else(|error| own().ok_or(error));
-            asked.map_err(|error| raise(py, &error))?
+            channel::asked(&name).or_else(|error| own().ok_or(error))?
         };
         // Colours with a fourth number say so by how many there are.
         let elements: usize = frame.shape().iter().product();
@@ -326,35 +310,26 @@ fn frame(
             let components = channel.data.len().checked_div(elements);
             channel.components = components.unwrap_or(1).max(1);
         }
-        frame.push(channel).map_err(|error| raise(py, &error))?;
+        frame.push(channel)?;
     }
     Ok(frame)
 }
 
-pub(crate) fn data(array: &Bound<'_, PyAny>) -> PyResult<Data> {
-    if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f64>>() {
-        return Ok(Data::Float64(copied(
-            values.as_slice().map_err(not_contiguous)?,
-        )?));
-    }
-    if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f32>>() {
-        return Ok(Data::Float32(copied(
-            values.as_slice().map_err(not_contiguous)?,
-        )?));
-    }
-    if let Ok(values) = array.extract::<PyReadonlyArray1<'_, i32>>() {
-        return Ok(Data::Int32(copied(
-            values.as_slice().map_err(not_contiguous)?,
-        )?));
-    }
-    if let Ok(values) = array.extract::<PyReadonlyArray1<'_, bool>>() {
-        return Ok(Data::Bool(copied(
-            values.as_slice().map_err(not_contiguous)?,
-        )?));
-    }
-    Err(PyTypeError::new_err(
-        "expected a flat array of float64, float32, int32 or bool",
-    ))
+pub(crate) fn data(array: &Bound<'_, PyAny>) -> Outcome<Data> {
+    Ok(
+        if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f64>>() {
+            Data::Float64(copied(values.as_slice()?)?)
+        } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f32>>() {
+            Data::Float32(copied(values.as_slice()?)?)
+        } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, i32>>() {
+            Data::Int32(copied(values.as_slice()?)?)
+        } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, bool>>() {
+            Data::Bool(copied(values.as_slice()?)?)
+        } else {
+            let what = "expected a flat array of float64, float32, int32 or bool";
+            return Err(PyTypeError::new_err(what).into());
+        },
+    )
 }
 
 /// The storage of numbers: the step of distances in PNGs, what becomes of those beyond, whether
@@ -372,19 +347,16 @@ pub(crate) fn write(
     origin: &str,
     stored: StoredIn,
     display: Option<DisplayIn>,
-) -> PyResult<()> {
-    let frame = frame(py, shape, channels, origin)?;
-    let display = display.as_ref().map(DisplayIn::transform).transpose();
+) -> Outcome<()> {
+    let frame = frame(shape, channels, origin)?;
+    let display = display.as_ref().map(DisplayIn::transform).transpose()?;
     let StoredIn(png_scale, far, png_labels, compress) = stored;
-    let far = far.map(|name| name.parse()).transpose();
     let settings = WriteSettings {
         png_scale,
-        png_far: far.map_err(|error| raise(py, &error))?,
+        png_far: far.map(|name| name.parse()).transpose()?,
         png_labels,
         compress,
-        display: display
-            .map_err(|error| raise(py, &error))?
-            .unwrap_or_default(),
+        display: display.unwrap_or_default(),
     };
     run(py, 0, |stop| {
         image::format_of(&path)?.write(&frame, None, settings, &path, stop)
@@ -393,7 +365,7 @@ pub(crate) fn write(
 
 /// Writes bytes to a file, whole or not at all.
 #[pyfunction]
-pub(crate) fn write_bytes(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyResult<()> {
+pub(crate) fn write_bytes(py: Python<'_>, path: PathBuf, content: &[u8]) -> Outcome<()> {
     run(py, 1, |stop| {
         image::write_whole(&path, stop, |out| out.write_all(content))
     })
@@ -425,7 +397,7 @@ type ArrayOut<'py> = (Option<String>, Vec<usize>, Bound<'py, PyAny>, String);
 pub(crate) fn read(
     py: Python<'_>,
     path: PathBuf,
-) -> PyResult<(Vec<ArrayOut<'_>>, Option<String>, Vec<String>)> {
+) -> Outcome<(Vec<ArrayOut<'_>>, Option<String>, Vec<String>)> {
     let output = run(py, 0, |_| image::read(&path))?;
     let metadata = output.metadata.as_ref().map(Metadata::to_json);
     Ok((arrays_out(py, output.arrays), metadata, output.notes))
@@ -448,7 +420,7 @@ type PointsOut<'py> = (Bound<'py, PyArray1<f64>>, Vec<ArrayOut<'py>>, Vec<String
 
 /// Reads points.
 #[pyfunction]
-pub(crate) fn read_points(py: Python<'_>, path: PathBuf) -> PyResult<PointsOut<'_>> {
+pub(crate) fn read_points(py: Python<'_>, path: PathBuf) -> Outcome<PointsOut<'_>> {
     let points = run(py, 0, |_| image::read_points(&path))?;
     let positions = PyArray1::from_vec(py, points.positions.into_flattened());
     Ok((positions, arrays_out(py, points.columns), points.notes))
@@ -462,16 +434,14 @@ pub(crate) fn png<'py>(
     name: String,
     values: Bound<'py, PyAny>,
     display: DisplayIn,
-) -> PyResult<Bound<'py, PyBytes>> {
-    let frame = frame(py, shape, vec![(name, values)], "{}")?;
+) -> Outcome<Bound<'py, PyBytes>> {
+    let frame = frame(shape, vec![(name, values)], "{}")?;
     let settings = WriteSettings {
-        display: display.transform().map_err(|error| raise(py, &error))?,
+        display: display.transform()?,
         ..WriteSettings::default()
     };
     let memory = "memory".as_ref();
     let mut bytes = Vec::new();
-    let encoded = image::format_named("png")
-        .and_then(|format| format.encode(&frame, None, settings, &mut bytes, memory));
-    encoded.map_err(|error| raise(py, &error))?;
+    image::format_named("png")?.encode(&frame, None, settings, &mut bytes, memory)?;
     Ok(PyBytes::new(py, &bytes))
 }

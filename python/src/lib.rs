@@ -111,10 +111,8 @@ mod _firsthit {
 
     /// The instruction set that new scenes are traced with.
     #[pyfunction]
-    fn instruction_set(py: Python<'_>) -> PyResult<&'static str> {
-        firsthit::InstructionSet::current()
-            .map(firsthit::InstructionSet::name)
-            .map_err(|error| crate::errors::raise(py, &error))
+    fn instruction_set() -> crate::errors::Outcome<&'static str> {
+        Ok(firsthit::InstructionSet::current()?.name())
     }
 
     /// The answer of the program's command info about a file, as JSON.

@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::collected;
-use crate::errors::raise;
+use crate::errors::Outcome;
 use crate::run::{Report, Stop, run, run_reported};
 use crate::scene::Scene;
 
@@ -32,10 +32,9 @@ impl Lint {
         places: usize,
         threads: usize,
         report: Report<'_, '_>,
-    ) -> PyResult<Self> {
-        let kinds = ignore.iter().map(|name| FindingKind::named(name));
-        let ignore = kinds.collect::<firsthit::Result<_>>();
-        let ignore = ignore.map_err(|error| raise(py, &error))?;
+    ) -> Outcome<Self> {
+        let ignore = ignore.iter().map(|name| FindingKind::named(name));
+        let ignore = ignore.collect::<firsthit::Result<_>>()?;
         let settings = LintSettings { ignore, places };
         let check = |stop: &Stop| lint(&scene.0, &settings, stop);
         run_reported(py, threads, report, check).map(Self)
@@ -68,7 +67,7 @@ impl Lint {
         &self,
         py: Python<'py>,
         identifier: usize,
-    ) -> PyResult<Option<Bound<'py, PyArray1<bool>>>> {
+    ) -> Outcome<Option<Bound<'py, PyArray1<bool>>>> {
         let Some(marked) = self.0.marked(identifier) else {
             return Ok(None);
         };
@@ -77,7 +76,7 @@ impl Lint {
     }
 
     /// Writes the meshes of the scene with their faces coloured.
-    fn save(&self, py: Python<'_>, scene: &Scene, path: PathBuf) -> PyResult<()> {
+    fn save(&self, py: Python<'_>, scene: &Scene, path: PathBuf) -> Outcome<()> {
         run(py, 1, |stop| save_marked(&scene.0, &self.0, path, stop))
     }
 }

@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 use crate::camera::{Camera, ViewOut, view_out};
 use crate::edges::{EdgesIn, EdgesOut, edges_out};
 use crate::environment::{EnvironmentOut, environment_out};
-use crate::errors::raise;
+use crate::errors::Outcome;
 use crate::frame::DisplayIn;
 use crate::material::{MaterialOut, Texels, material_out};
 use crate::run::{Report, Stop, run_reported};
@@ -132,7 +132,7 @@ pub(crate) fn load(
     resources: Vec<PathBuf>,
     variant: Option<String>,
     report: Report<'_, '_>,
-) -> PyResult<ModelOut> {
+) -> Outcome<ModelOut> {
     let settings = LoadSettings {
         strict,
         max_memory,
@@ -161,7 +161,7 @@ pub(crate) fn open(
     path: PathBuf,
     verify: bool,
     report: Report<'_, '_>,
-) -> PyResult<ModelOut> {
+) -> Outcome<ModelOut> {
     let open = |stop: &Stop| with_lit_scene(fhs::open_watched(&path, verify, stop)?, stop);
     let loaded = run_reported(py, 0, report, open)?;
     Ok(taken_apart(loaded))
@@ -197,11 +197,8 @@ pub(crate) fn save(
     up: [f64; 3],
     up_is_guessed: bool,
     report: Report<'_, '_>,
-) -> PyResult<()> {
-    let appearance = shading.appearance(background.as_deref());
-    let appearance = appearance.map_err(|error| raise(py, &error))?;
-    let lines = edges.as_ref().map(EdgesIn::edges).transpose();
-    let lines = lines.map_err(|error| raise(py, &error))?;
+) -> Outcome<()> {
+    let appearance = shading.appearance(background.as_deref())?;
     let world = World {
         cameras: cameras.iter().map(CameraIn::named).collect(),
         lights: scene.0.lights().to_vec(),
@@ -213,8 +210,8 @@ pub(crate) fn save(
         ground: appearance.ground,
         coloring: appearance.coloring,
         environment: scene.0.environment().cloned().map(Arc::new),
-        display: display.transform().map_err(|error| raise(py, &error))?,
-        edges: lines,
+        display: display.transform()?,
+        edges: edges.as_ref().map(EdgesIn::edges).transpose()?,
         up: up.into(),
         up_is_guessed,
         ..World::default()

@@ -7,11 +7,10 @@ use firsthit::scene::{AlphaMode, Filter, MapRole, Maps, Model, UvSet, Wrap};
 use firsthit::scene_file::nearest_word;
 use firsthit::{Color, Material, Texture, TextureMap};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{copied, not_contiguous};
-use crate::errors::raise;
+use crate::arrays::copied;
+use crate::errors::{Outcome, Raised};
 use crate::shading::{SettingsOut, ValueIn, settings_out};
 
 /// The texels of a texture, which materials can share.
@@ -22,21 +21,19 @@ pub(crate) struct Texels(pub(crate) Arc<Texture>);
 impl Texels {
     /// A texture from uint8 (rows, columns, 4).
     #[new]
-    fn new(py: Python<'_>, texels: PyReadonlyArray3<'_, u8>) -> PyResult<Self> {
+    fn new(texels: PyReadonlyArray3<'_, u8>) -> Outcome<Self> {
         let &[rows, columns, _] = texels.shape() else {
-            return Err(PyValueError::new_err("texels must have three axes"));
+            return Err(Raised::value("texels must have three axes"));
         };
-        let bytes = texels.as_slice().map_err(not_contiguous)?;
-        let texture = Texture::new(columns, rows, copied(bytes.as_chunks().0)?);
-        texture
-            .map(|texture| Self(Arc::new(texture)))
-            .map_err(|error| raise(py, &error))
+        let bytes = texels.as_slice()?;
+        let texture = Texture::new(columns, rows, copied(bytes.as_chunks().0)?)?;
+        Ok(Self(Arc::new(texture)))
     }
 
     /// The texels, uint8 (rows, columns, 4): a copy.
-    fn array<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<u8>>> {
+    fn array<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyArray3<u8>>> {
         let bytes = PyArray1::from_vec(py, copied(self.0.texels().as_flattened())?);
-        bytes.reshape([self.0.rows(), self.0.columns(), 4])
+        Ok(bytes.reshape([self.0.rows(), self.0.columns(), 4])?)
     }
 }
 
@@ -71,16 +68,16 @@ pub(crate) struct MaterialIn<'py>(
 );
 
 /// The value behind a name.
-fn named<T: Copy>(what: &str, name: &str, known: &[(&'static str, T)]) -> PyResult<T> {
+fn named<T: Copy>(what: &str, name: &str, known: &[(&'static str, T)]) -> Outcome<T> {
     let found = known.iter().find(|&&(known, _)| known == name);
     found.map(|&(_, value)| value).ok_or_else(|| {
         let names: Vec<_> = known.iter().map(|&(name, _)| name).collect();
         let text = format!("{what} must be one of {}, got {name:?}", names.join(", "));
-        PyValueError::new_err(text)
+        Raised::value(text)
     })
 }
 
-fn map(MapIn(texels, wraps, filter, rows, is_second): &MapIn<'_>) -> PyResult<TextureMap> {
+fn map(MapIn(texels, wraps, filter, rows, is_second): &MapIn<'_>) -> Outcome<TextureMap> {
     let [across, down] = wraps;
     Ok(TextureMap {
         texture: Arc::clone(&texels.0),
@@ -98,7 +95,7 @@ fn map(MapIn(texels, wraps, filter, rows, is_second): &MapIn<'_>) -> PyResult<Te
     })
 }
 
-pub(crate) fn material(material: &MaterialIn<'_>) -> PyResult<Material> {
+pub(crate) fn material(material: &MaterialIn<'_>) -> Outcome<Material> {
     let MaterialIn(
         color,
         alpha,
@@ -113,16 +110,16 @@ pub(crate) fn material(material: &MaterialIn<'_>) -> PyResult<Material> {
         StrengthsIn(emission, normal_scale, occlusion_strength),
         textures,
     ) = material;
-    let mut model = Model::named(kind).map_err(refused)?;
+    let mut model = Model::named(kind)?;
     for (name, value) in settings {
-        model.set(name, (*value).into()).map_err(refused)?;
+        model.set(name, (*value).into())?;
     }
     let mut maps = (Maps::default())
         .with(MapRole::Color, texture.as_ref().map(map).transpose()?)
         .with(MapRole::Alpha, alpha_texture.as_ref().map(map).transpose()?);
     for (role, texture) in textures {
         let role = MapRole::named(role);
-        let role = role.ok_or_else(|| PyValueError::new_err("there is no such texture"))?;
+        let role = role.ok_or_else(|| Raised::value("there is no such texture"))?;
         maps = maps.with(role, map(texture)?);
     }
     let modes = [
@@ -143,17 +140,13 @@ pub(crate) fn material(material: &MaterialIn<'_>) -> PyResult<Material> {
         unlit: *unlit,
         double_sided: *double_sided,
     };
-    material.check_numbers().map_err(refused)?;
+    material.check_numbers()?;
     Ok(material)
-}
-
-fn refused(error: firsthit::Error) -> PyErr {
-    PyValueError::new_err(error.to_string())
 }
 
 /// Refuses a material of words that are not known and of numbers that make no sense; all settings of what it is made of.
 #[pyfunction]
-pub(crate) fn check_material(candidate: MaterialIn<'_>) -> PyResult<SettingsOut> {
+pub(crate) fn check_material(candidate: MaterialIn<'_>) -> Outcome<SettingsOut> {
     Ok(settings_out(material(&candidate)?.model.settings()))
 }
 

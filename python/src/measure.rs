@@ -1,27 +1,21 @@
 //! Measures the inside of objects.
 
 use firsthit::measure::{
-    FillRule, Grouping, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
+    Grouping, Rule, Towards, inside_with, path_lengths_with, rules_with, thickness_along,
 };
 use firsthit::watch::Watch;
 use firsthit::{DVec3, Result};
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{RayArrays, not_contiguous};
-use crate::errors::raise;
-use crate::run::{Report, guarded, report_done, run, run_reported};
+use crate::arrays::RayArrays;
+use crate::errors::Outcome;
+use crate::run::{FEW, Report, run, run_sized};
 use crate::scene::Scene;
-use crate::shoot::FEW;
 
 /// Triangles times points that take about a tenth of a second at most, also where a mesh is asked for the first time whether it is
 /// closed.
 const LITTLE: u64 = 1 << 21;
-
-/// The rule of a name.
-pub(crate) fn fill(py: Python<'_>, rule: &str) -> PyResult<FillRule> {
-    rule.parse().map_err(|error| raise(py, &error))
-}
 
 fn by(is_by_object: bool) -> Grouping {
     if is_by_object {
@@ -38,14 +32,10 @@ pub(crate) fn measured<T: Send>(
     threads: usize,
     report: Report<'_, '_>,
     work: impl FnOnce(&dyn Watch) -> Result<T> + Send,
-) -> PyResult<T> {
+) -> Outcome<T> {
     let triangles = scene.0.triangles().saturating_mul(count as u64);
-    if count < FEW && triangles < LITTLE {
-        let made = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
-        report_done(report, count)?;
-        return Ok(made);
-    }
-    run_reported(py, threads, report, |stop| work(stop))
+    let size = (count, count < FEW && triangles < LITTLE);
+    run_sized(py, size, threads, report, work)
 }
 
 /// Whether points are inside, of each those in any object or those in each.
@@ -57,11 +47,11 @@ pub(crate) fn inside<'py>(
     how: (bool, String),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let points = points.as_slice().map_err(not_contiguous)?;
+) -> Outcome<Bound<'py, PyArray1<bool>>> {
+    let points = points.as_slice()?;
     let points: &[DVec3] = bytemuck::cast_slice(points.as_chunks::<3>().0);
     let (is_by_object, rule) = how;
-    let (size, rule) = ((scene, points.len()), fill(py, &rule)?);
+    let (size, rule) = ((scene, points.len()), rule.parse()?);
     let found = measured(py, size, threads, report.as_ref(), |watch| {
         inside_with(rule, &scene.0, points, by(is_by_object), watch)
     })?;
@@ -78,9 +68,9 @@ pub(crate) fn path_lengths<'py>(
     how: (bool, String),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
+) -> Outcome<Bound<'py, PyArray1<f64>>> {
     let (is_by_object, rule) = how;
-    let (rays, rule) = (rays.slices(count)?, fill(py, &rule)?);
+    let (rays, rule) = (rays.slices(count)?, rule.parse()?);
     let lengths = measured(py, (scene, count), threads, report.as_ref(), |watch| {
         path_lengths_with(rule, &scene.0, &rays, by(is_by_object), watch)
     })?;
@@ -97,9 +87,9 @@ pub(crate) fn thickness<'py>(
     how: (bool, String),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
+) -> Outcome<Bound<'py, PyArray1<f64>>> {
     let (is_inwards, rule) = how;
-    let (rays, rule) = (rays.slices(count)?, fill(py, &rule)?);
+    let (rays, rule) = (rays.slices(count)?, rule.parse()?);
     let towards = if is_inwards {
         Towards::Inside
     } else {
@@ -113,8 +103,8 @@ pub(crate) fn thickness<'py>(
 
 /// The rule that tells whether a point is inside, of each object.
 #[pyfunction]
-pub(crate) fn rules(py: Python<'_>, scene: &Scene, rule: &str) -> PyResult<Vec<&'static str>> {
-    let rule = fill(py, rule)?;
+pub(crate) fn rules(py: Python<'_>, scene: &Scene, rule: &str) -> Outcome<Vec<&'static str>> {
+    let rule = rule.parse()?;
     let rules = run(py, 1, |_| rules_with(rule, &scene.0))?;
     Ok(rules.into_iter().map(Rule::name).collect())
 }

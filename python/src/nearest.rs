@@ -1,18 +1,15 @@
 //! The nearest points of a scene.
 
 use firsthit::nearest::{
-    ClosestPoints, NearestSettings, SignSettings, closest_points as find, signed_distances_with,
+    NearestSettings, SignSettings, closest_points as find, signed_distances_with,
 };
-use firsthit::watch::Watch;
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::not_contiguous;
-use crate::errors::raise;
-use crate::measure::{fill, measured};
-use crate::run::{guarded, report_done, run_reported};
+use crate::errors::Outcome;
+use crate::measure::measured;
+use crate::run::{FEW, run_sized};
 use crate::scene::Scene;
-use crate::shoot::FEW;
 
 /// Distance, object and primitive, and the coordinates of points and of the weights of corners 1 and 2, flat.
 type Found<'py> = (
@@ -32,19 +29,14 @@ pub(crate) fn closest_points<'py>(
     wanted: (usize, f64),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<Found<'py>> {
-    let points = points.as_slice().map_err(not_contiguous)?.as_chunks().0;
+) -> Outcome<Found<'py>> {
+    let points = points.as_slice()?.as_chunks().0;
     let (count, radius) = wanted;
     let wanted = NearestSettings { count, radius };
-    let work = |watch: &dyn Watch| find(&scene.0, points, wanted, watch);
-    let report = report.as_ref();
-    let found: ClosestPoints = if points.len().saturating_mul(count) < FEW {
-        let found = guarded(|| work(&()))?.map_err(|error| raise(py, &error))?;
-        report_done(report, points.len())?;
-        found
-    } else {
-        run_reported(py, threads, report, |stop| work(stop))?
-    };
+    let size = (points.len(), points.len().saturating_mul(count) < FEW);
+    let found = run_sized(py, size, threads, report.as_ref(), |watch| {
+        find(&scene.0, points, wanted, watch)
+    })?;
     Ok((
         PyArray1::from_vec(py, found.distance),
         PyArray1::from_vec(py, found.object),
@@ -63,12 +55,12 @@ pub(crate) fn signed_distances<'py>(
     how: (String, bool),
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let points = points.as_slice().map_err(not_contiguous)?.as_chunks().0;
+) -> Outcome<Bound<'py, PyArray1<f64>>> {
+    let points = points.as_slice()?.as_chunks().0;
     let size = (scene, points.len());
     let (rule, allow_open) = how;
     let settings = SignSettings {
-        rule: fill(py, &rule)?,
+        rule: rule.parse()?,
         allow_open,
         ..SignSettings::default()
     };

@@ -5,20 +5,19 @@ use std::path::PathBuf;
 use firsthit::Error;
 use firsthit::error::Place;
 use firsthit::scene_file::Mistake;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::errors::raise;
+use crate::errors::{Outcome, Raised};
 
 /// The values of a plan as JSON. A mistake is told with its line and column in a file, and else
 /// with the table that it is in.
 #[pyfunction]
-pub(crate) fn read_plan(py: Python<'_>, text: &[u8], path: Option<PathBuf>) -> PyResult<String> {
-    let read = firsthit::scene_file::read_plan(text).map_err(|error| raise(py, &error))?;
+pub(crate) fn read_plan(text: &[u8], path: Option<PathBuf>) -> Outcome<String> {
+    let read = firsthit::scene_file::read_plan(text)?;
     read.map_err(|Mistake { place, table, what }| match path {
-        Some(path) => raise(py, &Error::Parse { path, place, what }),
-        None if table.is_empty() => PyValueError::new_err(format!("plan: {what}")),
-        None => PyValueError::new_err(format!("plan: {table}: {what}")),
+        Some(path) => Error::Parse { path, place, what }.into(),
+        None if table.is_empty() => Raised::value(format!("plan: {what}")),
+        None => Raised::value(format!("plan: {table}: {what}")),
     })
 }
 

@@ -13,7 +13,7 @@ use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::errors::raise;
+use crate::errors::{Outcome, raise};
 
 /// The time between two questions to the interpreter whether Ctrl-C was pressed.
 const POLL: Duration = Duration::from_millis(50);
@@ -72,8 +72,11 @@ impl Watch for Stop {
 pub(crate) type Report<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
 
 /// Calls `report` with the number of rays done.
-pub(crate) fn report_done(report: Report<'_, '_>, done: usize) -> PyResult<()> {
-    report.map_or(Ok(()), |report| report.call1((done,)).map(drop))
+pub(crate) fn report_done(report: Report<'_, '_>, done: usize) -> Outcome<()> {
+    if let Some(report) = report {
+        report.call1((done,))?;
+    }
+    Ok(())
 }
 
 /// The stack of a thread, rayon's own default.
@@ -97,7 +100,7 @@ pub(crate) fn all_threads() -> usize {
 }
 
 /// A pool of `threads` threads (0: all cores), or of as many as the system grants: the result is the same.
-fn pool(threads: usize) -> PyResult<ThreadPool> {
+fn pool(threads: usize) -> Outcome<ThreadPool> {
     let mut threads = if threads == 0 { all_threads() } else { threads };
     loop {
         let builder = ThreadPoolBuilder::new().num_threads(threads);
@@ -110,7 +113,7 @@ fn pool(threads: usize) -> PyResult<ThreadPool> {
         };
         if threads <= 1 {
             let text = format!("the system grants no thread to work in: {why}");
-            return Err(PyMemoryError::new_err(text));
+            return Err(PyMemoryError::new_err(text).into());
         }
         threads /= 2;
     }
@@ -144,8 +147,8 @@ pub(crate) fn silence_panics() {
 }
 
 /// Does `work`; a panic is a bug of ours and becomes a `RuntimeError`.
-pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> PyResult<T> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| bug(&*panic))
+pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> Outcome<T> {
+    Ok(catch_unwind(AssertUnwindSafe(work)).map_err(|panic| bug(&*panic))?)
 }
 
 fn bug(panic: &(dyn Any + Send)) -> PyErr {
@@ -159,12 +162,32 @@ fn bug(panic: &(dyn Any + Send)) -> PyErr {
     ))
 }
 
+/// Fewer rays than this are done at once: making threads would take longer.
+pub(crate) const FEW: usize = 512;
+
+/// Does `work` that is `little` by the calling thread alone, and any other as [`run_reported`] does. `count` is what is reported
+/// as done.
+pub(crate) fn run_sized<T: Send>(
+    py: Python<'_>,
+    (count, is_little): (usize, bool),
+    threads: usize,
+    report: Report<'_, '_>,
+    work: impl FnOnce(&dyn Watch) -> Result<T> + Send,
+) -> Outcome<T> {
+    if is_little {
+        let made = guarded(|| work(&()))??;
+        report_done(report, count)?;
+        return Ok(made);
+    }
+    run_reported(py, threads, report, |stop| work(stop))
+}
+
 /// [`run_reported`] without a report.
 pub(crate) fn run<T: Send>(
     py: Python<'_>,
     threads: usize,
     work: impl FnOnce(&Stop) -> Result<T> + Send,
-) -> PyResult<T> {
+) -> Outcome<T> {
     run_reported(py, threads, None, work)
 }
 
@@ -179,7 +202,7 @@ pub(crate) fn run_reported<T: Send>(
     threads: usize,
     report: Report<'_, '_>,
     work: impl FnOnce(&Stop) -> Result<T> + Send,
-) -> PyResult<T> {
+) -> Outcome<T> {
     let listener = report.map(|report| report.clone().unbind());
     let pool = pool(threads)?;
     let stop = Stop::default();
@@ -221,10 +244,9 @@ pub(crate) fn run_reported<T: Send>(
         {
             signal.set_cause(py, Some(raise(py, error)));
         }
-        return Err(signal);
+        return Err(signal.into());
     }
-    let result = result.map_err(|panic| bug(&*panic))?;
-    let result = result.map_err(|error: Error| raise(py, &error))?;
+    let result = result.map_err(|panic| bug(&*panic))??;
     report.map_or(Ok(()), |report| stop.report(report))?;
     Ok(result)
 }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use firsthit::image::{Data, Origin};
 use firsthit::scan::{self, Scan};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use crate::errors::raise;
+use crate::errors::{Outcome, Raised};
 use crate::frame::{array, data};
 use crate::run::{run, run_reported};
 use crate::scene::Scene;
@@ -22,7 +22,6 @@ impl ScanSettings {
     #[new]
     #[expect(clippy::too_many_arguments, reason = "sent by the Python half alone")]
     fn new(
-        py: Python<'_>,
         returns: &str,
         divergence: Option<f64>,
         subrays: usize,
@@ -34,26 +33,23 @@ impl ScanSettings {
         dropout: Option<f64>,
         seed: Option<u64>,
         rings: &str,
-    ) -> PyResult<Self> {
-        let made = || {
-            let settings = scan::ScanSettings {
-                returns: returns.parse()?,
-                divergence,
-                subrays,
-                range_gate,
-                max_returns,
-                min_range: limits[0],
-                max_range: limits[1],
-                intensity,
-                noise,
-                dropout,
-                seed,
-                rings: rings.parse()?,
-            };
-            settings.check()?;
-            Ok(settings)
+    ) -> Outcome<Self> {
+        let settings = scan::ScanSettings {
+            returns: returns.parse()?,
+            divergence,
+            subrays,
+            range_gate,
+            max_returns,
+            min_range: limits[0],
+            max_range: limits[1],
+            intensity,
+            noise,
+            dropout,
+            seed,
+            rings: rings.parse()?,
         };
-        made().map(Self).map_err(|error| raise(py, &error))
+        settings.check()?;
+        Ok(Self(settings))
     }
 
     /// The settings as JSON.
@@ -83,19 +79,19 @@ type ScanOut<'py> = (ColumnsOut<'py>, [usize; 2], String);
 pub(crate) struct ScanIn<'py>(Vec<(String, Bound<'py, PyAny>)>, [usize; 2], String);
 
 impl ScanIn<'_> {
-    fn scan(&self, py: Python<'_>) -> PyResult<Scan> {
+    fn scan(&self) -> Outcome<Scan> {
         let Self(columns, shape, origin) = self;
         let columns = columns
             .iter()
             .map(|(name, array)| Ok((name.clone(), data(array)?)));
-        let columns = columns.collect::<PyResult<_>>()?;
-        Scan::of(columns, *shape, origin_of(origin)?).map_err(|error| raise(py, &error))
+        let columns = columns.collect::<Outcome<_>>()?;
+        Ok(Scan::of(columns, *shape, origin_of(origin)?)?)
     }
 }
 
-fn origin_of(text: &str) -> PyResult<Origin> {
+fn origin_of(text: &str) -> Outcome<Origin> {
     let origin = serde_json::from_str(text);
-    origin.map_err(|error| PyValueError::new_err(format!("origin: {error}")))
+    origin.map_err(|error| Raised::value(format!("origin: {error}")))
 }
 
 fn columns_out(
@@ -108,7 +104,7 @@ fn columns_out(
         .collect()
 }
 
-fn scan_out(py: Python<'_>, scan: Scan) -> PyResult<ScanOut<'_>> {
+fn scan_out(py: Python<'_>, scan: Scan) -> Outcome<ScanOut<'_>> {
     let shape = scan.shape();
     let origin = serde_json::to_string(scan.frame().origin());
     let origin = origin.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
@@ -126,7 +122,7 @@ pub(crate) fn scan_columns<'py>(
     settings: &ScanSettings,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<ColumnsOut<'py>> {
+) -> Outcome<ColumnsOut<'py>> {
     let lidar = sensor.lidar_of()?;
     let columns = run_reported(py, threads, report.as_ref(), |stop| {
         scan::columns(lidar, &scene.0, &settings.0, stop)
@@ -136,37 +132,30 @@ pub(crate) fn scan_columns<'py>(
 
 /// The metadata of a scan with columns of these names, as JSON.
 #[pyfunction]
-pub(crate) fn scan_metadata(
-    py: Python<'_>,
-    names: Vec<String>,
-    count: u64,
-    origin: &str,
-) -> PyResult<String> {
-    let made = scan::metadata(&names, count, origin_of(origin)?);
-    made.map(|metadata| metadata.to_json())
-        .map_err(|error| raise(py, &error))
+pub(crate) fn scan_metadata(names: Vec<String>, count: u64, origin: &str) -> Outcome<String> {
+    Ok(scan::metadata(&names, count, origin_of(origin)?)?.to_json())
 }
 
 /// Several scans as one.
 #[pyfunction]
-pub(crate) fn join_scans<'py>(py: Python<'py>, scans: Vec<ScanIn<'py>>) -> PyResult<ScanOut<'py>> {
+pub(crate) fn join_scans<'py>(py: Python<'py>, scans: Vec<ScanIn<'py>>) -> Outcome<ScanOut<'py>> {
     let scans = scans
         .iter()
-        .map(|scan| scan.scan(py))
-        .collect::<PyResult<Vec<Scan>>>()?;
+        .map(|scan| scan.scan())
+        .collect::<Outcome<Vec<Scan>>>()?;
     scan_out(py, run(py, 1, |_| Scan::joined(scans))?)
 }
 
 /// Writes a scan in the format of the path's extension, whole or not at all.
 #[pyfunction]
-pub(crate) fn write_scan(py: Python<'_>, path: PathBuf, scan: ScanIn<'_>) -> PyResult<()> {
-    let scan = scan.scan(py)?;
+pub(crate) fn write_scan(py: Python<'_>, path: PathBuf, scan: ScanIn<'_>) -> Outcome<()> {
+    let scan = scan.scan()?;
     run(py, 1, |stop| scan.write(&path, stop))
 }
 
 /// Reads a scan from an NPZ.
 #[pyfunction]
-pub(crate) fn read_scan(py: Python<'_>, path: PathBuf) -> PyResult<ScanOut<'_>> {
+pub(crate) fn read_scan(py: Python<'_>, path: PathBuf) -> Outcome<ScanOut<'_>> {
     scan_out(py, run(py, 1, |_| Scan::read(&path))?)
 }
 

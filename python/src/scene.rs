@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
-use firsthit::scene::{Build, BuildSettings, Label};
+use firsthit::scene::{BuildSettings, Label};
 use firsthit::watch::Watch;
 use firsthit::{DAffine3, DMat3, DVec3, Material, Object, Transform};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
@@ -13,9 +13,8 @@ use pyo3::ffi::PyObject;
 use pyo3::prelude::*;
 use pyo3::types::{PyInt, PyList};
 
-use crate::arrays::not_contiguous;
 use crate::environment::{EnvironmentIn, environment_in};
-use crate::errors::raise;
+use crate::errors::{Outcome, Raised};
 use crate::load::Objects;
 use crate::material::{MaterialIn, material};
 use crate::run::{Report, guarded, run, run_reported};
@@ -66,13 +65,13 @@ impl<'py> FromPyObject<'_, 'py> for Given<'py> {
 struct Rows([[f64; 4]; 4]);
 
 impl<'py> FromPyObject<'_, 'py> for Rows {
-    type Error = PyErr;
+    type Error = Raised;
 
-    fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+    fn extract(given: Borrowed<'_, 'py, PyAny>) -> Outcome<Self> {
         let array: PyReadonlyArray2<'_, f64> = given.extract()?;
-        let rows = transforms(array.as_slice().map_err(not_contiguous)?);
-        let rows = rows.first().copied().map(Self);
-        rows.ok_or_else(|| not_contiguous(()))
+        let rows = transforms(array.as_slice()?).first();
+        let wrong = || Raised::value("expected an array of shape (4, 4)");
+        Ok(Self(*rows.ok_or_else(wrong)?))
     }
 }
 
@@ -107,10 +106,9 @@ impl Scene {
         previous: Option<&Self>,
         build: &str,
         report: Report<'_, '_>,
-    ) -> PyResult<Self> {
-        let trees: firsthit::Result<Build> = build.parse();
+    ) -> Outcome<Self> {
         let trees = BuildSettings {
-            build: trees.map_err(|error| raise(py, &error))?,
+            build: build.parse()?,
             rays: None,
         };
         let mut known = Materials::default();
@@ -118,13 +116,13 @@ impl Scene {
         let objects: Vec<Object> = objects
             .iter()
             .map(|given| match (given, &of_file) {
-                (Given::New(object), _) => object_in(py, object, &mut known),
-                (Given::OfFile(number), Some(file)) => file.object(*number).cloned(),
-                (Given::OfFile(_), None) => Err(PyIndexError::new_err("there is no file")),
+                (Given::New(object), _) => object_in(object, &mut known),
+                (Given::OfFile(number), Some(file)) => Ok(file.object(*number)?.clone()),
+                (Given::OfFile(_), None) => Err(PyIndexError::new_err("there is no file").into()),
             })
-            .collect::<PyResult<_>>()?;
-        let lights = lights.iter().map(light_in).collect::<firsthit::Result<_>>();
-        let lights = lights.map_err(|error| raise(py, &error))?;
+            .collect::<Outcome<_>>()?;
+        let lights = lights.iter().map(light_in);
+        let lights = lights.collect::<firsthit::Result<_>>()?;
         let scene = run_reported(py, 0, report, |stop| match previous {
             Some(Self(previous)) => previous
                 .try_clone()?
@@ -138,7 +136,7 @@ impl Scene {
         } else {
             up.into()
         };
-        let environment = environment.map(|environment| environment_in(py, &environment, up));
+        let environment = environment.map(|environment| environment_in(&environment, up));
         let environment = environment.transpose()?.map(Arc::new);
         Ok(Self(
             scene.with_lights(lights).with_environment(environment),
@@ -153,22 +151,22 @@ impl Scene {
         replaced: Vec<(usize, ObjectIn<'_>)>,
         places: Places<'_>,
         hidden: Vec<(usize, bool)>,
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let mut known = Materials::default();
         let replaced: Vec<(usize, Object)> = replaced
             .iter()
-            .map(|(identifier, object)| Ok((*identifier, object_in(py, object, &mut known)?)))
-            .collect::<PyResult<_>>()?;
+            .map(|(identifier, object)| Ok((*identifier, object_in(object, &mut known)?)))
+            .collect::<Outcome<_>>()?;
         let (moved, rows) = places;
-        let moved = moved.as_slice().map_err(not_contiguous)?;
-        let rows = rows.as_slice().map_err(not_contiguous)?;
+        let moved = moved.as_slice()?;
+        let rows = rows.as_slice()?;
         let places: Vec<(usize, Transform)> = (moved.iter().zip(transforms(rows)))
             .map(|(&identifier, rows)| {
                 // A negative one is that of no object.
                 let identifier = usize::try_from(identifier).unwrap_or(usize::MAX);
-                Ok((identifier, transform(py, rows)?))
+                Ok((identifier, transform(rows)?))
             })
-            .collect::<PyResult<_>>()?;
+            .collect::<Outcome<_>>()?;
         let has_new_trees = !replaced.is_empty();
         let changed = |watch: &dyn Watch| {
             let mut scene = self.0.try_clone()?;
@@ -190,8 +188,7 @@ impl Scene {
             Ok(scene)
         };
         if self.0.objects().len() < FEW_OBJECTS && !has_new_trees {
-            let changed = guarded(|| py.detach(|| changed(&())))?;
-            return changed.map(Self).map_err(|error| raise(py, &error));
+            return Ok(Self(guarded(|| py.detach(|| changed(&())))??));
         }
         run(py, 0, |stop| changed(stop)).map(Self)
     }
@@ -205,7 +202,7 @@ impl Scene {
         mask: u32,
         only: Option<Vec<usize>>,
         blend_below: Option<f64>,
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let objects = self.0.objects();
         let mut hidden = vec![only.is_some(); objects.len()];
         for identifier in only.into_iter().flatten() {
@@ -231,8 +228,7 @@ impl Scene {
             scene.hide_objects(&hidden).map(|()| scene)
         };
         if objects.len() < FEW_OBJECTS {
-            let seen = guarded(|| py.detach(seen))?;
-            return seen.map(Self).map_err(|error| raise(py, &error));
+            return Ok(Self(guarded(|| py.detach(seen))??));
         }
         run(py, 0, |_| seen()).map(Self)
     }
@@ -243,21 +239,20 @@ impl Scene {
         py: Python<'_>,
         environment: EnvironmentIn<'_>,
         up: [f64; 3],
-    ) -> PyResult<Self> {
-        let environment = environment_in(py, &environment, up.into())?;
+    ) -> Outcome<Self> {
+        let environment = environment_in(&environment, up.into())?;
         let lit = || {
             let scene = self.0.try_clone()?;
             let lights = scene.lights().iter().copied().chain(environment.sun());
             let lights = lights.collect();
             let scene = scene.with_lights(lights);
-            Ok(scene.with_environment(Some(Arc::new(environment))))
+            Ok(Self(scene.with_environment(Some(Arc::new(environment)))))
         };
-        let lit = guarded(|| py.detach(lit))?;
-        lit.map(Self).map_err(|error| raise(py, &error))
+        guarded(|| py.detach(lit))?
     }
 
     /// The names of what the identifiers of a channel stand for: objects, nodes, meshes or materials.
-    fn names(&self, py: Python<'_>, channel: &str) -> PyResult<Vec<String>> {
+    fn names(&self, py: Python<'_>, channel: &str) -> Outcome<Vec<String>> {
         let catalog = guarded(|| py.detach(|| self.0.catalog()))?;
         let names = match channel {
             "node" => catalog.nodes(),
@@ -272,13 +267,13 @@ impl Scene {
     }
 
     /// The direction upwards where by `convention` it is +y or +z, as far as the meshes tell.
-    fn likely_up(&self, py: Python<'_>, convention: [f64; 3]) -> PyResult<[f64; 3]> {
+    fn likely_up(&self, py: Python<'_>, convention: [f64; 3]) -> Outcome<[f64; 3]> {
         let up = run(py, 0, |_| Ok(self.0.likely_up(DVec3::from(convention))))?;
         Ok(up.to_array())
     }
 
     /// The two corners of the box around all objects, or `None`.
-    fn bounds(&self, py: Python<'_>) -> PyResult<Option<[[f64; 3]; 2]>> {
+    fn bounds(&self, py: Python<'_>) -> Outcome<Option<[[f64; 3]; 2]>> {
         let bounds = guarded(|| py.detach(|| self.0.bounds()))?;
         let corners = [bounds.low.to_array(), bounds.high.to_array()];
         Ok((!bounds.is_empty()).then_some(corners))
@@ -289,9 +284,9 @@ impl Scene {
 #[pyfunction]
 pub(crate) fn check_transforms(
     rows: PyReadonlyArray3<'_, f64>,
-) -> PyResult<Option<(usize, String)>> {
-    let rows = rows.as_slice().map_err(not_contiguous)?;
-    let wrong = transforms(rows).iter().map(checked).enumerate();
+) -> Outcome<Option<(usize, String)>> {
+    let rows = rows.as_slice()?;
+    let wrong = transforms(rows).iter().map(transform).enumerate();
     let mut wrong = wrong.filter_map(|(k, made)| Some((k, made.err()?.to_string())));
     Ok(wrong.next())
 }
@@ -301,11 +296,7 @@ fn transforms(rows: &[f64]) -> &[[[f64; 4]; 4]] {
     rows.as_chunks::<4>().0.as_chunks::<4>().0
 }
 
-fn transform(py: Python<'_>, rows: &[[f64; 4]; 4]) -> PyResult<Transform> {
-    checked(rows).map_err(|error| raise(py, &error))
-}
-
-fn checked(rows: &[[f64; 4]; 4]) -> firsthit::Result<Transform> {
+fn transform(rows: &[[f64; 4]; 4]) -> firsthit::Result<Transform> {
     let column = |k: usize| DVec3::new(rows[0][k], rows[1][k], rows[2][k]);
     let matrix = DMat3::from_cols(column(0), column(1), column(2));
     Transform::new(DAffine3::from_mat3_translation(matrix, column(3)))
@@ -314,18 +305,18 @@ fn checked(rows: &[[f64; 4]; 4]) -> firsthit::Result<Transform> {
 /// The materials of objects, by the list that they come from: objects that share that share them.
 type Materials = HashMap<*mut PyObject, Arc<[Material]>>;
 
-fn object_in(py: Python<'_>, object: &ObjectIn<'_>, known: &mut Materials) -> PyResult<Object> {
+fn object_in(object: &ObjectIn<'_>, known: &mut Materials) -> Outcome<Object> {
     let ObjectIn(shape, name, rows, materials, mask, seen, [node, mesh]) = object;
     let (is_hidden, is_removed) = *seen;
     let mut object = Object::new(shape.0.clone()).named(name.clone());
     if let Some(rows) = rows {
-        object = object.placed(transform(py, &rows.0)?);
+        object = object.placed(transform(&rows.0)?);
     }
     let materials = match known.entry(materials.as_ptr()) {
         Entry::Occupied(known) => Arc::clone(known.get()),
         Entry::Vacant(new) => {
             let all: Vec<MaterialIn<'_>> = materials.extract()?;
-            let all: Vec<Material> = all.iter().map(material).collect::<PyResult<_>>()?;
+            let all: Vec<Material> = all.iter().map(material).collect::<Outcome<_>>()?;
             Arc::clone(new.insert(all.into()))
         }
     };

@@ -8,8 +8,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::{collected, copied};
-use crate::errors::raise;
-use crate::measure::fill;
+use crate::errors::Outcome;
 use crate::run::{Report, Stop, guarded, run, run_reported};
 use crate::scene::Scene;
 
@@ -41,10 +40,9 @@ impl Section {
         rule: &str,
         threads: usize,
         report: Report<'_, '_>,
-    ) -> PyResult<Self> {
-        let plane = SectionPlane::new(DVec3::from(origin), DVec3::from(normal));
-        let plane = plane.map_err(|error| raise(py, &error))?;
-        let rule = fill(py, rule)?;
+    ) -> Outcome<Self> {
+        let plane = SectionPlane::new(DVec3::from(origin), DVec3::from(normal))?;
+        let rule = rule.parse()?;
         let cut = |stop: &Stop| section_with(rule, &scene.0, plane, stop);
         run_reported(py, threads, report, cut).map(Self)
     }
@@ -56,12 +54,12 @@ impl Section {
     }
 
     /// The area and the perimeter.
-    fn totals(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
+    fn totals(&self, py: Python<'_>) -> Outcome<(f64, f64)> {
         guarded(|| py.detach(|| (self.0.area(), self.0.perimeter())))
     }
 
     /// The polylines, all arrays copies.
-    fn polylines<'py>(&self, py: Python<'py>) -> PyResult<Vec<PolylineOut<'py>>> {
+    fn polylines<'py>(&self, py: Python<'py>) -> Outcome<Vec<PolylineOut<'py>>> {
         let plane = self.0.plane();
         let one = |polyline: firsthit::section::Polyline<'_>| {
             let points = polyline.points;
@@ -93,7 +91,7 @@ impl Section {
     }
 
     /// Writes it to a file, whose extension tells the format.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    fn save(&self, py: Python<'_>, path: PathBuf) -> Outcome<()> {
         run(py, 1, |stop| self.0.save(path, stop))
     }
 }

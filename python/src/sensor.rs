@@ -12,12 +12,11 @@ use firsthit::sensor::{
 use firsthit::trajectory::{BodyAxes, TrajectoryFormat, read_kitti, read_kitti_times};
 use firsthit::{DAffine3, DMat3, DQuat, DVec3, Error, Pose};
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{collected, copied, not_contiguous};
+use crate::arrays::{collected, copied};
 use crate::camera::{Camera, RayArraysOut, checked_pixels, distances_of, ray_arrays, rays_of_rows};
-use crate::errors::raise;
+use crate::errors::{Outcome, Raised};
 use crate::run::run;
 
 /// The largest trajectory or table that is read, in bytes.
@@ -47,19 +46,15 @@ impl SensorIn<'_> {
 }
 
 impl Sensor {
-    fn made(
-        py: Python<'_>,
-        made: firsthit::Result<impl AnySensor + Send + Sync + 'static>,
-    ) -> PyResult<Self> {
-        let any = made.map_err(|error| raise(py, &error))?;
-        Ok(Self {
-            any: Arc::new(any),
+    fn made(sensor: impl AnySensor + Send + Sync + 'static) -> Self {
+        Self {
+            any: Arc::new(sensor),
             lidar: None,
-        })
+        }
     }
 
-    pub(crate) fn lidar_of(&self) -> PyResult<&Lidar> {
-        let no_lidar = || PyValueError::new_err("expected a lidar");
+    pub(crate) fn lidar_of(&self) -> Outcome<&Lidar> {
+        let no_lidar = || Raised::value("expected a lidar");
         self.lidar.as_deref().ok_or_else(no_lidar)
     }
 }
@@ -69,7 +64,7 @@ fn pose_of(rows: [[f64; 4]; 4]) -> firsthit::Result<Pose> {
     Pose::from_matrix(&Convention::OpenGl.pose(rows)?)
 }
 
-fn vectors(flat: &[f64]) -> PyResult<Vec<DVec3>> {
+fn vectors(flat: &[f64]) -> Outcome<Vec<DVec3>> {
     let (vectors, _) = flat.as_chunks::<3>();
     collected(vectors.len(), vectors.iter().map(|&v| DVec3::from(v)))
 }
@@ -79,51 +74,42 @@ impl Sensor {
     /// A table of rays: of origins and directions one for all, or one for each.
     #[staticmethod]
     fn table(
-        py: Python<'_>,
         origins: PyReadonlyArray1<'_, f64>,
         directions: PyReadonlyArray1<'_, f64>,
         shape: [usize; 2],
         aim: Option<[f64; 3]>,
-    ) -> PyResult<Self> {
-        let origins = vectors(origins.as_slice().map_err(not_contiguous)?)?;
-        let directions = vectors(directions.as_slice().map_err(not_contiguous)?)?;
-        let sensor = RaySensor::new(origins, directions, shape);
-        Self::made(
-            py,
-            sensor.and_then(|sensor| match aim {
-                Some(aim) => sensor.aimed(DVec3::from(aim)),
-                None => Ok(sensor),
-            }),
-        )
+    ) -> Outcome<Self> {
+        let origins = vectors(origins.as_slice()?)?;
+        let directions = vectors(directions.as_slice()?)?;
+        let sensor = RaySensor::new(origins, directions, shape)?;
+        Ok(Self::made(match aim {
+            Some(aim) => sensor.aimed(DVec3::from(aim))?,
+            None => sensor,
+        }))
     }
 
     /// A camera whose lines are read out one after the other.
     #[staticmethod]
     fn rolling_shutter(
-        py: Python<'_>,
         camera: &Camera,
         body: &Trajectory,
         start: f64,
         readout: f64,
         direction: &str,
-    ) -> PyResult<Self> {
-        let direction = direction.parse();
-        let sensor = direction.and_then(|direction| {
-            RollingShutter::new(&camera.0, &body.0, start, readout, direction)
-        });
-        Self::made(py, sensor)
+    ) -> Outcome<Self> {
+        let shutter = RollingShutter::new(&camera.0, &body.0, start, readout, direction.parse()?);
+        Ok(Self::made(shutter?))
     }
 
     /// A camera of one row, at a time for each row of the picture.
     #[staticmethod]
     fn pushbroom(
-        py: Python<'_>,
         camera: &Camera,
         body: &Trajectory,
         times: PyReadonlyArray1<'_, f64>,
-    ) -> PyResult<Self> {
-        let times = copied(times.as_slice().map_err(not_contiguous)?)?;
-        Self::made(py, Pushbroom::new(&camera.0, &body.0, times))
+    ) -> Outcome<Self> {
+        let times = copied(times.as_slice()?)?;
+        Ok(Self::made(Pushbroom::new(&camera.0, &body.0, times)?))
     }
 
     /// A laser scanner at a pose in the world, or in the coordinates of the body that carries it.
@@ -133,7 +119,7 @@ impl Sensor {
         pattern: &Pattern,
         pose: [[f64; 4]; 4],
         body: Option<&Trajectory>,
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let lidar = run(py, 1, |_| {
             let (pattern, pose) = (pattern.0.clone(), pose_of(pose)?);
             match body {
@@ -163,7 +149,7 @@ impl Sensor {
         &self,
         py: Python<'py>,
         pixels: PyReadonlyArray1<'py, i64>,
-    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+    ) -> Outcome<Option<Bound<'py, PyArray1<f64>>>> {
         let times = checked_pixels(&pixels, self.any.len())?.map(|pixel| self.any.time(pixel));
         let times: Option<Vec<f64>> = times.collect();
         Ok(times.map(|times| PyArray1::from_vec(py, times)))
@@ -175,7 +161,7 @@ impl Sensor {
         py: Python<'py>,
         rows: (usize, usize),
         sample: u32,
-    ) -> PyResult<RayArraysOut<'py>> {
+    ) -> Outcome<RayArraysOut<'py>> {
         rays_of_rows(py, &*self.any, rows, sample)
     }
 
@@ -184,7 +170,7 @@ impl Sensor {
         &self,
         py: Python<'py>,
         pixels: PyReadonlyArray1<'py, i64>,
-    ) -> PyResult<RayArraysOut<'py>> {
+    ) -> Outcome<RayArraysOut<'py>> {
         let pixels: Vec<usize> = checked_pixels(&pixels, self.any.len())?.collect();
         ray_arrays(py, pixels.len(), |k| self.any.ray(pixels[k]))
     }
@@ -196,7 +182,7 @@ impl Sensor {
         is_range: bool,
         pixels: PyReadonlyArray1<'py, i64>,
         t: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
         distances_of(py, &*self.any, is_range, &pixels, &t)
     }
 
@@ -206,7 +192,7 @@ impl Sensor {
         &self,
         py: Python<'py>,
         pixels: PyReadonlyArray1<'py, i64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
         let places = checked_pixels(&pixels, self.any.len())?.flat_map(|pixel| {
             let (position, aim) = self.any.place(pixel);
             [position, aim.unwrap_or(DVec3::NAN)].map(|v| v.to_array())
@@ -220,7 +206,7 @@ impl Sensor {
         &self,
         py: Python<'py>,
         pixels: PyReadonlyArray1<'py, i64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
         let lidar = self.lidar_of()?;
         let pixels = checked_pixels(&pixels, self.any.len())?;
         let poses = pixels.map(|pixel| matrix_of(&lidar.pose(pixel)));
@@ -248,66 +234,48 @@ type BeamsOut<'py> = (
     Bound<'py, PyArray1<i32>>,
 );
 
-impl Pattern {
-    fn made(py: Python<'_>, made: firsthit::Result<firsthit::sensor::Pattern>) -> PyResult<Self> {
-        made.map(Self).map_err(|error| raise(py, &error))
-    }
-}
-
 #[pymethods]
 impl Pattern {
     /// A head that turns. `azimuths` are those of the start and the end, `time` the rate and the start; `offsets` those of azimuths
     /// and firings.
     #[staticmethod]
     fn spinning(
-        py: Python<'_>,
         elevations: Vec<f64>,
         columns: usize,
         azimuths: [f64; 2],
         direction: &str,
         time: [f64; 2],
         offsets: (Vec<f64>, Vec<f64>),
-    ) -> PyResult<Self> {
-        let direction = direction.parse().map_err(|error| raise(py, &error))?;
+    ) -> Outcome<Self> {
         let made = firsthit::sensor::Pattern::spinning(&Spinning {
             elevations,
             columns,
             azimuth_start: azimuths[0],
             azimuth_end: azimuths[1],
-            direction,
+            direction: direction.parse()?,
             rate: time[0],
             start: time[1],
             azimuth_offsets: offsets.0,
             firing_offsets: offsets.1,
         });
-        Self::made(py, made)
+        Ok(Self(made?))
     }
 
     /// A model by its name.
     #[staticmethod]
-    fn named(
-        py: Python<'_>,
-        name: &str,
-        rate: f64,
-        columns: Option<usize>,
-        start: f64,
-    ) -> PyResult<Self> {
-        let model = name.parse();
-        Self::made(
-            py,
-            model.and_then(|model: LidarModel| model.pattern(rate, columns, start)),
-        )
+    fn named(name: &str, rate: f64, columns: Option<usize>, start: f64) -> Outcome<Self> {
+        let model: LidarModel = name.parse()?;
+        Ok(Self(model.pattern(rate, columns, start)?))
     }
 
     /// Rows and columns of equal angles.
     #[staticmethod]
     fn raster(
-        py: Python<'_>,
         fov: [f64; 2],
         size: [usize; 2],
         is_serpentine: bool,
         time: [f64; 2],
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let made = firsthit::sensor::Pattern::raster(&Raster {
             horizontal_fov: fov[0],
             vertical_fov: fov[1],
@@ -317,19 +285,18 @@ impl Pattern {
             is_serpentine,
             start: time[1],
         });
-        Self::made(py, made)
+        Ok(Self(made?))
     }
 
     /// The rose of two prisms.
     #[staticmethod]
     fn rosette(
-        py: Python<'_>,
         fov: f64,
         frequencies: [f64; 2],
         share: f64,
         points: usize,
         time: [f64; 2],
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let made = firsthit::sensor::Pattern::rosette(&Rosette {
             fov,
             frequencies,
@@ -338,19 +305,18 @@ impl Pattern {
             point_rate: time[0],
             start: time[1],
         });
-        Self::made(py, made)
+        Ok(Self(made?))
     }
 
     /// The figure of a mirror that swings.
     #[staticmethod]
     fn lissajous(
-        py: Python<'_>,
         fov: [f64; 2],
         frequencies: [f64; 2],
         phase: f64,
         points: usize,
         time: [f64; 2],
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let made = firsthit::sensor::Pattern::lissajous(&Lissajous {
             horizontal_fov: fov[0],
             vertical_fov: fov[1],
@@ -360,35 +326,33 @@ impl Pattern {
             point_rate: time[0],
             start: time[1],
         });
-        Self::made(py, made)
+        Ok(Self(made?))
     }
 
     /// Beams in arrays; those of times and rings may be empty.
     #[staticmethod]
     fn table(
-        py: Python<'_>,
         azimuths: PyReadonlyArray1<'_, f64>,
         elevations: PyReadonlyArray1<'_, f64>,
         times: PyReadonlyArray1<'_, f64>,
         rings: PyReadonlyArray1<'_, i32>,
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let made = firsthit::sensor::Pattern::table(
-            azimuths.as_slice().map_err(not_contiguous)?,
-            elevations.as_slice().map_err(not_contiguous)?,
-            times.as_slice().map_err(not_contiguous)?,
-            rings.as_slice().map_err(not_contiguous)?,
+            azimuths.as_slice()?,
+            elevations.as_slice()?,
+            times.as_slice()?,
+            rings.as_slice()?,
         );
-        Self::made(py, made)
+        Ok(Self(made?))
     }
 
     /// Beams in a CSV file.
     #[staticmethod]
-    fn read_csv(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let made = py.detach(|| {
+    fn read_csv(py: Python<'_>, path: PathBuf) -> Outcome<Self> {
+        py.detach(|| {
             let text = read_regular(&path, MOST_BYTES)?;
-            firsthit::sensor::Pattern::read_csv(&text, &path)
-        });
-        Self::made(py, made)
+            Ok(Self(firsthit::sensor::Pattern::read_csv(&text, &path)?))
+        })
     }
 
     /// The source of the pattern: the name of a model or of a kind.
@@ -402,7 +366,7 @@ impl Pattern {
     }
 
     /// All beams, row by row.
-    fn beams<'py>(&self, py: Python<'py>) -> PyResult<BeamsOut<'py>> {
+    fn beams<'py>(&self, py: Python<'py>) -> Outcome<BeamsOut<'py>> {
         let directions = self.0.directions();
         let flat = directions.iter().flat_map(DVec3::to_array);
         Ok((
@@ -438,17 +402,12 @@ impl Trajectory {
         rotations: PyReadonlyArray1<'_, f64>,
         interpolation: &str,
         extrapolation: &str,
-    ) -> PyResult<Self> {
-        let times = copied(times.as_slice().map_err(not_contiguous)?)?;
-        let positions = vectors(positions.as_slice().map_err(not_contiguous)?)?;
-        let (rotations, _) = rotations
-            .as_slice()
-            .map_err(not_contiguous)?
-            .as_chunks::<4>();
+    ) -> Outcome<Self> {
+        let times = copied(times.as_slice()?)?;
+        let positions = vectors(positions.as_slice()?)?;
+        let (rotations, _) = rotations.as_slice()?.as_chunks::<4>();
         if rotations.len() != positions.len() {
-            return Err(PyValueError::new_err(
-                "expected a rotation for each position",
-            ));
+            return Err(Raised::value("expected a rotation for each position"));
         }
         let poses = positions
             .iter()
@@ -458,12 +417,11 @@ impl Trajectory {
                 rotation: DQuat::from_array(turn),
             });
         let poses = collected(rotations.len(), poses)?;
-        let made = py.detach(|| {
+        py.detach(|| {
             let trajectory = firsthit::Trajectory::new(times, poses)?;
             let trajectory = trajectory.interpolated(interpolation.parse()?)?;
-            Ok(trajectory.extrapolated(extrapolation.parse()?))
-        });
-        made.map(Self).map_err(|error| raise(py, &error))
+            Ok(Self(trajectory.extrapolated(extrapolation.parse()?)))
+        })
     }
 
     /// The quaternions (x, y, z, w) of rigid matrices of 3 rows of 4, flat.
@@ -471,19 +429,15 @@ impl Trajectory {
     fn rotations<'py>(
         py: Python<'py>,
         matrices: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (matrices, _) = matrices
-            .as_slice()
-            .map_err(not_contiguous)?
-            .as_chunks::<12>();
+    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
+        let (matrices, _) = matrices.as_slice()?.as_chunks::<12>();
         let mut rotations = Vec::with_capacity(4 * matrices.len());
         for (index, m) in matrices.iter().enumerate() {
             let column = |k: usize| DVec3::new(m[k], m[4 + k], m[8 + k]);
             let rotation = DMat3::from_cols(column(0), column(1), column(2));
             let pose = DAffine3::from_mat3_translation(rotation, column(3));
-            let pose = Pose::from_matrix(&pose).map_err(|error| {
-                PyValueError::new_err(format!("matrices: at index {index}: {error}"))
-            })?;
+            let pose = Pose::from_matrix(&pose)
+                .map_err(|error| Raised::value(format!("matrices: at index {index}: {error}")))?;
             rotations.extend(pose.rotation.to_array());
         }
         Ok(PyArray1::from_vec(py, rotations))
@@ -498,8 +452,8 @@ impl Trajectory {
         times: Option<PathBuf>,
         interpolation: &str,
         extrapolation: &str,
-    ) -> PyResult<Self> {
-        let made = py.detach(|| {
+    ) -> Outcome<Self> {
+        py.detach(|| {
             let format: TrajectoryFormat = kind.parse()?;
             let text = read_regular(&path, MOST_BYTES)?;
             let trajectory = match times {
@@ -509,27 +463,25 @@ impl Trajectory {
                 }
                 Some(_) => {
                     let expected = "left out: only KITTI has them in a file of their own";
-                    return Err(Error::argument("times", expected, format.name()));
+                    return Err(Error::argument("times", expected, format.name()).into());
                 }
                 None => format.read(&text, &path)?,
             };
             let trajectory = trajectory.interpolated(interpolation.parse()?)?;
-            Ok(trajectory.extrapolated(extrapolation.parse()?))
-        });
-        made.map(Self).map_err(|error| raise(py, &error))
+            Ok(Self(trajectory.extrapolated(extrapolation.parse()?)))
+        })
     }
 
     /// Writes it as CSV or as TUM does.
-    fn write(&self, py: Python<'_>, path: PathBuf, kind: &str) -> PyResult<()> {
-        let written = py.detach(|| {
+    fn write(&self, py: Python<'_>, path: PathBuf, kind: &str) -> Outcome<()> {
+        py.detach(|| {
             let format: TrajectoryFormat = kind.parse()?;
-            match format {
+            Ok(match format {
                 TrajectoryFormat::Csv => write_whole(&path, &(), |out| self.0.write_csv(out)),
                 TrajectoryFormat::Tum => write_whole(&path, &(), |out| self.0.write_tum(out)),
                 _ => Err(Error::argument("format", "csv or tum", format.name())),
-            }
-        });
-        written.map_err(|error| raise(py, &error))
+            }?)
+        })
     }
 
     /// The poses and settings that it is made from.
@@ -550,29 +502,29 @@ impl Trajectory {
         &self,
         py: Python<'py>,
         times: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let times = times.as_slice().map_err(not_contiguous)?;
+    ) -> Outcome<Bound<'py, PyArray1<f64>>> {
+        let times = times.as_slice()?;
         let matrices = times.iter().map(|&time| Ok(matrix_of(&self.0.at(time)?)));
         let matrices: firsthit::Result<Vec<[[f64; 4]; 4]>> = matrices.collect();
-        let matrices = matrices.map_err(|error| raise(py, &error))?;
+        let matrices = matrices?;
         let flat = matrices.into_flattened().into_flattened();
         Ok(PyArray1::from_vec(py, flat))
     }
 
     /// The motion of the body with other axes.
-    fn in_axes(&self, py: Python<'_>, given: &str, wanted: &str) -> PyResult<Self> {
-        let axes = |name: &str| name.parse::<BodyAxes>().map_err(|error| raise(py, &error));
-        let (given, wanted) = (axes(given)?, axes(wanted)?);
-        Ok(Self(self.0.clone().in_axes(given, wanted)))
+    fn in_axes(&self, given: &str, wanted: &str) -> Outcome<Self> {
+        Ok(Self(
+            self.0.clone().in_axes(given.parse()?, wanted.parse()?),
+        ))
     }
 }
 
 /// The matrix that takes coordinates of one kind of axes to those of another, row by row.
 #[pyfunction]
-pub(crate) fn axes_from(py: Python<'_>, wanted: &str, given: &str) -> PyResult<[[f64; 4]; 4]> {
-    let axes = |name: &str| name.parse::<BodyAxes>().map_err(|error| raise(py, &error));
-    let turn = axes(wanted)?.body_from_camera() * axes(given)?.body_from_camera().conjugate();
-    let pose = Pose::new(DVec3::ZERO, turn).map_err(|error| raise(py, &error))?;
+pub(crate) fn axes_from(wanted: &str, given: &str) -> Outcome<[[f64; 4]; 4]> {
+    let [wanted, given]: [BodyAxes; 2] = [wanted.parse()?, given.parse()?];
+    let turn = wanted.body_from_camera() * given.body_from_camera().conjugate();
+    let pose = Pose::new(DVec3::ZERO, turn)?;
     // Axes go to axes: what is not -1, 0 or 1 is rounding.
     Ok(matrix_of(&pose).map(|row| row.map(f64::round)))
 }

@@ -9,9 +9,8 @@ use firsthit::{Camera, Light, Shader};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
-use crate::arrays::not_contiguous;
 use crate::colors::{ColorsIn, ColorsOut, coloring_in, coloring_out};
-use crate::errors::raise;
+use crate::errors::Outcome;
 use crate::frame::background_in;
 use crate::run::run;
 use crate::scene::Scene;
@@ -173,19 +172,15 @@ pub(crate) fn shader_settings(name: &str) -> Vec<(&'static str, &'static str)> {
 
 /// Refuses a light that cannot be.
 #[pyfunction]
-pub(crate) fn check_light(py: Python<'_>, light: LightIn) -> PyResult<()> {
-    let checked = light_in(&light).map(drop);
-    checked.map_err(|error| raise(py, &error))
+pub(crate) fn check_light(light: LightIn) -> Outcome<()> {
+    light_in(&light)?;
+    Ok(())
 }
 
 /// All settings of a shader, some of which are given; refuses what makes no sense.
 #[pyfunction]
-pub(crate) fn check_shader(
-    py: Python<'_>,
-    name: &str,
-    settings: Vec<(String, ValueIn)>,
-) -> PyResult<SettingsOut> {
-    let shader = shader(name, &settings).map_err(|error| raise(py, &error))?;
+pub(crate) fn check_shader(name: &str, settings: Vec<(String, ValueIn)>) -> Outcome<SettingsOut> {
+    let shader = shader(name, &settings)?;
     Ok(settings_out(shader.settings()))
 }
 
@@ -197,7 +192,7 @@ pub(crate) fn resolve(
     camera: SensorIn<'_>,
     shading: ShadingIn,
     up: [f64; 3],
-) -> PyResult<(u32, Vec<&'static str>)> {
+) -> Outcome<(u32, Vec<&'static str>)> {
     let (scene, camera) = (&scene.0, camera.sensor().camera());
     let resolved = run(py, 0, |_| shading.resolve(scene, camera, None, up))?;
     Ok((resolved.samples, resolved.guessed))
@@ -211,8 +206,8 @@ pub(crate) fn draws<'py>(
     sample: u32,
     number: u32,
     count: usize,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let pixels = pixels.as_slice().map_err(not_contiguous)?;
+) -> Outcome<Bound<'py, PyArray1<f64>>> {
+    let pixels = pixels.as_slice()?;
     let mut drawn = Vec::with_capacity(pixels.len() * count);
     for &pixel in pixels {
         let four = Draws::new(pixel.cast_unsigned(), sample)

@@ -4,16 +4,16 @@ use std::sync::Arc;
 
 use firsthit::load::polygons as polygons_of;
 use firsthit::shape::Attribute;
-use firsthit::{Cone, Cuboid, Cylinder, DVec3, Disc, Plane, Positions, Sphere};
+use firsthit::{Cone, Cuboid, Cylinder, Disc, Plane, Positions, Sphere};
 use numpy::{
     PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
     PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 
-use crate::arrays::{collected, copied, not_contiguous};
+use crate::arrays::{collected, copied};
 use crate::attributes::{PropertyIn, PropertyOut, property_out};
-use crate::errors::raise;
+use crate::errors::Outcome;
 use crate::run::run;
 
 /// A mesh that objects can share.
@@ -33,10 +33,10 @@ impl Mesh {
         attributes: AttributesIn<'_>,
         labels: [Option<PyReadonlyArray1<'_, u32>>; 2],
         properties: Vec<PropertyIn<'_>>,
-    ) -> PyResult<Self> {
-        let vertices = vertices.as_slice().map_err(not_contiguous)?;
+    ) -> Outcome<Self> {
+        let vertices = vertices.as_slice()?;
         let points = copied(vertices.as_chunks::<3>().0)?;
-        let triangles = triangles.as_slice().map_err(not_contiguous)?;
+        let triangles = triangles.as_slice()?;
         let corners = copied(triangles.as_chunks::<3>().0)?;
         let AttributesIn(normals, uvs, colors, alphas, second_uvs, tangents) = attributes;
         let normals = normals.map(|array| attribute(&array)).transpose()?;
@@ -45,13 +45,12 @@ impl Mesh {
         let alphas = alphas.map(|array| attribute(&array)).transpose()?;
         let second_uvs = second_uvs.map(|array| attribute(&array)).transpose()?;
         let tangents = tangents.map(|array| attribute(&array)).transpose()?;
-        let label =
-            |array: PyReadonlyArray1<'_, u32>| copied(array.as_slice().map_err(not_contiguous)?);
+        let label = |array: PyReadonlyArray1<'_, u32>| copied(array.as_slice()?);
         let [faces, slots] = labels.map(|array| array.map(label).transpose());
         let (faces, slots) = (faces?, slots?);
         let properties = properties.into_iter().map(PropertyIn::property);
-        let properties = properties.collect::<PyResult<Vec<_>>>()?;
-        let mesh = py.detach(|| {
+        let properties = properties.collect::<Outcome<Vec<_>>>()?;
+        py.detach(|| {
             let mut mesh = firsthit::Mesh::new(Positions::compact(points), corners)?;
             if let Some(normals) = normals {
                 mesh = mesh.with_normals(normals)?;
@@ -77,28 +76,24 @@ impl Mesh {
             if let Some(slots) = slots {
                 mesh = mesh.with_slots(slots)?;
             }
-            mesh.with_properties(properties)
-        });
-        mesh.map(|mesh| Self(Arc::new(mesh)))
-            .map_err(|error| raise(py, &error))
+            Ok(Self(Arc::new(mesh.with_properties(properties)?)))
+        })
     }
 
     /// The mesh with other vertices under its triangles and attributes.
-    fn moved(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
-        let vertices = vertices.as_slice().map_err(not_contiguous)?;
+    fn moved(&self, py: Python<'_>, vertices: PyReadonlyArray2<'_, f64>) -> Outcome<Self> {
+        let vertices = vertices.as_slice()?;
         let points = copied(vertices.as_chunks::<3>().0)?;
         let moved = py.detach(|| {
             // A clone shares triangles and attributes, and has no vertices of its own.
             let mesh = firsthit::Mesh::clone(&self.0);
             mesh.with_positions(Positions::compact(points))
         });
-        moved
-            .map(|mesh| Self(Arc::new(mesh)))
-            .map_err(|error| raise(py, &error))
+        Ok(Self(Arc::new(moved?)))
     }
 
     /// Normals, uvs, colours, alphas, second uvs and tangents, as they go in: a copy.
-    fn attributes<'py>(&self, py: Python<'py>) -> PyResult<[Option<ArrayOut<'py>>; 6]> {
+    fn attributes<'py>(&self, py: Python<'py>) -> Outcome<[Option<ArrayOut<'py>>; 6]> {
         Ok([
             self.0.normals().map(|a| array_of(py, a)).transpose()?,
             self.0.uvs().map(|a| array_of(py, a)).transpose()?,
@@ -110,7 +105,7 @@ impl Mesh {
     }
 
     /// The triangles' faces and slots: a copy.
-    fn labels<'py>(&self, py: Python<'py>) -> PyResult<[Option<Bound<'py, PyArray1<u32>>>; 2]> {
+    fn labels<'py>(&self, py: Python<'py>) -> Outcome<[Option<Bound<'py, PyArray1<u32>>>; 2]> {
         let out = |labels: &[u32]| Ok::<_, PyErr>(PyArray1::from_vec(py, copied(labels)?));
         Ok([
             self.0.faces().map(out).transpose()?,
@@ -119,7 +114,7 @@ impl Mesh {
     }
 
     /// The numbers by name, as they go in: a copy.
-    fn properties<'py>(&self, py: Python<'py>) -> PyResult<Vec<PropertyOut<'py>>> {
+    fn properties<'py>(&self, py: Python<'py>) -> Outcome<Vec<PropertyOut<'py>>> {
         let properties = self.0.properties().iter();
         properties
             .map(|property| property_out(py, property))
@@ -132,39 +127,39 @@ impl Mesh {
     }
 
     /// Whether every edge belongs to an even number of triangles.
-    fn is_closed(&self, py: Python<'_>) -> PyResult<bool> {
+    fn is_closed(&self, py: Python<'_>) -> Outcome<bool> {
         run(py, 1, |_| self.0.is_closed())
     }
 
     /// The area of all triangles.
-    fn area(&self, py: Python<'_>) -> PyResult<f64> {
+    fn area(&self, py: Python<'_>) -> Outcome<f64> {
         run(py, 1, |_| Ok(self.0.area()))
     }
 
     /// The volume inside, if it has an inside.
-    fn volume(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+    fn volume(&self, py: Python<'_>) -> Outcome<Option<f64>> {
         run(py, 1, |_| self.0.volume())
     }
 
     /// The parts.
-    fn split(&self, py: Python<'_>) -> PyResult<Vec<Self>> {
+    fn split(&self, py: Python<'_>) -> Outcome<Vec<Self>> {
         let parts = run(py, 1, |_| self.0.split())?;
         Ok(parts.into_iter().map(|part| Self(Arc::new(part))).collect())
     }
 
     /// The vertices, float64 (n, 3): a copy.
-    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn vertices<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyArray2<f64>>> {
         let positions = self.0.positions();
         let count = u32::try_from(positions.len()).unwrap_or(u32::MAX);
         let values = (0..count).flat_map(|index| positions.get(index).to_array());
         let values = collected(3 * positions.len(), values)?;
-        PyArray1::from_vec(py, values).reshape([positions.len(), 3])
+        Ok(PyArray1::from_vec(py, values).reshape([positions.len(), 3])?)
     }
 
     /// The triangles, uint32 (m, 3): a copy.
-    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+    fn triangles<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyArray2<u32>>> {
         let values = copied(self.0.triangles().as_flattened())?;
-        PyArray1::from_vec(py, values).reshape([self.0.triangles().len(), 3])
+        Ok(PyArray1::from_vec(py, values).reshape([self.0.triangles().len(), 3])?)
     }
 }
 
@@ -179,11 +174,11 @@ pub(crate) fn polygons<'py>(
     points: PyReadonlyArray2<'_, f64>,
     corners: PyReadonlyArray1<'_, u32>,
     sizes: PyReadonlyArray1<'_, u32>,
-) -> PyResult<PolygonsOut<'py>> {
-    let points = points.as_slice().map_err(not_contiguous)?;
+) -> Outcome<PolygonsOut<'py>> {
+    let points = points.as_slice()?;
     let points = Positions::Double(copied(points.as_chunks::<3>().0)?.into());
-    let corners = corners.as_slice().map_err(not_contiguous)?;
-    let sizes = sizes.as_slice().map_err(not_contiguous)?;
+    let corners = corners.as_slice()?;
+    let sizes = sizes.as_slice()?;
     let (triangles, faces) = run(py, 1, |_| polygons_of(points, corners, sizes))?;
     let count = triangles.len();
     let triangles = PyArray1::from_vec(py, triangles.into_flattened());
@@ -207,8 +202,8 @@ struct AttributesIn<'py>(
 type ArrayOut<'py> = Bound<'py, PyArrayDyn<f32>>;
 
 /// An attribute from an array: (n, k) for each vertex, (m, 3, k) for each corner.
-fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<Attribute<N>> {
-    let values = array.as_slice().map_err(not_contiguous)?;
+fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> Outcome<Attribute<N>> {
+    let values = array.as_slice()?;
     let values = copied(values.as_chunks().0)?;
     let corners = if array.shape().len() == 3 {
         let count = u32::try_from(values.len()).unwrap_or(u32::MAX) / 3;
@@ -224,19 +219,19 @@ fn attribute<const N: usize>(array: &PyReadonlyArrayDyn<'_, f32>) -> PyResult<At
 fn array_of<'py, const N: usize>(
     py: Python<'py>,
     attribute: &Attribute<N>,
-) -> PyResult<ArrayOut<'py>> {
-    match &attribute.corners {
+) -> Outcome<ArrayOut<'py>> {
+    Ok(match &attribute.corners {
         None => {
             let values = PyArray1::from_vec(py, copied(attribute.values.as_flattened())?);
-            values.reshape(vec![attribute.values.len(), N])
+            values.reshape(vec![attribute.values.len(), N])?
         }
         Some(corners) => {
             let values = corners.iter().flatten();
             let values = values.flat_map(|&k| attribute.values[k as usize]);
             let values = collected(3 * N * corners.len(), values)?;
-            PyArray1::from_vec(py, values).reshape(vec![corners.len(), 3, N])
+            PyArray1::from_vec(py, values).reshape(vec![corners.len(), 3, N])?
         }
-    }
+    })
 }
 
 /// A shape in object space.
@@ -244,13 +239,8 @@ fn array_of<'py, const N: usize>(
 pub(crate) struct Shape(pub(crate) firsthit::Shape);
 
 impl Shape {
-    fn checked(
-        py: Python<'_>,
-        shape: firsthit::Result<impl Into<firsthit::Shape>>,
-    ) -> PyResult<Self> {
-        shape
-            .map(|shape| Self(shape.into()))
-            .map_err(|error| raise(py, &error))
+    fn checked(shape: firsthit::Result<impl Into<firsthit::Shape>>) -> Outcome<Self> {
+        Ok(Self(shape?.into()))
     }
 }
 
@@ -262,52 +252,33 @@ impl Shape {
     }
 
     #[staticmethod]
-    fn sphere(py: Python<'_>, center: [f64; 3], radius: f64) -> PyResult<Self> {
-        Self::checked(py, Sphere::new(DVec3::from(center), radius))
+    fn sphere(center: [f64; 3], radius: f64) -> Outcome<Self> {
+        Self::checked(Sphere::new(center.into(), radius))
     }
 
     #[staticmethod]
-    fn plane(py: Python<'_>, point: [f64; 3], normal: [f64; 3]) -> PyResult<Self> {
-        Self::checked(py, Plane::new(DVec3::from(point), DVec3::from(normal)))
+    fn plane(point: [f64; 3], normal: [f64; 3]) -> Outcome<Self> {
+        Self::checked(Plane::new(point.into(), normal.into()))
     }
 
     #[staticmethod]
-    fn disc(py: Python<'_>, center: [f64; 3], normal: [f64; 3], radius: f64) -> PyResult<Self> {
-        Self::checked(
-            py,
-            Disc::new(DVec3::from(center), DVec3::from(normal), radius),
-        )
+    fn disc(center: [f64; 3], normal: [f64; 3], radius: f64) -> Outcome<Self> {
+        Self::checked(Disc::new(center.into(), normal.into(), radius))
     }
 
     #[staticmethod]
-    fn r#box(py: Python<'_>, low: [f64; 3], high: [f64; 3]) -> PyResult<Self> {
-        Self::checked(py, Cuboid::new(DVec3::from(low), DVec3::from(high)))
+    fn r#box(low: [f64; 3], high: [f64; 3]) -> Outcome<Self> {
+        Self::checked(Cuboid::new(low.into(), high.into()))
     }
 
     #[staticmethod]
-    fn cylinder(py: Python<'_>, bottom: [f64; 3], top: [f64; 3], radius: f64) -> PyResult<Self> {
-        Self::checked(
-            py,
-            Cylinder::new(DVec3::from(bottom), DVec3::from(top), radius),
-        )
+    fn cylinder(bottom: [f64; 3], top: [f64; 3], radius: f64) -> Outcome<Self> {
+        Self::checked(Cylinder::new(bottom.into(), top.into(), radius))
     }
 
     #[staticmethod]
-    fn cone(
-        py: Python<'_>,
-        bottom: [f64; 3],
-        top: [f64; 3],
-        bottom_radius: f64,
-        top_radius: f64,
-    ) -> PyResult<Self> {
-        Self::checked(
-            py,
-            Cone::new(
-                DVec3::from(bottom),
-                DVec3::from(top),
-                bottom_radius,
-                top_radius,
-            ),
-        )
+    fn cone(bottom: [f64; 3], top: [f64; 3], bottom_radius: f64, top_radius: f64) -> Outcome<Self> {
+        let (bottom, top) = (bottom.into(), top.into());
+        Self::checked(Cone::new(bottom, top, bottom_radius, top_radius))
     }
 }

@@ -5,18 +5,14 @@ use firsthit::sensor::Sensor;
 use firsthit::shoot::{All, AllHits, Answers, Cpu, Engine, HitSlices, trace};
 use firsthit::{DVec2, Rays};
 use numpy::{PyArray1, PyReadwriteArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, RaySlices, collected, not_contiguous};
-use crate::errors::raise;
+use crate::arrays::{CopiesOut, HitsIn, HitsOut, RayArrays, RaySlices, collected};
+use crate::errors::{Outcome, Raised};
 use crate::frame::array;
-use crate::run::{guarded, report_done, run_reported};
+use crate::run::{FEW, guarded, report_done, run_reported, run_sized};
 use crate::scene::Scene;
 use crate::sensor::SensorIn;
-
-/// Fewer rays than this are done at once: making threads would take longer.
-pub(crate) const FEW: usize = 512;
 
 /// The first hits of rays in arrays, written to `out`. Where there is memory in `copies`, the rays are copied there
 /// first: what they met belongs to the copy, whatever becomes of the arrays meanwhile and later.
@@ -29,23 +25,19 @@ pub(crate) fn shoot<'py>(
     threads: usize,
     mut out: HitsOut<'py>,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<()> {
+) -> Outcome<()> {
     let (mut out, count) = out.slices()?;
     let rays = rays.slices(count)?;
     let copies = copies.slices(&rays)?;
     let report = report.as_ref();
-    if count < FEW && copies.iter().all(Option::is_none) {
-        if rays.is_filtered() {
-            let traced =
-                guarded(|| Cpu::default().trace(&scene.0, &rays, Answers::First(out), &()))?;
-            traced.map_err(|error| raise(py, &error))?;
-        } else {
-            guarded(|| shoot_few(scene, &rays, &mut out))?;
-        }
+    let is_little = count < FEW && copies.iter().all(Option::is_none);
+    if is_little && !rays.is_filtered() {
+        guarded(|| shoot_few(scene, &rays, &mut out))?;
         return report_done(report, count);
     }
-    run_reported(py, threads, report, |stop| {
-        Cpu::default().trace(&scene.0, &rays.copied(copies), Answers::First(out), stop)
+    run_sized(py, (count, is_little), threads, report, |watch| {
+        let rays = rays.copied(copies);
+        Cpu::default().trace(&scene.0, &rays, Answers::First(out), watch)
     })
 }
 
@@ -65,11 +57,11 @@ pub(crate) fn shoot_camera<'py>(
     threads: usize,
     mut out: HitsOut<'py>,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<()> {
+) -> Outcome<()> {
     let (mut out, count) = out.slices()?;
     let sensor = camera.sensor();
     if count != sensor.len() {
-        return Err(PyValueError::new_err("expected an element for each pixel"));
+        return Err(Raised::value("expected an element for each pixel"));
     }
     let report = report.as_ref();
     if count < FEW {
@@ -100,19 +92,13 @@ pub(crate) fn shoot_all<'py>(
     nearest: Option<usize>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<AllOut<'py>> {
+) -> Outcome<AllOut<'py>> {
     let rays = rays.slices(count)?;
     let (report, query) = (report.as_ref(), All { nearest });
-    let AllHits { offsets, hits } = if count < FEW {
-        let traced = guarded(|| trace(&scene.0, &rays, query, &()))?;
-        let all = traced.map_err(|error| raise(py, &error))?;
-        report_done(report, count)?;
-        all
-    } else {
-        run_reported(py, threads, report, |stop| {
-            trace(&scene.0, &rays, query, stop)
-        })?
-    };
+    let size = (count, count < FEW);
+    let AllHits { offsets, hits } = run_sized(py, size, threads, report, |watch| {
+        trace(&scene.0, &rays, query, watch)
+    })?;
     Ok((
         PyArray1::from_vec(py, offsets),
         PyArray1::from_vec(py, hits.t),
@@ -123,7 +109,7 @@ pub(crate) fn shoot_all<'py>(
 }
 
 /// Pairs as numbers.
-fn flat(pairs: Vec<DVec2>) -> PyResult<Vec<f64>> {
+fn flat(pairs: Vec<DVec2>) -> Outcome<Vec<f64>> {
     bytemuck::allocation::try_cast_vec(pairs)
         .or_else(|(_, pairs)| collected(2 * pairs.len(), pairs.iter().flat_map(DVec2::to_array)))
 }
@@ -137,8 +123,8 @@ pub(crate) fn occluded<'py>(
     threads: usize,
     mut out: PyReadwriteArray1<'py, bool>,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<()> {
-    let out = out.as_slice_mut().map_err(not_contiguous)?;
+) -> Outcome<()> {
+    let out = out.as_slice_mut()?;
     let rays = rays.slices(out.len())?;
     answer(py, scene, &rays, threads, Answers::Any(out), report)
 }
@@ -152,8 +138,8 @@ pub(crate) fn count<'py>(
     threads: usize,
     mut out: PyReadwriteArray1<'py, u32>,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<()> {
-    let out = out.as_slice_mut().map_err(not_contiguous)?;
+) -> Outcome<()> {
+    let out = out.as_slice_mut()?;
     let rays = rays.slices(out.len())?;
     answer(py, scene, &rays, threads, Answers::Count(out), report)
 }
@@ -166,15 +152,10 @@ fn answer(
     threads: usize,
     answers: Answers<'_>,
     report: Option<Bound<'_, PyAny>>,
-) -> PyResult<()> {
-    let report = report.as_ref();
-    if rays.len() < FEW {
-        let traced = guarded(|| Cpu::default().trace(&scene.0, rays, answers, &()))?;
-        traced.map_err(|error| raise(py, &error))?;
-        return report_done(report, rays.len());
-    }
-    run_reported(py, threads, report, |stop| {
-        Cpu::default().trace(&scene.0, rays, answers, stop)
+) -> Outcome<()> {
+    let size = (rays.len(), rays.len() < FEW);
+    run_sized(py, size, threads, report.as_ref(), |watch| {
+        Cpu::default().trace(&scene.0, rays, answers, watch)
     })
 }
 
@@ -193,8 +174,8 @@ pub(crate) fn channel<'py>(
     hits: HitsIn<'py>,
     threads: usize,
     report: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyAny>> {
-    let kind = kind(name).map_err(|error| raise(py, &error))?;
+) -> Outcome<Bound<'py, PyAny>> {
+    let kind = kind(name)?;
     let hits = hits.hits()?;
     let slices = rays.as_ref().map(|rays| rays.slices(hits.len()));
     let slices = slices.transpose()?;
@@ -202,10 +183,10 @@ pub(crate) fn channel<'py>(
     let rays: &dyn Rays = match (&slices, sensor) {
         (Some(slices), _) => slices,
         (None, Some(sensor)) => sensor,
-        (None, None) => return Err(PyValueError::new_err("expected rays or a camera")),
+        (None, None) => return Err(Raised::value("expected rays or a camera")),
     };
     if rays.len() != hits.len() || kind.needs_samples() || kind.is_edge() {
-        return Err(PyValueError::new_err(
+        return Err(Raised::value(
             "expected as many hits as rays, and no colours",
         ));
     }
@@ -215,17 +196,12 @@ pub(crate) fn channel<'py>(
         hits: &hits,
         sensor: sensor.map(|sensor| sensor as &dyn Sensor),
     };
-    let report = report.as_ref();
-    let made = if hits.len() < FEW {
-        let made = guarded(|| make(&[kind], &shots, &()))?;
-        let made = made.map_err(|error| raise(py, &error))?;
-        report_done(report, hits.len())?;
-        made
-    } else {
-        run_reported(py, threads, report, |stop| make(&[kind], &shots, stop))?
-    };
+    let size = (hits.len(), hits.len() < FEW);
+    let made = run_sized(py, size, threads, report.as_ref(), |watch| {
+        make(&[kind], &shots, watch)
+    })?;
     let channel = made.into_iter().next();
-    let channel = channel.ok_or_else(|| PyValueError::new_err("expected a channel"))?;
+    let channel = channel.ok_or_else(|| Raised::value("expected a channel"))?;
     Ok(array(py, channel.data))
 }
 

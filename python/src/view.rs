@@ -7,13 +7,13 @@ use std::time::Duration;
 
 use firsthit_view::server::Server;
 use firsthit_view::{Answer, AnswerError};
-use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::camera::Camera;
 use crate::edges::EdgesIn;
-use crate::errors::raise;
+use crate::errors::{Outcome, Raised};
 use crate::frame::DisplayIn;
 use crate::run::run;
 use crate::scene::Scene;
@@ -30,40 +30,35 @@ pub(crate) struct Viewer(Arc<firsthit_view::Viewer>);
 impl Viewer {
     #[new]
     fn new(
-        py: Python<'_>,
         seen: (PyRef<'_, Scene>, PyRef<'_, Camera>),
         shading: ShadingIn,
         background: Option<Vec<[f64; 3]>>,
         up: [f64; 3],
         shown: (DisplayIn, Option<EdgesIn>),
         title: String,
-    ) -> PyResult<Self> {
+    ) -> Outcome<Self> {
         let (scene, camera) = seen;
         let (display, edges) = shown;
         let seen = scene.0.clone().with_up(up.into());
-        let made = || {
-            let appearance = shading.appearance(background.as_deref())?;
-            let edges = edges.as_ref().map(EdgesIn::edges).transpose()?;
-            let viewer = firsthit_view::Viewer::new(title, seen, appearance, &camera.0)?;
-            Ok(viewer.shown(display.transform()?, edges))
-        };
-        let viewer = made().map_err(|error| raise(py, &error))?;
-        Ok(Self(Arc::new(viewer)))
+        let appearance = shading.appearance(background.as_deref())?;
+        let edges = edges.as_ref().map(EdgesIn::edges).transpose()?;
+        let viewer = firsthit_view::Viewer::new(title, seen, appearance, &camera.0)?;
+        Ok(Self(Arc::new(viewer.shown(display.transform()?, edges))))
     }
 
     /// The page in one file.
-    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+    fn report<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyBytes>> {
         let report = run(py, 0, |stop| self.0.report(stop))?;
         Ok(PyBytes::new(py, &report))
     }
 
     /// The page for a window that answers it.
-    fn embedded_page(&self, py: Python<'_>) -> PyResult<String> {
+    fn embedded_page(&self, py: Python<'_>) -> Outcome<String> {
         run(py, 0, |stop| self.0.embedded_page(stop))
     }
 
     /// A PNG of what the page begins with.
-    fn still<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+    fn still<'py>(&self, py: Python<'py>) -> Outcome<Bound<'py, PyBytes>> {
         let still = run(py, 0, |stop| self.0.still(stop))?;
         Ok(PyBytes::new(py, &still))
     }
@@ -74,13 +69,13 @@ impl Viewer {
         py: Python<'py>,
         question: &str,
         about: &str,
-    ) -> PyResult<(String, Bound<'py, PyBytes>)> {
+    ) -> Outcome<(String, Bound<'py, PyBytes>)> {
         let answered = run(py, 0, |stop| {
             Ok(self.0.answer(question, about.as_bytes(), stop))
         })?;
         let Answer { json, pixels } = answered.map_err(|error| match error {
-            AnswerError::Failed(error) => raise(py, &error),
-            other => PyValueError::new_err(other.to_string()),
+            AnswerError::Failed(error) => Raised::from(error),
+            other => Raised::value(other.to_string()),
         })?;
         Ok((json.to_string(), PyBytes::new(py, &pixels)))
     }
@@ -97,7 +92,7 @@ pub(crate) struct PageServer {
 #[pymethods]
 impl PageServer {
     #[new]
-    fn new(viewer: PyRef<'_, Viewer>, port: u16) -> PyResult<Self> {
+    fn new(viewer: PyRef<'_, Viewer>, port: u16) -> Outcome<Self> {
         let server = Server::bind(Arc::clone(&viewer.0), port)
             .map_err(|error| PyOSError::new_err(format!("port {port}: {error}")))?
             .lingering(None);
@@ -112,7 +107,8 @@ impl PageServer {
         };
         std::thread::Builder::new()
             .name("viewer".into())
-            .spawn(serve)?;
+            .spawn(serve)
+            .map_err(PyErr::from)?;
         Ok(Self {
             address,
             is_stopped,

@@ -6,12 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from firsthit import _firsthit
 from firsthit._base.errors import FileReadError, blaming
-
-from .conventions import quaternion
 
 if TYPE_CHECKING:
     import os
@@ -57,37 +53,12 @@ class ColmapCamera:
 
 def from_camera(camera: Camera) -> ColmapCamera:
     """Return a camera in COLMAP's words."""
-    k, matrix = camera._native.matrices("colmap")
-    numbers = dict(camera.parameters)
-    if k is None or camera.ray_start != "eye" or k[0][1]:
-        raise ValueError(
-            "COLMAP has perspective and calibrated cameras without skew whose rays start at the "
-            f"eye, got {camera.projection} with skew {0.0 if k is None else k[0][1]} and rays from "
-            f"the {camera.ray_start}"
-        )
-    numbers.update(fx=k[0][0], fy=k[1][1], cx=k[0][2], cy=k[1][2])
-    used = {name for name, value in numbers.items() if value and name not in _NO_DISTORTION}
-    # COLMAP's fisheyes have no edge.
-    used -= {"fov"} if numbers.get("fov") == 360.0 else set()
-    for name, parameters, projection in _firsthit.Camera.colmap_models():
-        is_simple = "f" in parameters
-        if is_simple or projection != camera.projection:
-            continue
-        if projection == "perspective" or used <= set(parameters):
-            params = tuple(numbers[each] for each in parameters)
-            w, (x, y, z) = quaternion(np.array(matrix)[:3, :3])
-            qvec = (w, float(x), float(y), float(z))
-            tx, ty, tz = (row[3] for row in matrix[:3])
-            return ColmapCamera(name, camera.columns, camera.rows, params, qvec, (tx, ty, tz))
-    raise ValueError(
-        f"COLMAP has no model for {camera.projection} with {', '.join(sorted(used)) or 'nothing'}"
+    model, params, qvec, tvec = camera._native.to_colmap()
+    w, x, y, z = qvec
+    tx, ty, tz = tvec
+    return ColmapCamera(
+        model, camera.columns, camera.rows, tuple(params), (w, x, y, z), (tx, ty, tz)
     )
-
-
-#: What distorts nothing: K, the viewplane, and a thin lens, which COLMAP does not have.
-_NO_DISTORTION = frozenset(
-    ("fx", "fy", "cx", "cy", "skew", "focal_length", "width", "height", "aperture", "focus")
-)
 
 
 def content(path: str | os.PathLike[str]) -> bytes:
