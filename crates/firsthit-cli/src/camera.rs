@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use firsthit::camera::{
-    Aim, Convention, Description, Lens, Opening, PixelMatrix, StandardView, Viewplane,
-    orthonormalised, rounded_pose,
+    Aim, Convention, Description, Lens, Opening, StandardView, orthonormalised, rounded_pose,
 };
 use firsthit::error::{escape_controls, escaped};
 use firsthit::load;
@@ -45,15 +44,14 @@ pub(crate) fn camera(
     };
     let base = &match known {
         Some(camera) if !overrides(args) => {
-            let camera = match args.size {
-                Some([rows, columns]) => {
-                    check_size("--size", [rows, columns])?;
-                    camera.resize(rows, columns)?
-                }
-                None => camera,
-            };
-            let guessed = Vec::new();
-            return Ok(Chosen { camera, guessed });
+            check(args)?;
+            return Ok(Chosen {
+                camera: match args.size {
+                    Some([rows, columns]) => camera.resize(rows, columns)?,
+                    None => camera,
+                },
+                guessed: Vec::new(),
+            });
         }
         Some(camera) => Description {
             columns: Some(camera.columns()),
@@ -98,15 +96,7 @@ fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
     if let Some(up) = up {
         guessed.push(format!("up {} (--up)", axis(up)));
     }
-    let is_panorama = matches!(
-        described.projection,
-        Some(
-            Projection::Equirectangular
-                | Projection::Cylindrical
-                | Projection::CubeMap
-                | Projection::Octahedral
-        )
-    );
+    let is_panorama = described.projection.is_some_and(Projection::is_panorama);
     match (described.position, described.aim) {
         (None, Some(Aim::Along(_))) if is_panorama => {
             guessed.push("from the middle (--position)".into());
@@ -136,47 +126,15 @@ pub(crate) fn axis(direction: DVec3) -> String {
 
 /// Whether any option says something else than a camera that is known in full.
 fn overrides(args: &CameraArgs) -> bool {
-    let CameraArgs {
-        camera: _,
-        colmap: _,
-        image: _,
-        size: _,
-        view,
-        position,
-        aim,
-        look_at,
-        up,
-        fov,
-        fov_axis,
-        focal_length,
-        viewplane,
-        aperture,
-        focus,
-        intrinsics,
-        pose,
-        convention: _,
-        projection,
-        parameters,
-        orthographic,
-        ray_start,
-    } = args;
-    view.is_some()
-        || position.is_some()
-        || aim.is_some()
-        || look_at.is_some()
-        || up.is_some()
-        || fov.is_some()
-        || fov_axis.is_some()
-        || focal_length.is_some()
-        || viewplane.is_some()
-        || aperture.is_some()
-        || focus.is_some()
-        || intrinsics.is_some()
-        || pose.is_some()
-        || projection.is_some()
-        || parameters.is_some()
-        || *orthographic
-        || ray_start.is_some()
+    let of_known = CameraArgs {
+        camera: args.camera.clone(),
+        colmap: args.colmap.clone(),
+        image: args.image.clone(),
+        size: args.size,
+        convention: args.convention,
+        ..CameraArgs::default()
+    };
+    *args != of_known
 }
 
 /// The output that is named as the camera.
@@ -327,7 +285,7 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
         _ => base.aim,
     };
     let projection = projection(args).or(base.projection);
-    let has_viewplane = is_flat(projection.unwrap_or_default());
+    let has_viewplane = projection.unwrap_or_default().has_viewplane();
     let has_lens = projection.unwrap_or_default().has_thin_lens();
     let opening = opening(args, base)?;
     let is_perspective = projection.unwrap_or_default() == Projection::Perspective;
@@ -339,17 +297,14 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
         opening,
         fov_axis: args.fov_axis.or(base.fov_axis.filter(|_| has_fov)),
         projection,
-        ray_start: args
-            .ray_start
-            .map(Into::into)
-            .or(base.ray_start.filter(|_| has_viewplane)),
+        ray_start: args.ray_start.or(base.ray_start.filter(|_| has_viewplane)),
         aperture: args.aperture.or(base.aperture.filter(|_| has_lens)),
         focus: args.focus.or(base.focus.filter(|_| has_lens)),
         rows: args.size.map_or(base.rows, |[rows, _]| Some(rows)),
         columns: args.size.map_or(base.columns, |[_, columns]| Some(columns)),
     };
     let described = match &args.pose {
-        Some(path) => posed(&described, path, convention(args))?,
+        Some(path) => posed(&described, path, args.convention.unwrap_or_default())?,
         None => described,
     };
     check_aim(&described)?;
@@ -373,21 +328,6 @@ fn check_lens(described: &Description) -> Result<(), Failure> {
         )),
         _ => Ok(()),
     }
-}
-
-fn is_flat(projection: Projection) -> bool {
-    matches!(
-        projection,
-        Projection::Perspective | Projection::Orthographic
-    )
-}
-
-fn convention(args: &CameraArgs) -> Convention {
-    let named = args
-        .convention
-        .as_deref()
-        .and_then(|name| name.parse().ok());
-    named.unwrap_or_default()
 }
 
 /// The description with the pose of a file.
@@ -450,33 +390,16 @@ fn lens(args: &CameraArgs, projection: Projection) -> Result<Option<Opening>, Fa
         columns: args.size.map(|[_, columns]| columns),
         ..Description::default()
     };
-    let [rows, columns] = described.size();
-    let size = [rows, columns];
+    let size = described.size();
     if let Some(matrix) = args.intrinsics {
-        let matrix = convention(args).pixel_matrix(matrix);
-        if projection == Projection::Perspective {
-            if !numbers.is_empty() {
-                return Err(Failure::usage(
-                    "--parameters: a perspective camera with --intrinsics has no others; for distortion use --projection opencv",
-                ));
-            }
-            let lens = Lens::Flat(Viewplane::from_pixel_matrix(&matrix, rows, columns)?);
-            return Ok(Some(Opening::Lens { lens, size }));
+        let matrix = args.convention.unwrap_or_default().pixel_matrix(matrix);
+        if projection == Projection::Perspective && !numbers.is_empty() {
+            return Err(Failure::usage(
+                "--parameters: a perspective camera with --intrinsics has no others; for distortion use --projection opencv",
+            ));
         }
-        let PixelMatrix {
-            fx,
-            fy,
-            cx,
-            cy,
-            skew,
-        } = matrix;
-        numbers.extend([
-            ("fx", fx),
-            ("fy", fy),
-            ("cx", cx),
-            ("cy", cy),
-            ("skew", skew),
-        ]);
+        let lens = matrix.lens(projection, &numbers, size)?;
+        return Ok(Some(Opening::Lens { lens, size }));
     }
     if numbers.is_empty() {
         return Ok(None);
@@ -491,12 +414,8 @@ fn lens(args: &CameraArgs, projection: Projection) -> Result<Option<Opening>, Fa
 
 /// The projection that the arguments name.
 fn projection(args: &CameraArgs) -> Option<Projection> {
-    if args.orthographic {
-        return Some(Projection::Orthographic);
-    }
-    args.projection
-        .as_deref()
-        .and_then(|name| name.parse().ok())
+    let parallel = args.orthographic.then_some(Projection::Orthographic);
+    parallel.or(args.projection)
 }
 
 /// The field of view: the viewplane's own size, or an angle.
@@ -505,7 +424,7 @@ fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Opening>, Fai
     if let Some(lens) = lens(args, projection.unwrap_or_default())? {
         return Ok(Some(lens));
     }
-    if !is_flat(projection.unwrap_or_default()) {
+    if !projection.unwrap_or_default().has_viewplane() {
         if args.viewplane.is_some() {
             return Err(Failure::usage(
                 "--viewplane is for perspective and orthographic cameras; the others have none",

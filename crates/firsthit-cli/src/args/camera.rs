@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, ValueEnum};
-use firsthit::camera::{Focus, FovAxis, PixelMatrix, StandardView};
-use firsthit::{DVec3, RayStart};
+use clap::{ArgGroup, Args};
+use firsthit::camera::{Convention, Focus, FovAxis, PixelMatrix, StandardView};
+use firsthit::{DVec3, Projection, RayStart};
 
-use crate::values::{self, Parameters, Target};
+use crate::values::{self, Parameters, Target, named};
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, PartialEq, Args)]
 #[command(next_help_heading = "Camera", group(ArgGroup::new("in other words").args(["intrinsics", "pose"]).multiple(true)))]
 pub(crate) struct CameraArgs {
     /// A camera of the file, by its name or its number (from 0), as firsthit info lists them; or the picture or point cloud that
@@ -30,7 +30,7 @@ pub(crate) struct CameraArgs {
     pub(crate) image: Option<String>,
     /// Look at the model from a standard side, so that it fills the picture. This replaces the file's camera. The front
     /// is the side that faces -y if z is up, and +z if y is up [default: iso, a three-quarter view from above]
-    #[arg(long, value_name = "VIEW", value_parser = values::view(), conflicts_with_all = ["position", "aim", "look_at"])]
+    #[arg(long, value_name = "VIEW", value_parser = named::<StandardView>(StandardView::NAMES), conflicts_with_all = ["position", "aim", "look_at"])]
     pub(crate) view: Option<StandardView>,
     /// Where the camera is [default: where the model fills the picture; of a panorama, the middle of the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -52,7 +52,7 @@ pub(crate) struct CameraArgs {
     pub(crate) fov: Option<f64>,
     /// How --fov is measured: from the lower to the upper edge, from the left to the right one, or from corner to corner
     /// [default: vertical, or the file's]
-    #[arg(long, value_name = "AXIS", value_parser = values::fov_axis(), conflicts_with_all = ["viewplane", "focal_length", "orthographic", "intrinsics", "parameters"])]
+    #[arg(long, value_name = "AXIS", value_parser = named::<FovAxis>(FovAxis::NAMES), conflicts_with_all = ["viewplane", "focal_length", "orthographic", "intrinsics", "parameters"])]
     pub(crate) fov_axis: Option<FovAxis>,
     /// The distance from the camera to the viewplane, in scene units
     #[arg(long, value_name = "LENGTH", value_parser = values::positive, requires = "viewplane", allow_hyphen_values = true)]
@@ -79,14 +79,14 @@ pub(crate) struct CameraArgs {
     /// camera, the first pixel's centre is (0, 0); colmap: the same with (0.5, 0.5); ros: as opencv with the inverse matrix;
     /// opengl, blender, gltf, nerfstudio: x right, y up, z backwards, the matrix takes the camera to the world, (0.5, 0.5);
     /// pytorch3d: x left, y up, z forwards, the matrix takes rows of the world to the camera, (0.5, 0.5)
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::camera::Convention::NAMES), hide_possible_values = true, requires = "in other words")]
-    pub(crate) convention: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = named::<Convention>(Convention::NAMES), hide_possible_values = true, requires = "in other words")]
+    pub(crate) convention: Option<Convention>,
     /// Perspective rays go through a viewplane, and orthographic ones are parallel. Panoramas: equirectangular, cylindrical,
     /// cube_map, octahedral. Fisheyes: equidistant, equisolid, stereographic, orthographic_fisheye, with --fov, by default 180.
     /// Calibrated, with --intrinsics and --parameters: opencv, opencv_fisheye, kannala_brandt, double_sphere, eucm, ucm, mei, fov,
     /// thin_prism_fisheye, rad_tan_thin_prism_fisheye [default: perspective, or the file's]
-    #[arg(long, value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(firsthit::Projection::NAMES), hide_possible_values = true, conflicts_with = "orthographic")]
-    pub(crate) projection: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = named::<Projection>(Projection::NAMES), hide_possible_values = true, conflicts_with = "orthographic")]
+    pub(crate) projection: Option<Projection>,
     /// The numbers of the projection by their names, as docs/cameras.md lists them. For the distortion of
     /// a calibrated camera, such as k1=-0.2,k2=0.05
     #[arg(long, value_name = "NAME=NUMBER,...", value_parser = values::parameters, requires = "projection", allow_hyphen_values = true)]
@@ -96,25 +96,10 @@ pub(crate) struct CameraArgs {
     pub(crate) orthographic: bool,
     /// Where rays start, with t = 0. Rays that start on the viewplane do not meet what is between it and the eye
     /// [default: viewplane with --focal-length, else eye]
-    #[arg(long, value_name = "WHERE")]
-    pub(crate) ray_start: Option<RayStartArg>,
+    #[arg(long, value_name = "WHERE", value_parser = named::<RayStart>(RayStart::NAMES))]
+    pub(crate) ray_start: Option<RayStart>,
     /// Columns and rows of pixels [default: 1024x768; with --viewplane as many rows as make square pixels; 1024x512 of a
     /// panorama]
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = values::pixels, allow_hyphen_values = true)]
     pub(crate) size: Option<[usize; 2]>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum RayStartArg {
-    Viewplane,
-    Eye,
-}
-
-impl From<RayStartArg> for RayStart {
-    fn from(arg: RayStartArg) -> Self {
-        match arg {
-            RayStartArg::Viewplane => Self::Viewplane,
-            RayStartArg::Eye => Self::Eye,
-        }
-    }
 }

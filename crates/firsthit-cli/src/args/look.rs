@@ -117,7 +117,7 @@ pub(crate) struct ColorsArgs {
     #[arg(long, value_name = "WHAT", value_parser = values::color_by)]
     pub(crate) color_by: Option<ColorBy>,
     /// The colour map [default: viridis]
-    #[arg(long, value_name = "NAME", value_parser = values::color_map())]
+    #[arg(long, value_name = "NAME", value_parser = values::named::<ColorMap>(ColorMap::NAMES))]
     pub(crate) color_map: Option<ColorMap>,
     /// The numbers of the first and the last colour [default: the least and the largest that the scene has, seen or not]
     #[arg(long, value_name = "MIN,MAX", value_parser = values::range, allow_hyphen_values = true)]

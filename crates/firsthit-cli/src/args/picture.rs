@@ -90,7 +90,7 @@ pub(crate) struct FileArgs {
     pub(crate) png_scale: Option<f64>,
     /// The number for distances beyond 65535 steps of --png-scale: saturate makes them 65535, zero makes them 0, as a miss [default:
     /// they are an error]
-    #[arg(long, value_name = "HOW", value_parser = values::far(), requires = "png_scale")]
+    #[arg(long, value_name = "HOW", value_parser = values::named::<Far>(Far::NAMES), requires = "png_scale")]
     pub(crate) far: Option<Far>,
     /// Write identifiers (object, primitive, face, node, mesh, material) to .png as 16 bit numbers, each plus one; 0 is a miss.
     /// Otherwise a PNG of identifiers is in false colours
@@ -122,7 +122,7 @@ pub(crate) struct DisplayArgs {
     pub(crate) exposure: Option<f64>,
     /// Bring bright colours into a .png, after --exposure: none shows what is above 1 as 1, neutral is Khronos PBR Neutral
     /// [default: none, or the file's]
-    #[arg(long, value_name = "NAME", value_parser = values::tone_map())]
+    #[arg(long, value_name = "NAME", value_parser = values::named::<ToneMap>(ToneMap::NAMES))]
     pub(crate) tone_map: Option<ToneMap>,
 }
 

@@ -117,7 +117,7 @@ pub(crate) struct NearestArgs {
     pub(crate) allow_open: bool,
     /// Which points a closed mesh holds: those that it goes around any number of times but zero (nonzero), or an odd number of times
     /// (parity) [default: nonzero]
-    #[arg(long, value_name = "RULE", value_parser = values::fill_rule(), requires = "signed")]
+    #[arg(long, value_name = "RULE", value_parser = values::named::<FillRule>(FillRule::NAMES), requires = "signed")]
     pub(crate) rule: Option<FillRule>,
     #[command(flatten)]
     pub(crate) pick: PickArgs,
@@ -180,7 +180,7 @@ pub(crate) struct SolidArgs {
 pub(crate) struct FillArgs {
     /// Which points a closed mesh holds: those that it goes around any number of times but zero (nonzero), or an odd number of times
     /// (parity) [default: nonzero]
-    #[arg(long, value_name = "RULE", value_parser = values::fill_rule())]
+    #[arg(long, value_name = "RULE", value_parser = values::named::<FillRule>(FillRule::NAMES))]
     pub(crate) rule: Option<FillRule>,
 }
 

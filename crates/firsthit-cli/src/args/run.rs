@@ -49,7 +49,7 @@ pub(crate) struct TreeArgs {
     /// How the trees over meshes are built: fast in a third of the time or less, best so that each ray takes least. auto is fast
     /// where few rays are shot for each triangle, and best where many are, or their number is
     /// unknown. The result is the same for all. A .fhs file has its trees
-    #[arg(long, value_name = "HOW", value_parser = values::build(), default_value = "auto")]
+    #[arg(long, value_name = "HOW", value_parser = values::named::<Build>(Build::NAMES), default_value = "auto")]
     pub(crate) build: Build,
 }
 

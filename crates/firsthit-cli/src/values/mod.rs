@@ -1,19 +1,18 @@
 //! Parsers for values on the command line.
 
+mod look;
+
 use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use firsthit::camera::{Focus, FovAxis, PixelMatrix, StandardView};
+use firsthit::camera::{Focus, PixelMatrix};
 use firsthit::edge::{Dash, EdgeKind, EdgeKinds, Edges};
-use firsthit::geometry::{COLOR_NAMES, ColorMap, Domain, Setting, Value, color_of};
-use firsthit::image::Far;
 use firsthit::lint::KINDS;
 use firsthit::load::UNITS;
-use firsthit::measure::FillRule;
-use firsthit::scene::{Build, ColorBy};
-use firsthit::scene_file::nearest_word;
-use firsthit::shade::LightRig;
-use firsthit::{Background, Color, DVec3, Error, Light, ToneMap};
+use firsthit::scene::ColorBy;
+use firsthit::{DVec3, Error};
+
+pub(crate) use look::{LightArg, Sky, background, color, light, sky};
 
 /// A camera's target: a point, or the middle of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,28 +21,30 @@ pub(crate) enum Target {
     Point(DVec3),
 }
 
-/// A light as the command line has it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum LightArg {
-    /// Lights that go with the camera.
-    LightRig(LightRig),
-    /// One light, whose brightness follows from the scene.
-    Light(Light),
-}
-
-/// A sky from the horizon to the zenith.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sky {
-    pub(crate) horizon: Color,
-    pub(crate) zenith: Color,
-}
-
-fn numbers<const N: usize>(text: &str, separator: char, form: &str) -> Result<[f64; N], String> {
+/// The numbers of a text, if there are `N` finite ones that fit; `form` is what else is expected.
+fn numbers<const N: usize>(
+    text: &str,
+    separator: char,
+    form: &str,
+    fits: impl FnOnce([f64; N]) -> bool,
+) -> Result<[f64; N], String> {
     let parse = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let numbers: Option<Vec<f64>> = text.split(separator).map(parse).collect();
-    numbers
-        .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| format!("expected {form}"))
+    let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
+    let numbers = numbers.filter(|&numbers| fits(numbers));
+    numbers.ok_or_else(|| format!("expected {form}"))
+}
+
+/// One number that fits.
+fn number(text: &str, form: &str, fits: impl FnOnce(f64) -> bool) -> Result<f64, String> {
+    numbers(text, ',', form, |[number]| fits(number)).map(|[number]| number)
+}
+
+/// Two whole numbers from `least` on.
+fn whole_pair(text: &str, separator: char, least: usize) -> Option<[usize; 2]> {
+    let (first, second) = text.split_once(separator)?;
+    let parse = |part: &str| part.trim().parse().ok().filter(|&n| n >= least);
+    Some([parse(first)?, parse(second)?])
 }
 
 /// The name of a variant.
@@ -54,36 +55,6 @@ where
     PossibleValuesParser::new(names).try_map(|name| name.to_lowercase().parse())
 }
 
-/// The name of a view.
-pub(crate) fn view() -> impl TypedValueParser<Value = StandardView> {
-    PossibleValuesParser::new(StandardView::NAMES).try_map(|name| name.parse())
-}
-
-/// The name of a tone map.
-pub(crate) fn tone_map() -> impl TypedValueParser<Value = ToneMap> {
-    PossibleValuesParser::new(ToneMap::NAMES).try_map(|name| name.parse())
-}
-
-/// The treatment of far distances.
-pub(crate) fn far() -> impl TypedValueParser<Value = Far> {
-    PossibleValuesParser::new(Far::NAMES).try_map(|name| name.parse())
-}
-
-/// A rule for what is inside.
-pub(crate) fn fill_rule() -> impl TypedValueParser<Value = FillRule> {
-    PossibleValuesParser::new(FillRule::NAMES).try_map(|name| name.parse())
-}
-
-/// Parses the axis of a field of view.
-pub(crate) fn fov_axis() -> impl TypedValueParser<Value = FovAxis> {
-    PossibleValuesParser::new(FovAxis::NAMES).try_map(|name| name.parse())
-}
-
-/// Parses the trade-off for building trees.
-pub(crate) fn build() -> impl TypedValueParser<Value = Build> {
-    PossibleValuesParser::new(Build::NAMES).try_map(|name| name.parse())
-}
-
 /// The name of a kind of finding.
 pub(crate) fn lint_kind() -> PossibleValuesParser {
     PossibleValuesParser::new(KINDS.iter().map(|kind| kind.name))
@@ -92,64 +63,38 @@ pub(crate) fn lint_kind() -> PossibleValuesParser {
 /// The name of a unit of length, as metres.
 pub(crate) fn unit() -> impl TypedValueParser<Value = f64> {
     let names = UNITS.iter().map(|&(name, _)| name);
-    let metres = |name: String| {
+    PossibleValuesParser::new(names).try_map(|name| {
         let unit = UNITS.iter().find(|&&(known, _)| known == name);
         unit.map(|&(_, metres)| metres).ok_or("no such unit")
-    };
-    PossibleValuesParser::new(names).try_map(metres)
+    })
 }
 
 /// A factor of lengths.
 pub(crate) fn factor(text: &str) -> Result<f64, String> {
-    let factor = text.parse::<f64>().ok();
-    let factor = factor.filter(|&factor| factor > 0.0 && factor.is_finite());
-    factor.ok_or_else(|| "expected a number above 0".to_owned())
+    number(text, "a number above 0", |factor| factor > 0.0)
 }
 
-/// Parses the source of colours by numbers.
+/// The source of colours by numbers.
 pub(crate) fn color_by(text: &str) -> Result<ColorBy, String> {
-    let expected = format!(
-        "expected attribute:NAME for an attribute of the meshes, or {}",
-        ColorBy::NAMES.join(", ")
-    );
-    text.parse().map_err(|_| expected)
-}
-
-/// The name of a colour map.
-pub(crate) fn color_map() -> impl TypedValueParser<Value = ColorMap> {
-    PossibleValuesParser::new(ColorMap::NAMES).try_map(|name| name.parse())
+    text.parse().map_err(|_| {
+        let words = ColorBy::NAMES.join(", ");
+        format!("expected attribute:NAME for an attribute of the meshes, or {words}")
+    })
 }
 
 /// Two numbers that rise.
 pub(crate) fn range(text: &str) -> Result<[f64; 2], String> {
     let form = "two finite numbers that rise, such as 0,100";
-    let [low, high] = numbers::<2>(text, ',', form)?;
-    if low < high {
-        Ok([low, high])
-    } else {
-        Err(format!("expected {form}"))
-    }
+    numbers(text, ',', form, |[low, high]| low < high)
 }
 
 /// A number of bytes, such as `500M`.
 pub(crate) fn memory(text: &str) -> Result<u64, String> {
-    let text = text.trim();
-    let unit = text
-        .chars()
-        .next_back()
-        .map(|unit| unit.to_ascii_uppercase());
-    let shift = match unit {
-        Some('K') => 10,
-        Some('M') => 20,
-        Some('G') => 30,
-        Some('T') => 40,
-        _ => 0,
-    };
-    let digits = if shift == 0 {
-        text
-    } else {
-        &text[..text.len() - 1]
-    };
+    let text = text.trim().to_ascii_uppercase();
+    let unit = [("K", 10), ("M", 20), ("G", 30), ("T", 40)]
+        .into_iter()
+        .find_map(|(unit, shift)| Some((text.strip_suffix(unit)?, shift)));
+    let (digits, shift) = unit.unwrap_or((&text, 0));
     let bytes: Option<u64> = digits.trim().parse().ok();
     bytes
         .and_then(|number| number.checked_mul(1 << shift))
@@ -159,11 +104,8 @@ pub(crate) fn memory(text: &str) -> Result<u64, String> {
 
 /// Two numbers.
 pub(crate) fn pair(text: &str) -> Result<[f64; 2], String> {
-    numbers::<2>(
-        text,
-        ',',
-        "two finite numbers with a comma between them, such as 70,40",
-    )
+    let form = "two finite numbers with a comma between them, such as 70,40";
+    numbers(text, ',', form, |_| true)
 }
 
 /// A whole number from 1 on.
@@ -182,10 +124,9 @@ pub(crate) fn elevations(text: &str) -> Result<Elevations, String> {
     const MOST: f64 = (1 << 26) as f64;
     let form =
         "LOW,HIGH,N: degrees that do not fall and a whole number of lasers, such as -15,15,16";
-    let [low, high, lasers] = numbers::<3>(text, ',', form)?;
-    if low > high || lasers.fract() != 0.0 || !(1.0..=MOST).contains(&lasers) {
-        return Err(format!("expected {form}"));
-    }
+    let [low, high, lasers] = numbers(text, ',', form, |[low, high, lasers]| {
+        low <= high && lasers.fract() == 0.0 && (1.0..=MOST).contains(&lasers)
+    })?;
     #[expect(clippy::cast_possible_truncation, reason = "it is below 2^27")]
     let last = lasers as i32 - 1;
     let step = (high - low) / f64::from(last);
@@ -199,8 +140,8 @@ pub(crate) fn elevations(text: &str) -> Result<Elevations, String> {
 /// A standard deviation: a length, and a share of the range.
 pub(crate) fn noise(text: &str) -> Result<[f64; 2], String> {
     let form = "one or two finite numbers with a comma between them, such as 0.02,0.001";
-    let alone = numbers::<1>(text, ',', form).map(|[length]| [length, 0.0]);
-    alone.or_else(|_| numbers::<2>(text, ',', form))
+    let alone = number(text, form, |_| true).map(|length| [length, 0.0]);
+    alone.or_else(|_| numbers(text, ',', form, |_| true))
 }
 
 /// The class of the objects of a name.
@@ -210,97 +151,39 @@ pub(crate) fn class(text: &str) -> Result<(String, u8), String> {
     class.ok_or_else(|| "expected a name and a whole number from 0 to 255, such as ground=2".into())
 }
 
+/// Three coordinates.
 pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
-    numbers::<3>(
-        text,
-        ',',
-        "three finite numbers with commas between them, such as 1,-2.5,3",
-    )
-    .map(DVec3::from)
+    let form = "three finite numbers with commas between them, such as 1,-2.5,3";
+    numbers::<3>(text, ',', form, |_| true).map(DVec3::from)
 }
 
 /// A ray: its origin and its direction.
 pub(crate) fn ray(text: &str) -> Result<(DVec3, DVec3), String> {
     let form = "six finite numbers with commas between them, the origin and the direction, such as 0,0,10,0,0,-1";
-    let [a, b, c, x, y, z] = numbers::<6>(text, ',', form)?;
+    let [a, b, c, x, y, z] = numbers(text, ',', form, |_| true)?;
     Ok((DVec3::new(a, b, c), DVec3::new(x, y, z)))
 }
 
 /// A pixel: its row and its column.
 pub(crate) fn pixel(text: &str) -> Result<[usize; 2], String> {
-    let parse = |part: &str| part.trim().parse::<usize>().ok();
-    let both = text
-        .split_once(',')
-        .and_then(|(row, column)| Some([parse(row)?, parse(column)?]));
-    both.ok_or_else(|| "expected a row and a column, whole numbers from 0, such as 360,640".into())
+    whole_pair(text, ',', 0)
+        .ok_or_else(|| "expected a row and a column, whole numbers from 0, such as 360,640".into())
 }
 
-/// Linear numbers, or sRGB in the ways of CSS.
-pub(crate) fn color(text: &str) -> Result<Color, String> {
-    if text.trim().eq_ignore_ascii_case(TRANSPARENT) {
-        return Err("only a background can be transparent".into());
-    }
-    color_or(text, "")
-}
-
-/// A colour; `others` is what else the message of an error offers.
-fn color_or(text: &str, others: &str) -> Result<Color, String> {
-    let form = &format!(
-        "linear red, green and blue, such as 0.2,0.3,0.5, or sRGB as '#rrggbb' or a CSS name such as steelblue{others}"
-    );
-    let text = text.trim();
-    if let Some(color) = color_of(text) {
-        return Ok(color);
-    }
-    let names = COLOR_NAMES.iter().map(|&(name, _)| name);
-    if let Some(meant) = nearest_word(text, names) {
-        return Err(format!("expected {form}; did you mean {meant}?"));
-    }
-    let color = numbers::<3>(text, ',', form).map(Color::from)?;
-    if color.min_element() < 0.0 {
-        Err(format!("expected {form}, none of them negative"))
-    } else {
-        Ok(color)
-    }
-}
-
-const TRANSPARENT: &str = "transparent";
-
-/// A colour, or `transparent`.
-pub(crate) fn background(text: &str) -> Result<Background, String> {
-    if text.trim().eq_ignore_ascii_case(TRANSPARENT) {
-        return Ok(Background::Transparent);
-    }
-    color_or(text, ", or transparent").map(Background::Uniform)
-}
-
-pub(crate) fn sky(text: &str) -> Result<Sky, String> {
-    let form = "the colours of the horizon and the zenith, such as 0.8,0.85,0.9:0.1,0.3,0.6";
-    let (horizon, zenith) = text
-        .split_once(':')
-        .ok_or_else(|| format!("expected {form}"))?;
-    Ok(Sky {
-        horizon: color(horizon)?,
-        zenith: color(zenith)?,
-    })
-}
-
+/// A point to look at, or the middle of the scene.
 pub(crate) fn target(text: &str) -> Result<Target, String> {
     if text == "auto" {
         return Ok(Target::Auto);
     }
-    vector(text)
-        .map(Target::Point)
-        .map_err(|form| format!("{form}, or auto"))
+    let point = vector(text).map(Target::Point);
+    point.map_err(|form| format!("{form}, or auto"))
 }
 
+/// A distance or a point that is sharp.
 pub(crate) fn focus(text: &str) -> Result<Focus, String> {
-    if let Ok(distance) = positive(text) {
-        return Ok(Focus::Distance(distance));
-    }
-    let form = "a positive distance, or a point such as 1,2,3";
-    let point = vector(text).map(Focus::At);
-    point.map_err(|_| format!("expected {form}"))
+    let point = || vector(text).map(Focus::At);
+    let focus = positive(text).map(Focus::Distance).or_else(|_| point());
+    focus.map_err(|_| "expected a positive distance, or a point such as 1,2,3".into())
 }
 
 /// `NAME=VALUE`.
@@ -310,100 +193,44 @@ pub(crate) fn setting(text: &str) -> Result<(String, String), String> {
     Ok((name.trim().to_owned(), value.trim().to_owned()))
 }
 
-/// The name of a rig, or a light: its kind, and after a colon each its settings, but for its colour.
-pub(crate) fn light(text: &str) -> Result<LightArg, String> {
-    if let Ok(rig) = text.parse() {
-        return Ok(LightArg::LightRig(rig));
-    }
-    let (kind, values) = text.split_once(':').unwrap_or((text, ""));
-    let Ok(mut light) = Light::named(kind) else {
-        let rigs = LightRig::NAMES.join(", ");
-        return Err(format!(
-            "expected one of {rigs}; or a light, such as point:1,2,3, that is one of {}",
-            Light::NAMES.join(", ")
-        ));
-    };
-    let list = light.list().iter();
-    let list: Vec<&Setting> = list.filter(|known| known.domain != Domain::Light).collect();
-    let form = || {
-        let of = |setting: &&Setting| match setting.domain {
-            Domain::Position | Domain::Direction => ":X,Y,Z",
-            _ => ":NUMBER",
-        };
-        let forms: String = list.iter().map(of).collect();
-        let names: Vec<&str> = list.iter().map(|setting| setting.name).collect();
-        format!("expected {kind}{forms}, these being {}", names.join(", "))
-    };
-    let given: Vec<&str> = values.split([':', '@']).collect();
-    let needed = list.iter().filter(|setting| setting.is_required).count();
-    if given.len() < needed || given.len() > list.len() {
-        return Err(form());
-    }
-    for (setting, text) in list.iter().zip(given) {
-        let value = setting.domain.parsed(text).ok_or_else(form)?;
-        // The square of its distance must be a number.
-        if let Value::Vector(vector) = value
-            && vector.abs().max_element() > 1e150
-        {
-            return Err("expected a point no farther away than 1e150".into());
-        }
-        light
-            .set(setting.name, value)
-            .map_err(|error| error.to_string())?;
-    }
-    light.check().map_err(|error| error.to_string())?;
-    Ok(LightArg::Light(light))
-}
-
 /// `COLUMNSxROWS`, to rows and columns.
 pub(crate) fn pixels(text: &str) -> Result<[usize; 2], String> {
-    let parse = |part: &str| part.trim().parse::<usize>().ok().filter(|&n| n >= 1);
-    let both = text
-        .split_once('x')
-        .and_then(|(columns, rows)| Some([parse(rows)?, parse(columns)?]));
-    both.ok_or_else(|| "expected columns and rows, at least 1 of each, such as 720x480".into())
+    let size = whole_pair(text, 'x', 1).map(|[columns, rows]| [rows, columns]);
+    size.ok_or_else(|| "expected columns and rows, at least 1 of each, such as 720x480".into())
 }
 
 /// `WIDTHxHEIGHT` in scene units.
 pub(crate) fn lengths(text: &str) -> Result<(f64, f64), String> {
     let form = "a width and a height, both positive, such as 36x24";
-    let [width, height] = numbers::<2>(text, 'x', form)?;
-    if width > 0.0 && height > 0.0 {
-        Ok((width, height))
-    } else {
-        Err(format!("expected {form}"))
-    }
+    let size = numbers(text, 'x', form, |[width, height]| {
+        width > 0.0 && height > 0.0
+    });
+    size.map(<(f64, f64)>::from)
 }
 
+/// A finite number.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
-    numbers::<1>(text, ',', "a finite number").map(|[number]| number)
+    number(text, "a finite number", |_| true)
 }
 
+/// A positive number.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    let [number] = numbers::<1>(text, ',', "a positive number")?;
-    if number > 0.0 {
-        Ok(number)
-    } else {
-        Err("expected a positive number".into())
-    }
+    number(text, "a positive number", |number| number > 0.0)
 }
 
 /// The width of lines in pixels.
 pub(crate) fn line_width(text: &str) -> Result<f64, String> {
-    let form = "a number of pixels above 0, up to 1000";
-    let [width] = numbers::<1>(text, ',', form)?;
-    let fine = width > 0.0 && width <= Edges::WIDEST;
-    fine.then_some(width)
-        .ok_or_else(|| format!("expected {form}"))
+    number(text, "a number of pixels above 0, up to 1000", |width| {
+        width > 0.0 && width <= Edges::WIDEST
+    })
 }
 
 /// An angle between two normals.
 pub(crate) fn edge_angle(text: &str) -> Result<f64, String> {
-    let form = "a number of degrees from 0 to 180";
-    let [angle] = numbers::<1>(text, ',', form)?;
-    let fine = (0.0..=180.0).contains(&angle);
-    fine.then_some(angle)
-        .ok_or_else(|| format!("expected {form}"))
+    let range = 0.0..=180.0;
+    number(text, "a number of degrees from 0 to 180", |angle| {
+        range.contains(&angle)
+    })
 }
 
 /// Names of kinds of edges.
@@ -416,30 +243,19 @@ pub(crate) fn edge_kinds(text: &str) -> Result<EdgeKinds, String> {
 /// The lengths of dashes and gaps.
 pub(crate) fn dash(text: &str) -> Result<Dash, String> {
     let form = "two numbers of pixels, 0.1 at least, such as 6,4";
-    let [on, off] = numbers::<2>(text, ',', form)?;
-    let fine = on >= Dash::SHORTEST && off >= Dash::SHORTEST;
-    fine.then_some(Dash { on, off })
-        .ok_or_else(|| format!("expected {form}"))
+    let fits = |[on, off]: [f64; 2]| on.min(off) >= Dash::SHORTEST;
+    numbers(text, ',', form, fits).map(|[on, off]| Dash { on, off })
 }
 
 /// A number from 0 to 1.
 pub(crate) fn share(text: &str) -> Result<f64, String> {
-    let form = "a number from 0 to 1";
-    let [share] = numbers::<1>(text, ',', form)?;
-    let fine = (0.0..=1.0).contains(&share);
-    fine.then_some(share)
-        .ok_or_else(|| format!("expected {form}"))
+    let range = 0.0..=1.0;
+    number(text, "a number from 0 to 1", |share| range.contains(&share))
 }
 
 /// Zero or a positive number.
 pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
-    let form = "zero or a positive number";
-    let [number] = numbers::<1>(text, ',', form)?;
-    if number >= 0.0 {
-        Ok(number)
-    } else {
-        Err(format!("expected {form}"))
-    }
+    number(text, "zero or a positive number", |number| number >= 0.0)
 }
 
 /// A number; minus infinity is one here.
@@ -460,22 +276,20 @@ pub(crate) fn t_max(text: &str) -> Result<f64, String> {
 pub(crate) fn intrinsics(text: &str) -> Result<PixelMatrix, String> {
     let form =
         "fx,fy,cx,cy or fx,fy,cx,cy,skew, of which fx and fy are positive, such as 600,600,320,240";
-    let numbers = match numbers::<4>(text, ',', form) {
-        Ok([fx, fy, cx, cy]) => [fx, fy, cx, cy, 0.0],
-        Err(_) => numbers::<5>(text, ',', form)?,
+    let with_skew = match text.matches(',').count() {
+        3 => &format!("{text},0"),
+        _ => text,
     };
-    let [fx, fy, cx, cy, skew] = numbers;
-    if fx > 0.0 && fy > 0.0 {
-        Ok(PixelMatrix {
-            fx,
-            fy,
-            cx,
-            cy,
-            skew,
-        })
-    } else {
-        Err(format!("expected {form}"))
-    }
+    let numbers = numbers(with_skew, ',', form, |[fx, fy, ..]: [f64; 5]| {
+        fx.min(fy) > 0.0
+    });
+    numbers.map(|[fx, fy, cx, cy, skew]| PixelMatrix {
+        fx,
+        fy,
+        cx,
+        cy,
+        skew,
+    })
 }
 
 /// Numbers with names.
@@ -486,28 +300,22 @@ pub(crate) struct Parameters(pub(crate) Vec<(String, f64)>);
 pub(crate) fn parameters(text: &str) -> Result<Parameters, String> {
     let one = |part: &str| {
         let (name, value) = part.split_once('=')?;
-        let value: f64 = value.trim().parse().ok()?;
-        value.is_finite().then(|| (name.trim().to_owned(), value))
+        Some((name.trim().to_owned(), finite(value).ok()?))
     };
     let all: Option<Vec<(String, f64)>> = text.split(',').map(one).collect();
     all.map(Parameters)
         .ok_or_else(|| "expected names and numbers, such as k1=-0.2,k2=0.05".into())
 }
 
+/// A field of view in degrees.
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
-    let form = "degrees above 0 and up to 360";
-    let [degrees] = numbers::<1>(text, ',', form)?;
-    if degrees > 0.0 && degrees <= 360.0 {
-        Ok(degrees)
-    } else {
-        Err(format!("expected {form}"))
-    }
+    number(text, "degrees above 0 and up to 360", |degrees| {
+        degrees > 0.0 && degrees <= 360.0
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use firsthit::scene::{DirectionalLight, PointLight};
-
     use super::*;
 
     #[test]
@@ -540,66 +348,10 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_linear_numbers_levels_or_names() {
-        assert_eq!(color("1,0.5,0"), Ok(Color::new(1.0, 0.5, 0.0)));
-        assert_eq!(color("#ff0000"), Ok(Color::new(1.0, 0.0, 0.0)));
-        assert_eq!(color("Blue"), Ok(Color::new(0.0, 0.0, 1.0)));
-        assert!(
-            color("stelblue")
-                .unwrap_err()
-                .ends_with("did you mean steelblue?")
-        );
-        assert_eq!(background("transparent"), Ok(Background::Transparent));
-        for wrong in [
-            "",
-            "#ff00",
-            "1,0",
-            "nothing at all",
-            "transparent",
-            "-1,0,0",
-        ] {
-            assert!(color(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
     fn sizes_are_columns_times_rows() {
         assert_eq!(pixels("720x480"), Ok([480, 720]));
         for bad in ["720", "0x1", "-1x5", "1x1.5", "axb"] {
             assert!(pixels(bad).is_err(), "{bad}");
         }
-    }
-
-    #[test]
-    fn lights_name_their_kind() {
-        let point = PointLight {
-            position: DVec3::new(1.0, 2.0, -3.0),
-            ..PointLight::default()
-        };
-        assert_eq!(light("point:1,2,-3"), Ok(LightArg::Light(point.into())));
-        let sun = DirectionalLight {
-            direction: DVec3::NEG_Z,
-            angle_degrees: 0.5,
-            ..DirectionalLight::default()
-        };
-        assert_eq!(
-            light("directional:0,0,-1@0.5"),
-            Ok(LightArg::Light(sun.into()))
-        );
-        assert_eq!(
-            light("overcast"),
-            Ok(LightArg::LightRig(LightRig::Overcast))
-        );
-        assert!(light("sphere:0,0,5:2").is_ok());
-        for wrong in [
-            "directional:0,0,0",
-            "sphere:1,2,3:-1",
-            "point:1,2",
-            "point",
-            "lamp:1,2,3",
-        ] {
-            assert!(light(wrong).is_err(), "{wrong}");
-        }
-        assert!(light("1,2,3").is_err());
     }
 }

@@ -10,8 +10,8 @@ use crate::camera::distortion::{
 };
 use crate::camera::{
     Aim, Convention, CubeMap, Cylindrical, Description, Equirectangular, Focus, FovAxis, Lens,
-    Octahedral, Opening, PixelMatrix, Projection, RayStart, THIN_LENS, VIEWPLANE, Viewplane,
-    orthonormalised, rounded_pose,
+    Octahedral, Opening, PixelMatrix, Projection, RayStart, THIN_LENS, VIEWPLANE, orthonormalised,
+    rounded_pose,
 };
 use crate::geometry::{Bounds, DVec3, Domain, Settings};
 use crate::io::Report;
@@ -327,13 +327,9 @@ fn description(section: &Section<'_, '_>, report: &mut Report) -> Checked<Descri
     let at = section.vector("look_at").map(Aim::At);
     let convention = section.text("convention").map(str::parse).transpose();
     let convention: Option<Convention> = section.checked(convention)?;
-    let has_viewplane = matches!(
-        projection,
-        Projection::Perspective | Projection::Orthographic
-    );
     let ray_start = match section.text("ray_start") {
         Some("viewplane") => Some(RayStart::Viewplane),
-        _ => has_viewplane.then_some(RayStart::Eye),
+        _ => projection.has_viewplane().then_some(RayStart::Eye),
     };
     let described = Description {
         position: section.vector("position"),
@@ -386,14 +382,10 @@ fn opening(
         (section.has("fx"), convention, size)
     {
         let matrix = convention.pixel_matrix(matrix);
-        let lens = if projection == Projection::Perspective {
-            section.checked(Viewplane::from_pixel_matrix(&matrix, rows, columns).map(Lens::Flat))?
-        } else {
-            let mut numbers = numbers(section, projection);
-            numbers.extend([("cx", matrix.cx), ("cy", matrix.cy)]);
-            section.checked(Lens::named(projection, &numbers))?
-        };
         let size = [rows, columns];
+        let mut others = numbers(section, projection);
+        others.retain(|(name, _)| !["fx", "fy", "cx", "cy", "skew"].contains(name));
+        let lens = section.checked(matrix.lens(projection, &others, size))?;
         return Ok(Some(Opening::Lens { lens, size }));
     }
     if let Some(fov) = section.number("fov") {
@@ -416,8 +408,7 @@ fn opening(
             rows: size[0],
             ..Description::default()
         };
-        let [rows, columns] = whole.size();
-        let size = [rows, columns];
+        let size = whole.size();
         return Ok(Some(Opening::Lens { lens, size }));
     }
     Ok(width.zip(height).map(|(width, height)| Opening::Viewplane {
