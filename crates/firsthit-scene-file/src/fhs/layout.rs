@@ -29,81 +29,38 @@ pub(super) const BEFORE_DIGEST: usize = 32;
 /// A checksum: BLAKE3.
 pub(super) type Sum = [u8; 32];
 
-/// The type of a section's elements. Numbers are little-endian.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub(super) enum Kind {
-    /// The record: text in UTF-8.
-    Record = 1,
-    U32,
-    U32x2,
-    U32x3,
-    F32,
-    F32x2,
-    F32x3,
-    F64,
-    F64x3,
-    F64x6,
-    U8x4,
-    Node,
-    Leaf,
-    F32x4,
-}
-
-impl Kind {
-    const ALL: [Self; 14] = [
-        Self::Record,
-        Self::U32,
-        Self::U32x2,
-        Self::U32x3,
-        Self::F32,
-        Self::F32x2,
-        Self::F32x3,
-        Self::F64,
-        Self::F64x3,
-        Self::F64x6,
-        Self::U8x4,
-        Self::Node,
-        Self::Leaf,
-        Self::F32x4,
-    ];
-
-    fn of(code: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|&kind| kind as u32 == code)
-    }
-
-    /// The bytes of an element.
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::Record => 1,
-            Self::U32 | Self::F32 | Self::U8x4 => 4,
-            Self::U32x2 | Self::F32x2 | Self::F64 => 8,
-            Self::U32x3 | Self::F32x3 => 12,
-            Self::F32x4 => 16,
-            Self::F64x3 => 24,
-            Self::F64x6 => 48,
-            Self::Node => size_of::<Node>(),
-            Self::Leaf => size_of::<Meshlet>(),
-        }
-    }
-}
-
 /// A type that sections are arrays of.
 pub(super) trait Element: Pod {
-    const KIND: Kind;
+    const KIND: SectionKind;
 }
 
+/// The table of kinds of sections: names, and the types of elements. The first has the code 1.
 macro_rules! elements {
     ($($kind:ident: $type:ty;)*) => {
-        $(impl Element for $type {
-            const KIND: Kind = Kind::$kind;
-        })*
+        /// The type of a section's elements. Numbers are little-endian.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum SectionKind {
+            $($kind,)*
+        }
 
-        #[cfg(test)]
-        const SIZES: &[(Kind, usize)] = &[$((Kind::$kind, size_of::<$type>())),*];
+        impl SectionKind {
+            const ALL: &[Self] = &[$(Self::$kind),*];
+
+            /// The bytes of an element.
+            fn size(self) -> usize {
+                match self {
+                    $(Self::$kind => size_of::<$type>(),)*
+                }
+            }
+        }
+
+        $(impl Element for $type {
+            const KIND: SectionKind = SectionKind::$kind;
+        })*
     };
 }
 
+// The record is text in UTF-8.
 elements! {
     Record: u8;
     U32: u32;
@@ -121,9 +78,20 @@ elements! {
     F32x4: [f32; 4];
 }
 
+impl SectionKind {
+    /// The number in the table of sections.
+    pub(super) fn code(self) -> u32 {
+        self as u32 + 1
+    }
+
+    fn of(code: u32) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.code() == code)
+    }
+}
+
 /// Alphas are attributes of one number.
 impl Element for [f32; 1] {
-    const KIND: Kind = Kind::F32;
+    const KIND: SectionKind = SectionKind::F32;
 }
 
 /// The sum of what is compared whenever a file is opened: the header up to the sum, the table, and the record.
@@ -138,7 +106,7 @@ pub(super) fn sum_of_structure(header: &[u8], table: &[u8], record: &[u8]) -> Su
 /// The place and type of a section.
 #[derive(Debug)]
 struct Entry {
-    kind: Kind,
+    kind: SectionKind,
     range: Range<usize>,
     sum: Sum,
     is_taken: bool,
@@ -187,7 +155,7 @@ impl Sections {
         let record = self
             .entries
             .first()
-            .filter(|entry| entry.kind == Kind::Record);
+            .filter(|entry| entry.kind == SectionKind::Record);
         let record = record.ok_or_else(|| wrong(UNIT, "the first section is not the record"))?;
         let sum = sum_of_structure(
             part(bytes, 0..BEFORE_DIGEST)?,
@@ -309,7 +277,8 @@ fn check_header(bytes: &[u8]) -> Checked<usize> {
 /// An entry of the table, whose section starts at `start`, in a file of `length` bytes; or what is wrong with it.
 fn entry(bytes: &[u8], start: usize, length: usize) -> Result<Entry, String> {
     let code = u32_at(bytes, 0);
-    let kind = Kind::of(code).ok_or_else(|| format!("there is no kind of section {code}"))?;
+    let kind =
+        SectionKind::of(code).ok_or_else(|| format!("there is no kind of section {code}"))?;
     let [from, size] = [8, 16].map(|at| u64_at(bytes, at));
     if from != start as u64 {
         return Err(format!("it begins at {from}, and should at {start}"));
@@ -357,15 +326,21 @@ fn u64_at(bytes: &[u8], at: usize) -> u64 {
 mod tests {
     use super::*;
 
-    /// The sizes are those of `docs/fhs.md`.
+    /// The numbers and sizes are those of `docs/fhs.md`.
     #[test]
-    fn elements_have_their_sizes() {
-        assert_eq!(SIZES.len(), Kind::ALL.len());
-        for (&(kind, size), code) in SIZES.iter().zip(1..) {
-            assert_eq!((kind.size(), kind as u32), (size, code));
-            assert_eq!(Kind::of(code), Some(kind));
+    fn kinds_have_their_codes_and_sizes() {
+        for (code, size) in [
+            (1, 1),
+            (2, 4),
+            (7, 12),
+            (10, 48),
+            (12, 448),
+            (13, 256),
+            (14, 16),
+        ] {
+            let kind = SectionKind::of(code).unwrap();
+            assert_eq!((kind.code(), kind.size()), (code, size));
         }
-        assert_eq!((Kind::Node.size(), Kind::Leaf.size()), (448, 256));
-        assert_eq!((Kind::of(0), Kind::of(15)), (None, None));
+        assert_eq!((SectionKind::of(0), SectionKind::of(15)), (None, None));
     }
 }

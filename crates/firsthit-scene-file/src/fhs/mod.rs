@@ -27,6 +27,7 @@ mod number;
 mod read;
 mod record;
 mod sensor;
+mod tables;
 mod write;
 
 use std::path::Path;

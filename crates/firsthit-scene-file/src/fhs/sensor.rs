@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::number::{Number, Triple};
 use crate::camera::{
-    Aim, Description, Focus, FovAxis, Lens, Opening, Projection, RayStart, StandardView, View,
+    Aim, Camera, Description, Focus, FovAxis, Lens, Opening, Projection, RayStart, StandardView,
+    View,
 };
 use crate::error::{Result, escape_controls};
+use crate::geometry::{require, require_finite};
 use crate::world::NamedCamera;
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -248,4 +250,67 @@ impl DescriptionRecord {
             rows: self.rows,
         })
     }
+}
+
+/// Refuses cameras that nothing can be seen through, here where the file is known. Of a description only the numbers are asked: what it
+/// leaves open need not suit this scene.
+pub(super) fn check_cameras(cameras: &[NamedCamera]) -> Result<()> {
+    for camera in cameras {
+        Camera::new(camera.view)?;
+        let described = camera.described(None);
+        let [rows, columns] = described.size();
+        for (name, pixels) in [
+            ("columns", camera.view.columns),
+            ("rows", camera.view.rows),
+            ("columns", columns),
+            ("rows", rows),
+        ] {
+            let is_possible = (1..=1 << 28).contains(&pixels);
+            require(name, "from 1 to 2^28", is_possible, pixels)?;
+        }
+        check_description(&described)?;
+    }
+    Ok(())
+}
+
+fn check_description(described: &Description) -> Result<()> {
+    let towards = described.aim.and_then(|aim| match aim {
+        Aim::Along(vector) | Aim::At(vector) => Some(vector),
+        _ => None,
+    });
+    let (distance, at) = match described.focus {
+        Some(Focus::Distance(distance)) => (Some(distance), None),
+        Some(Focus::At(point)) => (None, Some(point)),
+        None => (None, None),
+    };
+    let vectors = [described.position, described.up, towards, at];
+    for vector in vectors.into_iter().flatten() {
+        require_finite("a camera's description", vector)?;
+    }
+    let lengths = match described.opening {
+        Some(Opening::Fov(degrees)) => {
+            let is_possible = degrees > 0.0 && degrees <= 360.0;
+            require("fov", "above 0 and up to 360", is_possible, degrees)?;
+            [None; 3]
+        }
+        Some(Opening::Viewplane {
+            width,
+            height,
+            focal_length,
+        }) => [Some(width), Some(height), focal_length],
+        _ => [None; 3],
+    };
+    for length in lengths.into_iter().chain([distance]).flatten() {
+        let is_possible = length > 0.0 && length.is_finite();
+        let name = "a length of a camera's description";
+        require(name, "positive and finite", is_possible, length)?;
+    }
+    let aperture = described.aperture.unwrap_or(0.0);
+    let is_possible = aperture >= 0.0 && aperture.is_finite();
+    require(
+        "aperture",
+        "zero or positive, and finite",
+        is_possible,
+        aperture,
+    )
 }

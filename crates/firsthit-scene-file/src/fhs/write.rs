@@ -1,28 +1,27 @@
 //! Takes a scene apart, and writes its sections.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
-use std::sync::Arc;
 
-use super::layout::{BEFORE_DIGEST, Element, Kind, MAGIC, Sum, UNIT, VERSION, sum_of_structure};
-use super::look::{KindRecord, MapRecord, MaterialRecord, ShadingRecord, direction_of};
+use super::layout::{
+    BEFORE_DIGEST, Element, MAGIC, SectionKind, Sum, UNIT, VERSION, sum_of_structure,
+};
+use super::look::{KindRecord, ShadingRecord, direction_of};
 use super::number::{Number, Triple};
 use super::record::{
-    AttributeRecord, GroupRecord, LabelRecord, MeshRecord, ObjectRecord, PositionsRecord,
-    PropertyRecord, Record, Section, ShapeRecord, TextureRecord, TreeRecord, ValuesRecord,
+    AttributeRecord, GroupRecord, MeshRecord, PositionsRecord, PropertyRecord, Record, Section,
+    TextureRecord, TreeRecord, ValuesRecord,
 };
 use super::sensor::CameraRecord;
+use super::tables::Tables;
 use crate::accel::MeshTree;
 use crate::error::{Error, Result, escaped};
-use crate::geometry::{Bounds, DAffine3, DVec3};
+use crate::geometry::{Bounds, DVec3};
 use crate::image::write_whole;
 use crate::memory;
 use crate::parallel;
-use crate::scene::{Label, Material, Object, Scene, Texture};
-use crate::shape::{
-    Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues, Shape,
-};
+use crate::scene::Scene;
+use crate::shape::{Attribute, Between, Mesh, Positions, Property, PropertyOf, PropertyValues};
 use crate::watch::{Watch, stop_if_asked};
 use crate::world::World;
 
@@ -66,7 +65,7 @@ pub fn encode(scene: &Scene, world: &World, watch: &dyn Watch) -> Result<Vec<u8>
 struct Content<'a> {
     header: [u8; UNIT],
     table: Vec<u8>,
-    sections: Vec<Part<'a>>,
+    sections: Vec<SectionBytes<'a>>,
 }
 
 impl Content<'_> {
@@ -185,14 +184,14 @@ fn check(world: &World) -> Result<()> {
 const RECORD_BYTES: usize = 2048;
 
 /// A section: what it is an array of, and its bytes.
-type Part<'a> = (Kind, &'a [u8]);
+type SectionBytes<'a> = (SectionKind, &'a [u8]);
 
 /// The number of bytes that are hashed between two looks at the watch.
 const PIECE: usize = 1 << 24;
 
 /// The checksums of all sections.
-fn sums(sections: &[Part<'_>], watch: &dyn Watch) -> Result<Vec<Sum>> {
-    let sum = |(_, bytes): &Part<'_>| {
+fn sums(sections: &[SectionBytes<'_>], watch: &dyn Watch) -> Result<Vec<Sum>> {
+    let sum = |(_, bytes): &SectionBytes<'_>| {
         let mut hasher = blake3::Hasher::new();
         for piece in bytes.chunks(PIECE) {
             stop_if_asked(watch)?;
@@ -203,11 +202,15 @@ fn sums(sections: &[Part<'_>], watch: &dyn Watch) -> Result<Vec<Sum>> {
     parallel::try_map(sections, sum)
 }
 
-fn header_and_table(sections: &[Part<'_>], sums: &[Sum], record: &[u8]) -> ([u8; UNIT], Vec<u8>) {
+fn header_and_table(
+    sections: &[SectionBytes<'_>],
+    sums: &[Sum],
+    record: &[u8],
+) -> ([u8; UNIT], Vec<u8>) {
     let mut table = Vec::with_capacity(UNIT * sections.len());
     let mut next = UNIT * (sections.len() + 1);
     for ((kind, bytes), sum) in sections.iter().zip(sums) {
-        table.extend((*kind as u32).to_le_bytes());
+        table.extend(kind.code().to_le_bytes());
         table.extend([0; 4]);
         table.extend((next as u64).to_le_bytes());
         table.extend((bytes.len() as u64).to_le_bytes());
@@ -228,34 +231,9 @@ fn header_and_table(sections: &[Part<'_>], sums: &[Sum], record: &[u8]) -> ([u8;
     (whole, table)
 }
 
-/// Things that many share, each once, by where they are in memory.
-struct Shared<'a, T> {
-    numbers: HashMap<*const T, usize>,
-    list: Vec<&'a Arc<T>>,
-}
-
-impl<T> Default for Shared<'_, T> {
-    fn default() -> Self {
-        Self {
-            numbers: HashMap::new(),
-            list: Vec::new(),
-        }
-    }
-}
-
-impl<'a, T> Shared<'a, T> {
-    /// The number of a thing.
-    fn number(&mut self, thing: &'a Arc<T>) -> usize {
-        *self.numbers.entry(Arc::as_ptr(thing)).or_insert_with(|| {
-            self.list.push(thing);
-            self.list.len() - 1
-        })
-    }
-}
-
 /// The sections so far, but for the record, which is the first.
 #[derive(Default)]
-struct Parts<'a>(Vec<Part<'a>>);
+struct Parts<'a>(Vec<SectionBytes<'a>>);
 
 impl<'a> Parts<'a> {
     fn add<T: Element>(&mut self, values: &'a [T]) -> Section {
@@ -263,11 +241,11 @@ impl<'a> Parts<'a> {
         self.0.len()
     }
 
-    fn sections<'b>(self, record: &'b [u8]) -> Vec<Part<'b>>
+    fn sections<'b>(self, record: &'b [u8]) -> Vec<SectionBytes<'b>>
     where
         'a: 'b,
     {
-        let mut sections: Vec<Part<'b>> = vec![(Kind::Record, record)];
+        let mut sections: Vec<SectionBytes<'b>> = vec![(SectionKind::Record, record)];
         sections.extend(self.0);
         sections
     }
@@ -337,96 +315,6 @@ impl<'a> Parts<'a> {
 
 fn corners(Bounds { low, high }: Bounds) -> [Triple; 2] {
     [low, high].map(Triple::from)
-}
-
-/// The tables of what objects share.
-#[derive(Default)]
-struct Tables<'a> {
-    meshes: Shared<'a, Mesh>,
-    positions: Shared<'a, Positions>,
-    textures: Shared<'a, Texture>,
-    /// Lists of materials, by where they are in memory.
-    lists: HashMap<*const [Material], usize>,
-    materials: Vec<Vec<MaterialRecord>>,
-    maps: Vec<MapRecord>,
-    label_numbers: HashMap<&'a Label, usize>,
-    labels: Vec<LabelRecord>,
-}
-
-impl<'a> Tables<'a> {
-    fn object(&mut self, object: &'a Object) -> ObjectRecord {
-        let transform = object.transform();
-        ObjectRecord {
-            name: object.name().to_owned(),
-            shape: self.shape(object.shape()),
-            transform: (!transform.is_identity()).then(|| columns(transform.world_from_object())),
-            materials: (!object.materials().is_empty()).then(|| self.list(object)),
-            mask: (object.mask() != u32::MAX).then(|| object.mask()),
-            is_hidden: object.is_hidden(),
-            is_removed: object.is_removed(),
-            node: object.node().map(|label| self.label(label)),
-            mesh_label: object.mesh_label().map(|label| self.label(label)),
-        }
-    }
-
-    fn label(&mut self, label: &'a Label) -> usize {
-        *self.label_numbers.entry(label).or_insert_with(|| {
-            self.labels.push(LabelRecord {
-                number: label.number,
-                name: label.name.to_string(),
-            });
-            self.labels.len() - 1
-        })
-    }
-
-    fn list(&mut self, object: &'a Object) -> usize {
-        let list = object.materials();
-        if let Some(&known) = self.lists.get(&Arc::as_ptr(list)) {
-            return known;
-        }
-        let records = list.iter().map(|material| {
-            MaterialRecord::new(material, |map| {
-                let texture = self.textures.number(&map.texture);
-                self.maps.push(MapRecord::new(map, texture));
-                self.maps.len() - 1
-            })
-        });
-        let records = records.collect();
-        self.materials.push(records);
-        self.lists
-            .insert(Arc::as_ptr(list), self.materials.len() - 1);
-        self.materials.len() - 1
-    }
-
-    fn shape(&mut self, shape: &'a Shape) -> ShapeRecord {
-        match shape {
-            Shape::Mesh(mesh) => ShapeRecord::Mesh(self.meshes.number(mesh)),
-            Shape::Sphere(sphere) => {
-                ShapeRecord::Sphere(sphere.center().into(), Number(sphere.radius()))
-            }
-            Shape::Plane(plane) => ShapeRecord::Plane(plane.point().into(), plane.facing().into()),
-            Shape::Disc(disc) => {
-                let (center, facing) = (disc.center().into(), disc.facing().into());
-                ShapeRecord::Disc(center, facing, Number(disc.radius()))
-            }
-            Shape::Box(cuboid) => ShapeRecord::Box(cuboid.low().into(), cuboid.high().into()),
-            Shape::Cylinder(cylinder) => {
-                let (bottom, top) = (cylinder.bottom().into(), cylinder.top().into());
-                ShapeRecord::Cylinder(bottom, top, Number(cylinder.radius()))
-            }
-            Shape::Cone(cone) => {
-                let radii = [cone.bottom_radius(), cone.top_radius()].map(Number);
-                let [bottom_radius, top_radius] = radii;
-                let (bottom, top) = (cone.bottom().into(), cone.top().into());
-                ShapeRecord::Cone(bottom, top, bottom_radius, top_radius)
-            }
-        }
-    }
-}
-
-fn columns(affine: &DAffine3) -> [Triple; 4] {
-    let (m, t) = (affine.matrix3, affine.translation);
-    [m.x_axis, m.y_axis, m.z_axis, t].map(Triple::from)
 }
 
 fn record<'a>(
