@@ -1,7 +1,7 @@
 //! Cameras of a scene file.
 
-use super::document::numbers as numbers_of;
-use super::section::Section;
+mod read;
+
 use super::settings;
 use super::table::{Form, Key, Pick, Record, Rule, Variant, keys, optional, required};
 use crate::camera::distortion::{
@@ -9,14 +9,12 @@ use crate::camera::distortion::{
     OrthographicFisheye, RadTanThinPrismFisheye, Stereographic, ThinPrismFisheye, Ucm,
 };
 use crate::camera::{
-    Aim, Convention, CubeMap, Cylindrical, Description, Equirectangular, Focus, FovAxis, Lens,
-    Octahedral, Opening, PixelMatrix, Projection, RayStart, THIN_LENS, VIEWPLANE, orthonormalised,
-    rounded_pose,
+    Convention, CubeMap, Cylindrical, Equirectangular, FovAxis, Octahedral, PixelMatrix, THIN_LENS,
+    VIEWPLANE,
 };
-use crate::geometry::{Bounds, DVec3, Domain, Settings};
-use crate::io::Report;
-use crate::io::fault::Checked;
-use crate::world::{NamedCamera, World};
+use crate::geometry::{Domain, Settings};
+
+pub(super) use read::{read, settle};
 
 const PROJECTION: &str = "projection";
 
@@ -295,164 +293,3 @@ pub(super) static LINE_CAMERA: Record = Record {
     about: "A camera of one row on a rig.",
     variants: rig_cameras!(COLUMNS),
 };
-
-/// A camera with its name and the table that it stands in.
-pub(super) struct Read<'v, 't> {
-    name: String,
-    section: Section<'v, 't>,
-    description: Description,
-}
-
-/// The file's cameras, the one without a name first.
-pub(super) fn read<'v, 't>(
-    scene: &Section<'v, 't>,
-    report: &mut Report,
-) -> Checked<Vec<Read<'v, 't>>> {
-    let unnamed = scene.table("camera", &CAMERA)?;
-    let unnamed = unnamed.into_iter().map(|section| ("camera", section));
-    let named = scene.named("cameras", &CAMERA)?;
-    let cameras = unnamed.chain(named).map(|(name, section)| {
-        Ok(Read {
-            name: name.to_owned(),
-            section,
-            description: description(&section, report)?,
-        })
-    });
-    cameras.collect()
-}
-
-fn description(section: &Section<'_, '_>, report: &mut Report) -> Checked<Description> {
-    let projection: Projection = section.checked(section.tag().unwrap_or_default().parse())?;
-    let along = section.vector("aim").map(Aim::Along);
-    let at = section.vector("look_at").map(Aim::At);
-    let convention = section.text("convention").map(str::parse).transpose();
-    let convention: Option<Convention> = section.checked(convention)?;
-    let ray_start = match section.text("ray_start") {
-        Some("viewplane") => Some(RayStart::Viewplane),
-        _ => projection.has_viewplane().then_some(RayStart::Eye),
-    };
-    let described = Description {
-        position: section.vector("position"),
-        aim: along.or(at),
-        up: section.vector("up"),
-        opening: opening(section, projection, convention)?,
-        fov_axis: section.checked(section.text("fov_axis").map(str::parse).transpose())?,
-        projection: Some(projection),
-        ray_start,
-        aperture: section.number("aperture"),
-        focus: (section.number("focus").map(Focus::Distance))
-            .or(section.vector("focus").map(Focus::At)),
-        columns: section.whole("columns"),
-        rows: section.whole("rows"),
-    };
-    let rows: Vec<_> = section.items("pose").filter_map(numbers_of::<4>).collect();
-    let (&[x, y, z, ref last @ ..], Some(convention)) = (&*rows, convention) else {
-        return Ok(described);
-    };
-    let mut pose = [x, y, z, *last.first().unwrap_or(&[0.0, 0.0, 0.0, 1.0])];
-    if let Some((turned, off)) = orthonormalised(pose) {
-        report.warn("rounded pose", &section.place("pose"), || rounded_pose(off));
-        pose = turned;
-    }
-    let pose = section.checked(convention.pose(pose))?;
-    Ok(Description {
-        position: Some(pose.translation),
-        aim: Some(Aim::Along(DVec3::ZERO - pose.matrix3.z_axis)),
-        up: Some(pose.matrix3.y_axis),
-        ..described
-    })
-}
-
-/// The field of view of a camera.
-fn opening(
-    section: &Section<'_, '_>,
-    projection: Projection,
-    convention: Option<Convention>,
-) -> Checked<Option<Opening>> {
-    let size = [section.whole("rows"), section.whole("columns")];
-    let given = |name: &str| section.number(name).unwrap_or(0.0);
-    let matrix = PixelMatrix {
-        fx: given("fx"),
-        fy: given("fy"),
-        cx: given("cx"),
-        cy: given("cy"),
-        skew: given("skew"),
-    };
-    if let (true, Some(convention), [Some(rows), Some(columns)]) =
-        (section.has("fx"), convention, size)
-    {
-        let matrix = convention.pixel_matrix(matrix);
-        let size = [rows, columns];
-        let mut others = numbers(section, projection);
-        others.retain(|(name, _)| !["fx", "fy", "cx", "cy", "skew"].contains(name));
-        let lens = section.checked(matrix.lens(projection, &others, size))?;
-        return Ok(Some(Opening::Lens { lens, size }));
-    }
-    if let Some(fov) = section.number("fov") {
-        return Ok(Some(Opening::Fov(fov)));
-    }
-    let (width, height) = (section.number("width"), section.number("height"));
-    let focal_length = section.number("focal_length");
-    let lengths = ["focal_length", "width", "height"];
-    let numbers = numbers(section, projection);
-    if numbers.iter().any(|(name, _)| !lengths.contains(name)) {
-        let lens = section.checked(Lens::named(projection, &numbers))?;
-        let whole = Description {
-            opening: width.zip(height).map(|(width, height)| Opening::Viewplane {
-                width,
-                height,
-                focal_length,
-            }),
-            projection: Some(projection),
-            columns: size[1],
-            rows: size[0],
-            ..Description::default()
-        };
-        let size = whole.size();
-        return Ok(Some(Opening::Lens { lens, size }));
-    }
-    Ok(width.zip(height).map(|(width, height)| Opening::Viewplane {
-        width,
-        height,
-        focal_length,
-    }))
-}
-
-/// The numbers of a lens that its table gives, without those of a thin one.
-fn numbers(section: &Section<'_, '_>, projection: Projection) -> Vec<(&'static str, f64)> {
-    let all = projection
-        .settings()
-        .into_iter()
-        .map(|setting| setting.name);
-    let all = all.filter(|name| !matches!(*name, "aperture" | "focus"));
-    all.filter_map(|name| Some((name, section.number(name)?)))
-        .collect()
-}
-
-/// The cameras with what they leave open decided by the objects.
-pub(super) fn settle(cameras: Vec<Read<'_, '_>>, world: &World) -> Checked<Vec<NamedCamera>> {
-    if cameras.is_empty() {
-        return Ok(Vec::new());
-    }
-    let bounds = world.objects.iter().map(crate::scene::Object::bounds);
-    let finite = bounds.filter(Bounds::is_finite);
-    let bounds = finite.fold(Bounds::EMPTY, Bounds::union);
-    let settle = |camera: Read<'_, '_>| {
-        let (section, description) = (camera.section, camera.description);
-        let support = |direction| crate::scene::support(&world.objects, direction);
-        let settled = section.checked(description.camera(bounds, support, world.up))?;
-        let is_sized = description.columns.is_some() || description.rows.is_some();
-        Ok(NamedCamera {
-            name: camera.name,
-            own_name: String::new(),
-            view: *settled.view(),
-            has_size: is_sized
-                || matches!(
-                    description.opening,
-                    Some(Opening::Viewplane { .. } | Opening::Lens { .. })
-                ),
-            description: Some(description),
-        })
-    };
-    cameras.into_iter().map(settle).collect()
-}

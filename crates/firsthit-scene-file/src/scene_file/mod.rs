@@ -31,6 +31,7 @@ mod object;
 mod output;
 mod placement;
 mod plan;
+mod plan_output;
 mod plan_text;
 mod records;
 mod schema;
