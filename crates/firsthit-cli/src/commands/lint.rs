@@ -132,8 +132,12 @@ fn of_finding(scene: &Scene, finding: &Finding) -> Vec<String> {
         "mesh" if *count != 1 => format!("{count} meshes"),
         noun => counted(*count, noun),
     };
-    let space = if note.is_empty() { "" } else { " " };
-    let mut lines = vec![format!("{}: {counted}{space}{note}", kind.name)];
+    let separator = match &**note {
+        "" => "",
+        around if around.starts_with("around ") => " ",
+        _ => ": ",
+    };
+    let mut lines = vec![format!("{}: {counted}{separator}{note}", kind.name)];
     lines.extend(places.iter().map(|place| line(scene, place)));
     let more = finding.count - places.len() as u64;
     if more > 0 {

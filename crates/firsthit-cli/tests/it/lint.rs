@@ -85,7 +85,7 @@ fn what_is_about_the_whole_scene_is_about_no_object() {
     let outcome = lab.run("lint small.obj");
     let text = String::from_utf8(outcome.stdout).unwrap();
     assert!(
-        text.starts_with("units: 1 scene the largest side is") && text.contains("\n  at 0.0001,"),
+        text.starts_with("units: 1 scene: the largest side is") && text.contains("\n  at 0.0001,"),
         "{text}"
     );
     let outcome = lab.run("lint small.obj --json");
