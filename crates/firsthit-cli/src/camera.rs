@@ -1,21 +1,23 @@
 //! Makes a camera of the command line's words.
 
+mod files;
+mod lens;
+
 use std::path::Path;
 
-use firsthit::camera::{
-    Aim, Convention, Description, Lens, Opening, StandardView, orthonormalised, rounded_pose,
-};
-use firsthit::error::{escape_controls, escaped};
-use firsthit::load;
-use firsthit::sensor::camera_of;
-use firsthit::world::{NamedCamera, World};
+use firsthit::camera::{Aim, Convention, Description, Opening, StandardView};
+use firsthit::error::escaped;
+use firsthit::world::World;
 use firsthit::{Camera, DVec3, Projection, Scene};
 
 use crate::args::CameraArgs;
-use crate::console::{in_words, warn};
 use crate::failure::Failure;
 use crate::hints::{exact_triple, span, triple};
 use crate::values::Target;
+use files::{of_colmap, of_output};
+use lens::{check_lens, opening, projection};
+
+pub(crate) use files::{labelled, matrix_of_file, of_file};
 
 /// 16,384 squared: more is a slip of the finger more often than a picture.
 const MOST_PIXELS: usize = 1 << 28;
@@ -137,122 +139,6 @@ fn overrides(args: &CameraArgs) -> bool {
     *args != of_known
 }
 
-/// The output that is named as the camera.
-fn output(args: &CameraArgs) -> Option<&Path> {
-    let path = Path::new(args.camera.as_deref()?);
-    let is_output = firsthit::image::format_of(path).is_ok();
-    (is_output && path.is_file()).then_some(path)
-}
-
-/// The camera that made the output that is named as the camera, if one is.
-fn of_output(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
-    let Some(path) = output(args) else {
-        return Ok(None);
-    };
-    let read = firsthit::image::read(path)?;
-    firsthit::inputs::note(path);
-    let record = read.metadata.and_then(|metadata| metadata.camera);
-    let Some(record) = record else {
-        return Err(Failure::bad_input(format!(
-            "{}: the file does not say which camera made it",
-            escaped(path)
-        )));
-    };
-    Ok(Some(camera_of(&record)?))
-}
-
-/// The camera of an image of a reconstruction, if one is named.
-fn of_colmap(args: &CameraArgs) -> Result<Option<Camera>, Failure> {
-    let Some(folder) = &args.colmap else {
-        return Ok(None);
-    };
-    let [cameras, images] = &load::colmap_files(folder)?;
-    let reconstruction = load::read_colmap([cameras, images])?;
-    let named = args.image.as_ref().map(|name| reconstruction.camera(name));
-    if let Some(Some(camera)) = named {
-        return Ok(Some(camera?));
-    }
-    let what = match &args.image {
-        Some(name) => format!("--image '{}'", escape_controls(name)),
-        None => "--colmap needs --image".to_owned(),
-    };
-    let names = reconstruction.names();
-    let there = if names.len() == 0 {
-        "no images".to_owned()
-    } else {
-        in_words(names.map(escape_controls))
-    };
-    let images = escaped(images);
-    Err(Failure::usage(format!("{what}: {images} has {there}")))
-}
-
-/// The file's description of the camera that is asked for, or that it is to be looked through.
-pub(crate) fn of_file(args: &CameraArgs, model: &World) -> Result<Description, Failure> {
-    if args.colmap.is_some() || output(args).is_some() {
-        return Ok(Description::default());
-    }
-    let camera = match &args.camera {
-        Some(name) => Some(named(name, &model.cameras)?),
-        None => model.cameras.first().filter(|_| model.has_view),
-    };
-    Ok(camera.map_or_else(Description::default, |camera| camera.described(args.size)))
-}
-
-/// The camera of a name, or else of another name that it goes by, or else of a number.
-fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, Failure> {
-    if name.is_empty() {
-        return Err(Failure::usage(
-            "--camera: the name is empty; use the number of a camera without a name",
-        ));
-    }
-    let called = |of: &dyn Fn(&NamedCamera) -> bool| -> Vec<usize> {
-        let all = cameras.iter().enumerate();
-        all.filter(|(_, camera)| of(camera))
-            .map(|(k, _)| k)
-            .collect()
-    };
-    let mut found = called(&|camera| camera.name == name);
-    if found.is_empty() {
-        found = called(&|camera| camera.own_name == name);
-    }
-    if found.is_empty() {
-        let number: Option<usize> = name.parse().ok();
-        found.extend(number.filter(|&number| number < cameras.len()));
-    }
-    if let &[number] = &found[..] {
-        return Ok(&cameras[number]);
-    }
-    let shown = escape_controls(name);
-    Err(Failure::usage(match (cameras.len(), found.len()) {
-        (0, _) => format!("--camera '{shown}': the file has no cameras"),
-        (_, 0) => {
-            let names = cameras
-                .iter()
-                .enumerate()
-                .map(|(k, camera)| labelled(k, camera));
-            let names = in_words(names);
-            format!("--camera '{shown}': the file has {names}")
-        }
-        _ => format!(
-            "--camera '{shown}': several cameras have this name, use a number: {}",
-            in_words(found.iter().map(usize::to_string))
-        ),
-    }))
-}
-
-/// A camera by its number and name.
-pub(crate) fn labelled(number: usize, camera: &NamedCamera) -> String {
-    let NamedCamera { name, own_name, .. } = camera;
-    match (name.is_empty(), own_name.is_empty() || own_name == name) {
-        (true, _) => number.to_string(),
-        (false, true) => format!("{number} {}", escape_controls(name)),
-        (false, false) => {
-            let (name, own_name) = (escape_controls(name), escape_controls(own_name));
-            format!("{number} {name} (or {own_name})")
-        }
-    }
-}
-
 /// Refuses what no camera can be, whatever the file says, before any work is done.
 pub(crate) fn check(args: &CameraArgs) -> Result<(), Failure> {
     args.size.map_or(Ok(()), |size| check_size("--size", size))
@@ -312,24 +198,6 @@ fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failu
     Ok(described)
 }
 
-/// Refuses a lens of which half is missing.
-fn check_lens(described: &Description) -> Result<(), Failure> {
-    let own = match described.opening {
-        Some(Opening::Lens { lens, .. }) => lens.aperture(),
-        _ => 0.0,
-    };
-    let aperture = described.aperture.unwrap_or(own);
-    match described.focus {
-        None if aperture > own => Err(Failure::usage(format!(
-            "--aperture {aperture} needs --focus, a distance or a point"
-        ))),
-        Some(_) if described.aperture.is_none() && own == 0.0 => Err(Failure::usage(
-            "--focus needs --aperture, the lens' diameter",
-        )),
-        _ => Ok(()),
-    }
-}
-
 /// The description with the pose of a file.
 fn posed(
     described: &Description,
@@ -344,127 +212,6 @@ fn posed(
         up: Some(pose.matrix3.y_axis),
         ..*described
     })
-}
-
-/// The matrix of a pose in a text file; a rotation that is rounded becomes the nearest one.
-pub(crate) fn matrix_of_file(path: &Path) -> Result<[[f64; 4]; 4], Failure> {
-    /// A matrix takes less than this, in bytes.
-    const LARGEST: u64 = 1 << 16;
-    let wrong = |what: &str| Failure::bad_input(format!("{}: {what}", escaped(path)));
-    let bytes = firsthit::image::read_regular(path, LARGEST)?;
-    let text = String::from_utf8_lossy(&bytes);
-    let words = text.split(|c: char| c.is_whitespace() || ",;[]".contains(c));
-    let numbers = words.filter(|word| !word.is_empty()).map(str::parse::<f64>);
-    let numbers: Option<Vec<f64>> = numbers.map(Result::ok).collect();
-    let numbers = numbers.filter(|numbers| [12, 16].contains(&numbers.len()));
-    let Some(mut numbers) = numbers else {
-        return Err(wrong(
-            "expected the 12 or 16 numbers of a 3 x 4 or 4 x 4 matrix, row by row",
-        ));
-    };
-    if numbers.len() == 12 {
-        numbers.extend([0.0, 0.0, 0.0, 1.0]);
-    }
-    let row = |k: usize| [0, 1, 2, 3].map(|column| numbers[4 * k + column]);
-    let mut pose = [row(0), row(1), row(2), row(3)];
-    if let Some((turned, off)) = orthonormalised(pose) {
-        warn(&[format!("{}: {}", escaped(path), rounded_pose(off))]);
-        pose = turned;
-    }
-    Ok(pose)
-}
-
-/// The lens of an intrinsic matrix or of numbers by name, if there are any.
-fn lens(args: &CameraArgs, projection: Projection) -> Result<Option<Opening>, Failure> {
-    let named = args.parameters.as_ref().map_or(&[][..], |named| &named.0);
-    let named = named.iter().map(|(name, value)| (&**name, *value));
-    let mut numbers: Vec<(&str, f64)> = named.collect();
-    let described = Description {
-        opening: args.viewplane.map(|(width, height)| Opening::Viewplane {
-            width,
-            height,
-            focal_length: args.focal_length,
-        }),
-        projection: Some(projection),
-        rows: args.size.map(|[rows, _]| rows),
-        columns: args.size.map(|[_, columns]| columns),
-        ..Description::default()
-    };
-    let size = described.size();
-    if let Some(matrix) = args.intrinsics {
-        let matrix = args.convention.unwrap_or_default().pixel_matrix(matrix);
-        if projection == Projection::Perspective && !numbers.is_empty() {
-            return Err(Failure::usage(
-                "--parameters: a perspective camera with --intrinsics has no others; for distortion use --projection opencv",
-            ));
-        }
-        let lens = matrix.lens(projection, &numbers, size)?;
-        return Ok(Some(Opening::Lens { lens, size }));
-    }
-    if numbers.is_empty() {
-        return Ok(None);
-    }
-    if let Some((width, height)) = args.viewplane {
-        numbers.extend([("width", width), ("height", height)]);
-        numbers.extend(args.focal_length.map(|length| ("focal_length", length)));
-    }
-    let lens = Lens::named(projection, &numbers)?;
-    Ok(Some(Opening::Lens { lens, size }))
-}
-
-/// The projection that the arguments name.
-fn projection(args: &CameraArgs) -> Option<Projection> {
-    let parallel = args.orthographic.then_some(Projection::Orthographic);
-    parallel.or(args.projection)
-}
-
-/// The field of view: the viewplane's own size, or an angle.
-fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Opening>, Failure> {
-    let projection = projection(args).or(base.projection);
-    if let Some(lens) = lens(args, projection.unwrap_or_default())? {
-        return Ok(Some(lens));
-    }
-    if !projection.unwrap_or_default().has_viewplane() {
-        if args.viewplane.is_some() {
-            return Err(Failure::usage(
-                "--viewplane is for perspective and orthographic cameras; the others have none",
-            ));
-        }
-        let own = base.opening.filter(|_| projection == base.projection);
-        return Ok(args.fov.map(Opening::Fov).or(own));
-    }
-    let is_parallel = projection == Some(Projection::Orthographic);
-    let of_file = match base.opening {
-        Some(Opening::Viewplane { focal_length, .. }) => focal_length,
-        _ => None,
-    };
-    if let Some((width, height)) = args.viewplane {
-        let focal_length = args.focal_length.or(of_file);
-        if focal_length.is_none() && !is_parallel {
-            return Err(Failure::usage(
-                "--viewplane needs --focal-length (or --orthographic), or use --fov",
-            ));
-        }
-        return Ok(Some(Opening::Viewplane {
-            width,
-            height,
-            focal_length,
-        }));
-    }
-    match (args.fov, base.opening) {
-        (Some(_), _) if is_parallel => Err(Failure::usage(
-            "--fov is for perspective cameras, and the file's is orthographic; use --viewplane",
-        )),
-        (Some(fov), _) if fov >= 180.0 => Err(Failure::usage(format!(
-            "--fov {fov}: of a perspective camera expected degrees between 0 and 180"
-        ))),
-        (Some(fov), _) => Ok(Some(Opening::Fov(fov))),
-        // Of an angle parallel rays know nothing.
-        (None, Some(Opening::Fov(_))) if is_parallel => Ok(None),
-        // Another projection than the file's has another lens.
-        (None, Some(Opening::Lens { .. })) if projection != base.projection => Ok(None),
-        (None, lens) => Ok(lens),
-    }
 }
 
 /// Refuses a point to look at that gives no direction.
