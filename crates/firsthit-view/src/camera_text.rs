@@ -2,9 +2,8 @@
 //!
 //! The options, the call and the table make the same camera to the last bit. The matrices and COLMAP's lines are rounded.
 
-use firsthit::camera::Convention;
-use firsthit::geometry::{DMat3, DQuat};
-use firsthit::{Camera, DVec3, Result};
+use firsthit::camera::{ColmapCamera, Convention};
+use firsthit::{Camera, DVec3, RayStart, Result};
 use serde_json::{Value, json};
 
 use crate::look::{FlatCamera, Projection, RaysStart};
@@ -24,8 +23,8 @@ impl Viewer {
             "command": command(flat),
             "python": python(flat),
             "toml": toml(flat),
-            "opencv": matrices(&camera, Convention::OpenCv).map(|of| opencv(flat, &of)),
-            "colmap": matrices(&camera, Convention::Colmap).map(|of| colmap(flat, &of)),
+            "opencv": opencv(&camera),
+            "colmap": colmap(&camera),
         }))
     }
 }
@@ -93,39 +92,19 @@ fn start(flat: &FlatCamera) -> &'static str {
 }
 
 /// The matrix of pixels, row by row, and that from the world to the camera.
-struct Matrices {
-    pixels: [[f64; 3]; 3],
-    pose: [[f64; 4]; 4],
-}
-
-/// A perspective camera as another program has it.
-fn matrices(camera: &Camera, convention: Convention) -> Option<Matrices> {
+fn opencv(camera: &Camera) -> Option<Value> {
+    let convention = Convention::OpenCv;
     let pixels = convention.own_pixel_matrix(camera.pixel_matrix()?).matrix();
     let pixels = [0, 1, 2].map(|row| pixels.row(row).to_array());
     let pose = convention.matrix(&camera.world_from_camera());
-    let mut numbers = pixels.iter().flatten().chain(pose.iter().flatten());
-    numbers
-        .all(|x| x.is_finite())
-        .then_some(Matrices { pixels, pose })
-}
-
-fn opencv(flat: &FlatCamera, Matrices { pixels, pose }: &Matrices) -> Value {
-    json!({"k": pixels, "camera_from_world": pose, "size": [flat.columns, flat.rows]})
+    let size = [camera.columns(), camera.rows()];
+    Some(json!({"k": pixels, "camera_from_world": pose, "size": size}))
 }
 
 /// The lines of `cameras.txt` and `images.txt`.
-fn colmap(flat: &FlatCamera, Matrices { pixels, pose }: &Matrices) -> String {
-    let column = |k: usize| DVec3::new(pose[0][k], pose[1][k], pose[2][k]);
-    let rotation = DQuat::from_mat3(&DMat3::from_cols(column(0), column(1), column(2)));
-    let DQuat { x, y, z, w } = rotation.normalize();
-    let numbers = [w, x, y, z].into_iter().chain(column(3).to_array());
-    let numbers: Vec<String> = numbers.map(exact_number).collect();
-    let [[fx, _, cx], [_, fy, cy], _] = *pixels;
-    let lens: Vec<String> = [fx, fy, cx, cy].map(exact_number).into();
-    let FlatCamera { rows, columns, .. } = flat;
-    format!(
-        "1 PINHOLE {columns} {rows} {}\n1 {} 1 view.png\n",
-        lens.join(" "),
-        numbers.join(" ")
-    )
+fn colmap(camera: &Camera) -> Option<String> {
+    // COLMAP does not say where rays start.
+    let camera = ColmapCamera::of(&camera.starting_at(RayStart::Eye)).ok()?;
+    let image = camera.image_lines("view.png", 1, 1);
+    Some(format!("{}\n{image}", camera.camera_line(1)))
 }
