@@ -1,4 +1,4 @@
-//! What objects share, each thing once, by its number in a file.
+//! The tables of a file: each thing that objects share stands once, by its number.
 
 use std::collections::HashMap;
 use std::sync::Arc;
