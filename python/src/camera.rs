@@ -97,6 +97,7 @@ impl Camera {
     }
 
     /// The camera in COLMAP's words: the model's name, its parameters, the quaternion and the translation.
+    #[expect(clippy::type_complexity, reason = "four parts of one line")]
     fn to_colmap(&self) -> Outcome<(&'static str, Vec<f64>, [f64; 4], [f64; 3])> {
         let camera = ColmapCamera::of(&self.0)?;
         Ok((camera.model.name, camera.params, camera.qvec, camera.tvec))

@@ -141,7 +141,7 @@ pub(crate) fn scan_metadata(names: Vec<String>, count: u64, origin: &str) -> Out
 pub(crate) fn join_scans<'py>(py: Python<'py>, scans: Vec<ScanIn<'py>>) -> Outcome<ScanOut<'py>> {
     let scans = scans
         .iter()
-        .map(|scan| scan.scan())
+        .map(ScanIn::scan)
         .collect::<Outcome<Vec<Scan>>>()?;
     scan_out(py, run(py, 1, |_| Scan::joined(scans))?)
 }
