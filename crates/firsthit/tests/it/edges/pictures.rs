@@ -15,7 +15,6 @@ use super::{SIDE, cube, lines_of, of, parallel, perspective, seen_of_cube};
 use crate::support::on_threads;
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one picture after the other")]
 fn regions_threads_and_passes_change_no_byte() {
     let scene = example::scene().unwrap();
     let lens = Lens::Equirectangular(Equirectangular::default());
