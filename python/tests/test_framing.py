@@ -106,7 +106,10 @@ def test_sizes_that_are_left_out_are_the_usual_ones():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"view": "side"}, "view must be one of iso front back left right top bottom, got side"),
+        (
+            {"view": "side"},
+            "view must be one of iso, front, back, left, right, top, bottom, got 'side'",
+        ),
         ({"up": (0, 0, 0)}, "up must be a finite direction, not zero"),
         ({"up": (0, 0)}, "up must be three numbers"),
         ({"rows": 0}, "rows must be at least 1"),

@@ -125,3 +125,16 @@ def test_files_are_taken_alike_and_several_have_a_report_each(tmp_path):
     reports = fh.lint([whole, str(holed)], ignore=["units"])
     assert [report.is_clean for report in reports] == [True, False]
     assert fh.lint(iter(())) == ()
+
+
+def test_a_stop_iteration_of_the_callers_is_no_end_of_the_files(tmp_path):
+    """It was taken for one, and the findings were lost without a word."""
+    scene = fh.Scene()
+    scene.add(fh.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
+    scene.save(tmp_path / "part.fhs")
+
+    def stop(done, total):
+        raise StopIteration
+
+    with pytest.raises(StopIteration):
+        fh.lint([tmp_path / "part.fhs"], progress=stop)

@@ -259,7 +259,7 @@ def test_a_rule_that_is_none_is_refused_by_name():
         lambda: scene.signed_distance([0, 0, 0], **wrong),
         lambda: scene.section((0, 0, 0), (0, 0, 1), **wrong),
     ):
-        with pytest.raises(ValueError, match="rule must be one of nonzero parity, got evenodd"):
+        with pytest.raises(ValueError, match="rule must be one of nonzero, parity, got 'evenodd'"):
             ask()
 
 

@@ -2,6 +2,7 @@
 
 import builtins
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -72,12 +73,11 @@ def test_words_that_are_typed_are_those_that_there_are():
     for kind, make in told:
         for word in get_args(kind):
             make(word)
-        with pytest.raises(ValueError, match=r" must be .*, got toon") as refused:
+        with pytest.raises(ValueError, match=r" must be .*, got '?toon'?$") as refused:
             make("toon")
-        listed = str(refused.value).removesuffix(", got toon").split("must be ")[1]
-        assert set(listed.removeprefix("one of ").replace(" or ", " ").split()) == set(
-            get_args(kind)
-        )
+        listed = str(refused.value).split("must be ")[1].split(", got ")[0]
+        words = re.findall(r"[\w-]+", listed.removeprefix("one of ").replace(" or ", " "))
+        assert set(words) == set(get_args(kind))
 
 
 def natively_shaded(shader):

@@ -45,8 +45,10 @@ def following(
     line = _Line(total, kept or 0, unit)
 
     def tell(done: int, total: int | None = total, *_: str) -> None:
-        if callable(progress):
-            progress(done, done if total is None else total)
+        total = done if total is None else total
+        # Of nothing there is no share.
+        if callable(progress) and total:
+            progress(done, total)
 
     report: Report = line.to if progress is True else tell
     try:
@@ -95,9 +97,10 @@ class _Line:
             self._write_plain("\r")
 
     def _write(self, text: str) -> None:
-        columns = shutil.get_terminal_size().columns if sys.stderr.isatty() else len(text) + 1
         # A line that wraps cannot be written anew. Its end says how much is done.
-        text = text if len(text) < columns else f"...{text[4 - columns :]}"
+        if sys.stderr is not None and sys.stderr.isatty():
+            columns = shutil.get_terminal_size().columns
+            text = text if len(text) < columns else f"...{text[4 - columns :]}"
         self._write_plain("\r" + text.ljust(self._width))
         self._width = len(text)
 
@@ -105,8 +108,8 @@ class _Line:
         try:
             sys.stderr.write(text)
             sys.stderr.flush()
-        except (OSError, ValueError):
-            pass  # That nobody listens is no reason to stop.
+        except (OSError, ValueError, AttributeError):
+            pass  # That nobody listens, or that there is no stream, is no reason to stop.
 
 
 def _in_words(seconds: float) -> str:

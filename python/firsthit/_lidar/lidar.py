@@ -594,8 +594,8 @@ class Lidar(OtherSensor):
         divergence : float, optional
             The full angle of the cone in radians; a line if left out.
         subrays : int
-            How many lines fill a cone: the first is its middle, the others lie on a spiral of equal
-            areas, the same for all beams.
+            How many lines fill a cone, at most 65,536: the first is its middle, the others lie on a
+            spiral of equal areas, the same for all beams.
         range_gate : float
             Hits up to this far behind the nearest one of a return belong to that return, whose
             range is their mean: the resolution in scene units of a receiver that cannot tell them

@@ -326,7 +326,10 @@ def lint(
         )
         return scene.lint(ignore=ignore, places=places, threads=threads, progress=progress)
 
-    return report(path) if isinstance(path, str | PathLike) else tuple(map(report, path))
+    if isinstance(path, str | bytes | PathLike):
+        return report(path)
+    # No map: it would take a StopIteration of the caller's function for its own end.
+    return tuple([report(file) for file in path])
 
 
 def _objects(model: _firsthit._Model) -> ObjectList:

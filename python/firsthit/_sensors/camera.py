@@ -167,8 +167,8 @@ class Camera(ReadCameras, Sensor):
     ) -> None:
         lengths = {"focal_length": focal_length, "width": width, "height": height}
         if text("projection", projection) not in get_args(Projection):
-            names = " ".join(get_args(Projection))
-            raise ValueError(f"projection must be one of {names}, got {projection}")
+            names = ", ".join(get_args(Projection))
+            raise ValueError(f"projection must be one of {names}, got {projection!r}")
         has_viewplane = projection in _FLAT
         for name, length in lengths.items():
             if has_viewplane != (length is not None):

@@ -10,6 +10,9 @@ use crate::geometry::{named, require};
 /// No noise is as large: ranges go to 1e150, and their product must be a number.
 const MOST_NOISE: f64 = 1e100;
 
+/// A cone of more lines takes long and tells no more: its lines are then a 256th of it apart.
+const MOST_SUBRAYS: usize = 1 << 16;
+
 named! {
     /// The returns of a beam that are kept.
     pub enum Returns, "returns":
@@ -41,7 +44,7 @@ pub struct ScanSettings {
     pub returns: Returns,
     /// The full angle of a beam's cone, in radians; `None` for a line.
     pub divergence: Option<f64>,
-    /// The number of lines that fill a cone: the first is its middle, the others lie on a spiral of equal areas.
+    /// The number of lines that fill a cone, at most 65,536: the first is its middle, the others lie on a spiral of equal areas.
     pub subrays: usize,
     /// The resolution of the receiver: hits up to this far behind the nearest one of a return belong to that return, whose range is
     /// their mean.
@@ -128,7 +131,8 @@ impl ScanSettings {
         let is_random = self.noise.is_some() || self.dropout.is_some();
         let expected = "given with noise or dropout, which are random";
         require("seed", expected, !is_random || self.seed.is_some(), "none")?;
-        require("subrays", "1 or more", self.subrays > 0, self.subrays)?;
+        let is_few = (1..=MOST_SUBRAYS).contains(&self.subrays);
+        require("subrays", "from 1 to 65536", is_few, self.subrays)?;
         let Some(most) = self.max_returns else {
             return Ok(());
         };
