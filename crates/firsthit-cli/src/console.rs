@@ -9,6 +9,8 @@ use firsthit::error::{escape_controls, escape_controls_of_json};
 pub(crate) use firsthit_view::words::counted;
 use serde_json::{Value, json};
 
+use crate::failure::{Failure, INTERRUPTED};
+
 /// Writes one line. A closed pipe (`2>&1 | head -1`) is no reason to fail, as `eprintln!` would.
 pub(crate) fn say(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
@@ -107,10 +109,21 @@ pub(crate) fn end_report_with_error(message: &str, exit_code: u8) -> bool {
     is_beside_data
 }
 
-/// Says, once, that Ctrl-C was heard: who was at work says it, or the handler when that takes too long.
-pub(crate) fn say_interrupted() {
+/// Prints results as they are. No other report follows them.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    with_report(Option::take);
+    let written = std::io::stdout().write_all(text.as_bytes());
+    written.map_err(|error| Failure::stdout(&error))
+}
+
+/// Reports, once, that Ctrl-C was heard: who was at work does, or the handler when that takes too long.
+pub(crate) fn report_interrupted() {
     static SAID: Once = Once::new();
-    SAID.call_once(|| say("firsthit: error: interrupted"));
+    SAID.call_once(|| {
+        if !end_report_with_error("interrupted", INTERRUPTED) {
+            say("firsthit: error: interrupted");
+        }
+    });
 }
 
 /// The most entries of a list in one line.

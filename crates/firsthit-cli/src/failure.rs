@@ -7,7 +7,7 @@ use std::path::Path;
 use firsthit::Error;
 use firsthit::error::{escape_controls, escaped};
 
-use crate::console::{end_report_with_error, say, say_interrupted};
+use crate::console::{end_report_with_error, report_interrupted, say};
 
 /// The answer is no: outputs differ, or a file has findings.
 const NO: u8 = 1;
@@ -80,18 +80,15 @@ impl Failure {
         }
     }
 
-    /// The failure of a comparison that found differences: said already, on standard output.
-    pub(crate) fn different() -> Self {
-        Self {
-            code: NO,
-            message: None,
-        }
+    /// The answer is no: said already, on standard output.
+    pub(crate) fn no() -> Self {
+        Self::said(NO)
     }
 
-    /// Something was found: said already, on standard output.
-    pub(crate) fn found() -> Self {
+    /// A failure that is said already.
+    pub(crate) fn said(code: u8) -> Self {
         Self {
-            code: NO,
+            code,
             message: None,
         }
     }
@@ -99,10 +96,7 @@ impl Failure {
     /// Standard output did not take it. A reader that has gone away had enough: that is no failure.
     pub(crate) fn stdout(error: &io::Error) -> Self {
         if error.kind() == io::ErrorKind::BrokenPipe {
-            return Self {
-                code: 0,
-                message: None,
-            };
+            return Self::said(0);
         }
         Self {
             code: NOT_WRITTEN,
@@ -119,9 +113,7 @@ impl Failure {
     pub(crate) fn report(self) -> u8 {
         let message = self.message.unwrap_or_default();
         if self.code == INTERRUPTED {
-            if !end_report_with_error("interrupted", self.code) {
-                say_interrupted();
-            }
+            report_interrupted();
         } else if !message.is_empty() && !end_report_with_error(&message, self.code) {
             let message = escape_controls(&message);
             say(format_args!("firsthit: error: {message}"));

@@ -10,7 +10,7 @@ use firsthit::watch::Watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::args::VerbosityArgs;
-use crate::console::{be_quiet, counted, is_quiet, say, say_interrupted};
+use crate::console::{be_quiet, counted, is_quiet, report_interrupted, say};
 use crate::failure::INTERRUPTED;
 
 /// The time that a computation gets to notice that it is interrupted.
@@ -83,7 +83,7 @@ impl Progress {
             let bar = bar.clone();
             let end = move || {
                 bar.finish_and_clear();
-                say_interrupted();
+                report_interrupted();
                 std::process::exit(i32::from(INTERRUPTED));
             };
             let at_once = end.clone();

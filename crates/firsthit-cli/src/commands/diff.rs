@@ -1,4 +1,3 @@
-use std::io::Write;
 use std::path::Path;
 
 use firsthit::error::{escape_controls, escaped};
@@ -7,7 +6,7 @@ use firsthit::scene_file::nearest_word;
 use serde_json::{Value, json};
 
 use crate::args::DiffArgs;
-use crate::console::{in_words, json_text, kept_warnings, warn};
+use crate::console::{in_words, json_text, kept_warnings, print, warn};
 use crate::failure::Failure;
 use crate::hints::six_digits;
 
@@ -35,12 +34,11 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     } else {
         comparison.text(args)
     };
-    let mut out = std::io::stdout();
-    (out.write_all(text.as_bytes())).map_err(|error| Failure::stdout(&error))?;
+    print(&text)?;
     if comparison.is_equal() {
         Ok(())
     } else {
-        Err(Failure::different())
+        Err(Failure::no())
     }
 }
 

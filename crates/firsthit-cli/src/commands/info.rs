@@ -1,5 +1,4 @@
 use std::collections::HashMap;
-use std::io::Write;
 use std::sync::Arc;
 
 use firsthit::error::escape_controls;
@@ -16,16 +15,14 @@ use super::info_solids::Solids;
 use super::listing::{listed, most_listed};
 use super::{info_las, info_output};
 use crate::args::InfoArgs;
-use crate::console::{counted, json_text, warn};
+use crate::console::{counted, json_text, print, warn};
 use crate::failure::Failure;
 use crate::hints::{number, span, triple};
 use crate::loading::{self, Loaded, NO_RAYS, has_model_extension, with_all_cores};
 use crate::progress::Progress;
 
 pub(crate) fn run(args: &InfoArgs, progress: &Progress) -> Result<(), Failure> {
-    std::io::stdout()
-        .write_all(text(args, progress)?.as_bytes())
-        .map_err(|error| Failure::stdout(&error))
+    print(&text(args, progress)?)
 }
 
 /// The report as text or as JSON, with a line break at the end.

@@ -69,7 +69,7 @@ pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
         if is_clean {
             Ok(())
         } else {
-            Err(Failure::found())
+            Err(Failure::no())
         }
     })
 }

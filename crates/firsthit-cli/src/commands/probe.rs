@@ -1,5 +1,3 @@
-use std::io::Write;
-
 use firsthit::explain::{ExplainSettings, Explanation, explain, explain_pixel};
 use firsthit::{Ray, RayFilter};
 use serde_json::json;
@@ -7,7 +5,7 @@ use serde_json::json;
 use super::ends;
 use crate::args::ProbeArgs;
 use crate::camera::{camera, check, of_file};
-use crate::console::{end_report, warn};
+use crate::console::{end_report, print, warn};
 use crate::explanation;
 use crate::failure::Failure;
 use crate::loading::{self, Loaded, with_count};
@@ -41,8 +39,7 @@ pub(crate) fn run(args: &ProbeArgs, progress: &Progress) -> Result<(), Failure> 
         if !guessed.is_empty() {
             text.extend(["guessed    ", &guessed.join(", "), "\n"]);
         }
-        let written = std::io::stdout().write_all(text.as_bytes());
-        written.map_err(|error| Failure::stdout(&error))
+        print(&text)
     })
 }
 

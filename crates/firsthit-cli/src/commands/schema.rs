@@ -1,5 +1,4 @@
-use std::io::Write;
-
+use crate::console::print;
 use crate::failure::Failure;
 
 pub(crate) fn run(is_plan: bool) -> Result<(), Failure> {
@@ -8,7 +7,5 @@ pub(crate) fn run(is_plan: bool) -> Result<(), Failure> {
     } else {
         firsthit::scene_file::schema()
     };
-    std::io::stdout()
-        .write_all(schema.as_bytes())
-        .map_err(|error| Failure::stdout(&error))
+    print(&schema)
 }

@@ -76,6 +76,23 @@ fn ctrl_c_ends_the_wait_for_rays() {
     assert_eq!(lab.names(), ["square.ply"]);
 }
 
+/// The work had no time to see Ctrl-C, and the handler ended the program without the object.
+#[test]
+fn ctrl_c_reports_json_where_the_work_is_slow_to_end() {
+    let lab = Lab::with_square();
+    let mut command = lab.command("nearest square.ply - -o found.npz --json");
+    let mut child = command.stdin(std::process::Stdio::piped()).spawn().unwrap();
+    let stdin = child.stdin.take();
+    let outcome = interrupt(child);
+    drop(stdin);
+    let report: serde_json::Value = serde_json::from_slice(&outcome.stdout).unwrap();
+    assert_eq!(
+        (&report["error"], outcome.code),
+        (&"interrupted".into(), 130)
+    );
+    assert_eq!(report["exit_code"], 130);
+}
+
 #[test]
 fn ctrl_c_ends_a_long_scan() {
     let lab = Lab::with_square();
