@@ -1,15 +1,14 @@
-use std::io::Write;
 use std::path::Path;
 
-use firsthit::Scene;
 use firsthit::error::{escape_controls, escaped};
 use firsthit::inputs;
-use firsthit::lint::{Finding, FindingKind, LintSettings, Place, Report, lint, save_marked};
+use firsthit::lint::{Finding, FindingKind, KINDS, LintSettings, Place, Report, lint, save_marked};
+use firsthit::{Error, Scene};
 use serde_json::{Value, json};
 
 use crate::args::LintArgs;
-use crate::console::{counted, json_text, kept_warnings, warn};
-use crate::failure::Failure;
+use crate::console::{counted, end_report, print, say, warn};
+use crate::failure::{Failure, INTERRUPTED};
 use crate::hints::{self, extent};
 use crate::loading::{self, with_count};
 use crate::output;
@@ -36,47 +35,76 @@ pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
     output::check_files(outputs)?;
     let settings = settings(args)?;
     with_count(args.threads, || {
-        let (mut files, mut checked, mut is_clean) = (Vec::new(), Vec::new(), true);
+        let (mut files, mut is_clean) = (Vec::new(), true);
+        let mut failed: Option<(u8, String)> = None;
         for file in &args.files {
-            let loaded =
-                loading::read(file, &args.load, args.trees.settings(None), None, progress)?;
-            warn(&loaded.warnings);
-            output::check_files(outputs)?;
-            let scene = &loaded.scene;
-            let report = lint(scene, &settings, progress)?;
-            if let Some(path) = &args.output {
-                save_marked(scene, &report, path, progress)?;
-            }
-            is_clean &= report.is_clean();
-            checked = report.checked().iter().map(|kind| kind.name).collect();
-            if args.json {
-                files.push(as_json(file, scene, &report));
-            } else {
-                let name = (args.files.len() > 1).then(|| escaped(file) + ":\n");
-                print(&(name.unwrap_or_default() + &as_text(scene, &report)))?;
+            match check(file, args, &settings, progress) {
+                Ok((scene, report)) => {
+                    is_clean &= report.is_clean();
+                    if args.json {
+                        files.push(as_json(file, &scene, &report));
+                    } else {
+                        let name = (args.files.len() > 1).then(|| escaped(file) + ":\n");
+                        print(&(name.unwrap_or_default() + &as_text(&scene, &report)))?;
+                    }
+                }
+                Err(failure) => {
+                    let (code, message) = failure.into_parts();
+                    if code == INTERRUPTED {
+                        failed = Some((code, message));
+                        break;
+                    }
+                    say(format_args!(
+                        "firsthit: error: {}",
+                        escape_controls(&message)
+                    ));
+                    files.push(json!({ "file": file.to_string_lossy(), "error": message }));
+                    failed.get_or_insert((code, message));
+                }
             }
         }
         if args.json {
-            print(
-                &(json_text(&json!({
-                    "is_clean": is_clean,
-                    "checked": checked,
-                    "files": files,
-                    "warnings": kept_warnings(),
-                })) + "\n"),
-            )?;
+            let mut done = json!({
+                "is_clean": is_clean && failed.is_none(),
+                "checked": checked(&settings),
+                "files": files,
+            });
+            if let Some((code, message)) = &failed {
+                done["error"] = json!(message);
+                done["exit_code"] = json!(code);
+            }
+            end_report(done).map_err(|error| Failure::stdout(&error))?;
         }
-        if is_clean {
-            Ok(())
-        } else {
-            Err(Failure::no())
+        match failed {
+            Some((INTERRUPTED, _)) => Err(Error::Interrupted.into()),
+            Some((code, _)) => Err(Failure::said(code)),
+            None if is_clean => Ok(()),
+            None => Err(Failure::no()),
         }
     })
 }
 
-fn print(text: &str) -> Result<(), Failure> {
-    let written = std::io::stdout().write_all(text.as_bytes());
-    written.map_err(|error| Failure::stdout(&error))
+/// The names of the kinds that are looked for.
+fn checked(settings: &LintSettings) -> Vec<&'static str> {
+    let kinds = KINDS.iter().filter(|kind| !settings.ignore.contains(kind));
+    kinds.map(|kind| kind.name).collect()
+}
+
+/// The scene in `file`, and what is found in it.
+fn check(
+    file: &Path,
+    args: &LintArgs,
+    settings: &LintSettings,
+    progress: &Progress,
+) -> Result<(Scene, Report), Failure> {
+    let loaded = loading::read(file, &args.load, args.trees.settings(None), None, progress)?;
+    warn(&loaded.warnings);
+    output::check_files(args.output.as_slice())?;
+    let report = lint(&loaded.scene, settings, progress)?;
+    if let Some(path) = &args.output {
+        save_marked(&loaded.scene, &report, path, progress)?;
+    }
+    Ok((loaded.scene, report))
 }
 
 fn settings(args: &LintArgs) -> Result<LintSettings, Failure> {

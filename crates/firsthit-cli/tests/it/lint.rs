@@ -76,6 +76,32 @@ fn several_files_are_each_under_their_name() {
 }
 
 #[test]
+fn a_file_that_cannot_be_read_stops_no_other() {
+    let lab = Lab::new();
+    lab.write("bad.obj", "v 0 0 nope\n");
+    open_tetrahedron(&lab);
+    let outcome = lab.run("lint bad.obj open.obj none.obj");
+    let text = String::from_utf8(outcome.stdout).unwrap();
+    assert!(text.starts_with("open.obj:\nhole: 3 edges"), "{text}");
+    let said: Vec<&str> = outcome.stderr.lines().collect();
+    let [bad, none] = said[..] else {
+        panic!("{said:?}")
+    };
+    assert!(bad.starts_with("firsthit: error: bad.obj:1: "), "{bad}");
+    assert!(none.starts_with("firsthit: error: none.obj: "), "{none}");
+    assert_eq!(outcome.code, 3);
+    let outcome = lab.run("lint open.obj bad.obj --json");
+    let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
+    let [open, bad] = [0, 1].map(|k| &report["files"][k]);
+    assert_eq!(open["findings"][0]["kind"], "hole");
+    assert_eq!(
+        (&bad["file"], &bad["error"]),
+        (&json!("bad.obj"), &report["error"])
+    );
+    assert_eq!((outcome.code, &report["exit_code"]), (3, &json!(3)));
+}
+
+#[test]
 fn what_is_about_the_whole_scene_is_about_no_object() {
     let lab = Lab::new();
     lab.write(
