@@ -6,7 +6,7 @@ use firsthit::section::{Section, SectionFormat, SectionPlane, section_with};
 use serde_json::{Value, json};
 
 use crate::args::SectionArgs;
-use crate::console::{counted, end_report, is_quiet, say, warn};
+use crate::console::{counted, end_report, is_quiet, print, say, warn};
 use crate::failure::Failure;
 use crate::hints::{extent, number, place, triple};
 use crate::loading::{self, Loaded, NO_RAYS, with_threads};
@@ -36,10 +36,12 @@ pub(crate) fn run(args: &SectionArgs, progress: &Progress) -> Result<(), Failure
             return end_report(as_json(args, &cut, seconds))
                 .map_err(|error| Failure::stdout(&error));
         }
+        let text = as_text(args, &cut, extent(loaded.scene.bounds()));
+        if args.output.is_empty() {
+            return print(&text);
+        }
         if !is_quiet() {
-            as_text(args, &cut, extent(loaded.scene.bounds()))
-                .iter()
-                .for_each(say);
+            say(text.trim_end());
         }
         Ok(())
     })
@@ -68,7 +70,7 @@ fn counts(cut: &Section) -> [usize; 2] {
     [closed, cut.len() - closed]
 }
 
-fn as_text(args: &SectionArgs, cut: &Section, reach: f64) -> Vec<String> {
+fn as_text(args: &SectionArgs, cut: &Section, reach: f64) -> String {
     let (plane, [closed, open]) = (cut.plane(), counts(cut));
     let mut lines = vec![
         format!(
@@ -85,7 +87,7 @@ fn as_text(args: &SectionArgs, cut: &Section, reach: f64) -> Vec<String> {
     ];
     let written = args.output.iter();
     lines.extend(written.map(|path| format!("written    {}", escaped(path))));
-    lines
+    lines.join("\n") + "\n"
 }
 
 fn segments(cut: &Section) -> u64 {

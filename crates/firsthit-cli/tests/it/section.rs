@@ -53,12 +53,17 @@ fn a_cube_is_cut_through_its_middle_across_up() {
     let lengths =
         ["points", "points_2d", "primitives"].map(|key| polyline[key].as_array().unwrap().len());
     assert_eq!((lengths, &polyline["is_closed"]), ([8; 3], &json!(true)));
-    let text = lab.ok("section cube.ply").stderr;
+    let said = lab.ok("section cube.ply");
+    let text = said.text();
     assert!(
         text.contains("curves     1 closed, 0 open, 8 segments"),
         "{text}"
     );
-    assert_eq!(lab.ok("section cube.ply --quiet").stderr, "");
+    // The numbers are the result where no file is.
+    let quiet = lab.ok("section cube.ply --quiet");
+    assert_eq!((quiet.text(), &*quiet.stderr), (text, ""));
+    let quiet = lab.ok("section cube.ply --quiet -o cut.svg");
+    assert_eq!((quiet.text(), &*quiet.stderr), ("", ""));
 }
 
 #[test]
