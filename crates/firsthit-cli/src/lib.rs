@@ -46,7 +46,7 @@ where
     firsthit::inputs::begin_run();
     let cli = match parse(args) {
         Ok(cli) => cli,
-        Err(error) => return usage::report(&error),
+        Err(error) => return usage::report(error),
     };
     let exhaustion = exhaustion::catch();
     // A panic is a bug of ours; the user gets one line of it, not a trace. What the library catches of another

@@ -3,16 +3,22 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 use firsthit::error::escape_controls;
 
+use crate::args::Cli;
 use crate::console::{end_report_with_error, say};
 use crate::failure::USAGE;
 use crate::loading::has_model_extension;
 
 /// Prints what was asked for, help or version, or what is wrong with the command line; returns the exit
 /// code.
-pub(crate) fn report(error: &Error) -> u8 {
+pub(crate) fn report(mut error: Error) -> u8 {
+    if let Some(option) = swapped(&error) {
+        error.insert(ContextKind::SuggestedArg, ContextValue::String(option));
+    }
+    let error = &error;
     match error.kind() {
         ErrorKind::DisplayHelp
         | ErrorKind::DisplayVersion
@@ -96,12 +102,28 @@ fn line(error: &Error) -> String {
         }
         line += words.join(" ").trim_start_matches("error: ");
     }
-    let help = match text.split_once("Usage: firsthit ") {
-        Some((_, usage)) if usage.starts_with(char::is_alphabetic) => {
-            let command = usage.split_whitespace().next().unwrap_or_default();
-            format!("firsthit {command} --help")
-        }
-        _ => "--help".into(),
-    };
+    let help = command(&text).map_or("--help".into(), |name| format!("firsthit {name} --help"));
     format!("{}; see {help}", escape_controls(&line))
+}
+
+/// The command whose usage a message has.
+fn command(message: &str) -> Option<&str> {
+    let (_, usage) = message.split_once("Usage: firsthit ")?;
+    let name = usage.split_whitespace().next()?;
+    name.starts_with(char::is_alphabetic).then_some(name)
+}
+
+/// The option of the command that has both words of an unknown one, the other way round.
+fn swapped(error: &Error) -> Option<String> {
+    let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else {
+        return None;
+    };
+    let (first, last) = option.strip_prefix("--")?.split_once('-')?;
+    let swapped = format!("{last}-{first}");
+    let program = Cli::command();
+    let command = program.find_subcommand(command(&error.render().to_string())?)?;
+    let mut options = command.get_arguments().filter_map(clap::Arg::get_long);
+    options
+        .any(|long| long == swapped)
+        .then(|| format!("--{swapped}"))
 }

@@ -162,6 +162,10 @@ fn wrong_usage_is_one_line_with_a_way_on() {
             "unexpected argument '--fob' found; tip: a similar argument exists: '--fov'",
         ),
         (
+            "scan square.ply --range-max 100",
+            "'--range-max' found; tip: a similar argument exists: '--max-range'",
+        ),
+        (
             "render square.ply --colour-bar",
             "'--colour-bar': plot() of the Python package draws a bar of colours",
         ),
