@@ -1,7 +1,7 @@
 //! Hints for a picture that may not be what was expected.
 
 use firsthit::explain::before_viewplane;
-use firsthit::{Bounds, Camera, Scene};
+use firsthit::{Bounds, Camera, DVec3, Scene};
 pub(crate) use firsthit_view::words::{
     coordinate, exact_triple, extent, number, place, six_digits, triple,
 };
@@ -36,6 +36,23 @@ pub(crate) fn hints(scene: &Scene, camera: &Camera, hits: usize) -> Vec<String> 
         ));
     }
     hints
+}
+
+/// The warning that all `points` are farther from the scene than its own size: their units may be others.
+pub(crate) fn far_off(scene: &Scene, points: impl IntoIterator<Item = DVec3>) -> Option<String> {
+    let bounds = scene.bounds();
+    let is_far = |point: DVec3| {
+        let nearest = point.clamp(bounds.low, bounds.high);
+        point.distance(nearest) > extent(bounds)
+    };
+    let mut points = points.into_iter().peekable();
+    let is_asked = !bounds.is_empty() && points.peek().is_some();
+    (is_asked && points.all(is_far)).then(|| {
+        format!(
+            "every point is farther from the model than its own size: bounds {}; --units and --scale change the model alone",
+            span(bounds)
+        )
+    })
 }
 
 /// A box as text.

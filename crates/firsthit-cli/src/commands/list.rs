@@ -3,17 +3,18 @@
 use std::path::Path;
 use std::time::Instant;
 
-use firsthit::Scene;
 use firsthit::channel::ChannelKind;
 use firsthit::image::{Data, Frame};
 use firsthit::render::origin;
 use firsthit::watch::Watch as _;
+use firsthit::{DVec3, Scene};
 use serde_json::{Map, Value, json};
 
 use super::sinks::{self, Sinks};
 use crate::args::ListArgs;
 use crate::console::{counted, end_report, is_quiet, say, warn};
 use crate::failure::Failure;
+use crate::hints::far_off;
 use crate::loading::{self, Loaded, with_threads};
 use crate::progress::Progress;
 
@@ -52,6 +53,8 @@ pub(super) fn run<const COLUMNS: usize>(
         } = loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
         sinks.check()?;
         warn(&warnings);
+        let points = list.as_flattened().chunks_exact(3);
+        warn(far_off(&scene, points.map(DVec3::from_slice)).as_slice());
         progress.begin("asking", list.len() as u64, "rows");
         let answers = ask(&scene, &list, progress)?;
         progress.end();

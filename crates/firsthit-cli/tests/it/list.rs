@@ -44,6 +44,10 @@ fn points_go_in_and_thickness_comes_out() {
         "{}",
         none.stderr
     );
+    let far = "warning: every point is farther from the model than its own size";
+    let said = |points: &[u8]| lab.pipe("thickness plate.obj -", points).stderr;
+    assert!(said(b"9,4,4\n4,4,-5\n").contains(far));
+    assert!(!said(b"9,4,4\n4,4,-3\n").contains(far));
     let nowhere = lab.pipe("thickness square.ply - --hide 0", b"0,0.5,1\n");
     assert_eq!(nowhere.text(), "thickness\nnan\n");
 }
