@@ -3,11 +3,11 @@
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use firsthit::watch::Watch;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::args::VerbosityArgs;
 use crate::console::{be_quiet, counted, is_quiet, report_interrupted, say};
@@ -15,6 +15,12 @@ use crate::failure::INTERRUPTED;
 
 /// The time that a computation gets to notice that it is interrupted.
 const GRACE: Duration = Duration::from_millis(300);
+
+/// The time that a step takes at least to have a bar.
+const MOMENT: Duration = Duration::from_millis(300);
+
+/// The share of a step that tells how long the rest takes.
+const ESTIMATES: f32 = 0.01;
 
 /// The unit of steps whose speed is shown.
 pub(crate) const RAYS: &str = "rays";
@@ -44,7 +50,7 @@ pub(crate) struct Progress {
     bar: ProgressBar,
     interrupted: Arc<AtomicBool>,
     is_verbose: bool,
-    step: Mutex<Option<Step>>,
+    step: Arc<Mutex<Option<Step>>>,
 }
 
 /// A step that is not done.
@@ -58,17 +64,18 @@ struct Step {
 impl Progress {
     pub(crate) fn new(args: &VerbosityArgs) -> Self {
         be_quiet(args.quiet);
-        let target = if !is_quiet() && std::io::stderr().is_terminal() {
-            ProgressDrawTarget::stderr()
-        } else {
-            ProgressDrawTarget::hidden()
-        };
-        Self {
-            bar: ProgressBar::with_draw_target(None, target),
+        let progress = Self {
+            bar: ProgressBar::hidden(),
             interrupted: Arc::default(),
             is_verbose: args.verbose,
-            step: Mutex::default(),
+            step: Arc::default(),
+        };
+        if !is_quiet() && std::io::stderr().is_terminal() {
+            let (step, bar) = (Arc::downgrade(&progress.step), progress.bar.clone());
+            // Without the thread there is no bar.
+            let _ = std::thread::Builder::new().spawn(move || show_long_steps(&step, &bar));
         }
+        progress
     }
 
     /// Turns Ctrl-C into a flag, and ends the program if that has not ended it within a moment. Nothing is lost
@@ -108,18 +115,33 @@ impl Progress {
 
     /// Ends the step: the bar is gone, and the step is logged.
     pub(crate) fn end(&self) {
-        let step = self
-            .step
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take();
-        if let Some(step) = step {
+        let mut step = self.step.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(step) = step.take() {
             let done = self.bar.position().min(step.total);
             self.bar.finish_and_clear();
+            self.bar.set_draw_target(ProgressDrawTarget::hidden());
             if self.is_verbose {
                 say(step.line(done));
             }
         }
+    }
+}
+
+/// Shows the bar of each step from the moment on that it turns out to be long.
+fn show_long_steps(step: &Weak<Mutex<Option<Step>>>, bar: &ProgressBar) {
+    while let Some(step) = step.upgrade() {
+        let step = step.lock().unwrap_or_else(PoisonError::into_inner);
+        if step
+            .as_ref()
+            .is_some_and(|step| step.began.elapsed() > MOMENT)
+        {
+            if bar.is_hidden() {
+                bar.set_draw_target(ProgressDrawTarget::stderr());
+            }
+            bar.tick();
+        }
+        drop(step);
+        std::thread::sleep(MOMENT / 3);
     }
 }
 
@@ -149,10 +171,17 @@ fn memory_in_use() -> Option<u64> {
 
 fn style(unit: &str) -> ProgressStyle {
     let of_rays = if unit == RAYS { "{speed}  " } else { "" };
-    let template = format!("{{msg}}  {{wide_bar}} {{percent:>3}} %  {of_rays}{{eta}}");
+    let template = format!("{{msg}}  {{wide_bar}} {{percent:>3}} %  {of_rays}{{left}}");
     let style = ProgressStyle::with_template(&template);
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
-    style.with_key("speed", speed)
+    style.with_key("speed", speed).with_key("left", left)
+}
+
+/// The time left, as soon as there is an estimate.
+fn left(state: &ProgressState, out: &mut dyn Write) {
+    if state.fraction() >= ESTIMATES {
+        let _ = write!(out, "{:#}", HumanDuration(state.eta()));
+    }
 }
 
 fn speed(state: &ProgressState, out: &mut dyn Write) {
@@ -172,11 +201,12 @@ impl Watch for Progress {
             unit,
             began: Instant::now(),
         };
-        *self.step.lock().unwrap_or_else(PoisonError::into_inner) = Some(began);
+        let mut present = self.step.lock().unwrap_or_else(PoisonError::into_inner);
         self.bar.reset();
         self.bar.set_style(style(unit));
         self.bar.set_length(total);
         self.bar.set_message(step.to_owned());
+        *present = Some(began);
     }
 
     fn advance(&self, count: u64) {
