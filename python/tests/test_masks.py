@@ -80,3 +80,15 @@ def test_a_mask_in_a_larger_picture_has_its_place_there():
         Mask.of(np.eye(3, dtype=bool), shape=(10, 20), row=8)
     with pytest.raises(ValueError, match="of bool, got int64"):
         Mask.of(np.eye(3, dtype=np.int64))
+
+
+def test_numpy_takes_a_mask_for_its_array_and_saves_no_pickle(tmp_path):
+    array = np.array([[0, 0, 0, 0], [0, 1, 1, 0]], bool)
+    mask = Mask.of(array)
+    np.save(tmp_path / "mask.npy", mask)
+    for read in (np.load(tmp_path / "mask.npy"), np.asarray(mask), np.array(mask, copy=True)):
+        assert read.dtype == bool
+        np.testing.assert_array_equal(read, array)
+    assert np.asarray(mask, np.uint8).dtype == np.uint8
+    with pytest.raises(ValueError, match="always a new one"):
+        mask.__array__(copy=False)

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 class Mask:
     """The pixels of a picture that belong to something, kept as the part that has any.
 
-    `array` is the mask of the whole picture. Boxes and polygons are in columns from the left edge
-    and rows from the upper edge of the picture, so that a box of one pixel is 1 wide, and the
-    centre of the first pixel is (0.5, 0.5).
+    `array` is the mask of the whole picture, and NumPy's functions take a `Mask` as that. Boxes and
+    polygons are in columns from the left edge and rows from the upper edge of the picture, so that
+    a box of one pixel is 1 wide, and the centre of the first pixel is (0.5, 0.5).
 
     Examples
     --------
@@ -95,6 +95,12 @@ class Mask:
         whole = np.zeros(self.shape, np.bool_)
         whole[self.part] = self.crop
         return whole
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> npt.NDArray[Any]:
+        """Return `array`, so that NumPy's functions take a mask."""
+        if copy is False:
+            raise ValueError("a mask is kept as its part, so its array is always a new one")
+        return self.array if dtype is None else self.array.astype(dtype)
 
     @property
     def part(self) -> tuple[slice, slice]:
