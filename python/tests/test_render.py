@@ -255,10 +255,18 @@ def test_frames_are_saved_whole_and_show_themselves(tmp_path):
     assert frame._png().startswith(b"\x89PNG")
     with pytest.raises(ValueError, match=r"known format's extension"):
         frame.save(tmp_path / "out.gif")
-    with pytest.raises(ValueError, match=r"must end in \.exr, \.npz, \.ply or \.pcd"):
-        fh.render(ball(), small(), channels=("z", "t")).save(tmp_path / "out.png")
     with pytest.raises(fh.FileWriteError):
         frame.save(tmp_path / "none" / "out.png")
+
+
+@pytest.mark.parametrize(
+    ("channels", "name"), [(("z", "t"), "a.png"), (("z", "t"), "a.npy"), (("color", "z"), "a.npy")]
+)
+def test_a_channel_that_would_go_to_no_file_is_refused_as_by_the_program(channels, name, tmp_path):
+    frame = fh.render(ball(), small(), channels=channels, samples=1)
+    with pytest.raises(ValueError, match=r"the channel z goes to no file: .*put {channel} into"):
+        frame.save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
 
 
 def test_pictures_too_large_for_memory_are_a_memory_error():

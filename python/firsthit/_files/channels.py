@@ -70,6 +70,11 @@ def is_of_several(path: str | os.PathLike[str]) -> bool:
     return is_for_each(path) or Path(path).suffix.lower() in OF_SEVERAL
 
 
+def is_of_one(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a path is that of one channel; an unknown extension is refused elsewhere."""
+    return not is_for_each(path) and Path(path).suffix.lower() in (".npy", ".png")
+
+
 def files(path: str | os.PathLike[str], names: Sequence[_Name]) -> list[tuple[Path, list[_Name]]]:
     """Return the files to write with their channels: one, or one for each channel.
 

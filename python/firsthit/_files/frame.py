@@ -17,7 +17,7 @@ from firsthit._base.errors import FileFormatError, warn
 from firsthit._base.log import timed
 from firsthit._looks.display import Display, as_display
 
-from .channels import files, is_cloud, is_of_several, matte_of, stored
+from .channels import files, is_cloud, is_of_one, matte_of, stored
 from .plot import Plottable
 
 if TYPE_CHECKING:
@@ -282,11 +282,11 @@ class Frame(Plottable):
         ----------
         path : path-like
             ``.exr`` and ``.npz`` hold all channels. ``.npy`` and ``.png`` hold one: the only one,
-            or ``color``. With ``{channel}`` in the name each channel has a file of its own. NPY and
-            NPZ are exact, with linear colours; an EXR is linear float32; a PNG is sRGB, and shows
-            other channels in false colours. ``.ply`` and ``.pcd`` are point clouds: the pixels that
-            hit something, with all channels, of which ``position`` must be one. Their colours are
-            sRGB bytes; a PLY is exact otherwise, a PCD float32.
+            and a PNG of several ``color``. With ``{channel}`` in the name each channel has a file
+            of its own. NPY and NPZ are exact, with linear colours; an EXR is linear float32; a PNG
+            is sRGB, and shows other channels in false colours. ``.ply`` and ``.pcd`` are point
+            clouds: the pixels that hit something, with all channels, of which ``position`` must be
+            one. Their colours are sRGB bytes; a PLY is exact otherwise, a PCD float32.
         png_scale : float, optional
             Write distances (``t``, ``range``, ``z``) to ``.png`` as 16 bit numbers, which count
             steps of this length in scene units; 0 is a miss. A distance beyond 65535 steps, unless
@@ -318,11 +318,12 @@ class Frame(Plottable):
         """
         names, shown = list(self._channels), self._display._but(exposure, tone_map)
         how = stored(png_scale, far, png_labels, compress)
-        if len(names) != 1 and not is_of_several(path):
-            if "color" not in names:
+        if len(names) > 1 and is_of_one(path):
+            if "color" not in names or Path(path).suffix.lower() != ".png":
+                lost = next(name for name in names if name != "color")
                 raise ValueError(
-                    "path must end in .exr, .npz, .ply or .pcd, or contain {channel}, "
-                    f"for several channels, got {os.fspath(path)}"
+                    f"the channel {lost} goes to no file: {os.fspath(path)} takes one channel; put "
+                    "{channel} into the name for a file of each, or use .npz"
                 )
             names = ["color"]
         for file, held in files(path, names):
