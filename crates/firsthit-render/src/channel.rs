@@ -328,7 +328,14 @@ impl ChannelKind {
                 Data::Int32(filled(count, -1)?)
             }
             Make::Flag(_) | Make::Valid => Data::Bool(filled(count, false)?),
-            _ => {
+            Make::Attribute(_)
+            | Make::Color
+            | Make::Alpha
+            | Make::Samples
+            | Make::Occlusion(_)
+            | Make::Matte(_)
+            | Make::Edge
+            | Make::Elsewhere => {
                 let expected = "one without a shader";
                 return Err(Error::argument("channel", expected, &*self.name));
             }
@@ -406,8 +413,11 @@ fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [Chann
                     }
                 }
             }
-            // The rest takes surfaces.
-            _ => {}
+            // Of surfaces, below.
+            (Make::Doubles(_), Values::Doubles(_))
+            | (Make::Integer(_), Values::Integers(_))
+            | (Make::Flag(_), Values::Flags(_)) => {}
+            _ => unreachable!("`missed` makes the values of each kind, or refuses it"),
         }
     }
     // Nothing is fetched for hits that are not looked up.
