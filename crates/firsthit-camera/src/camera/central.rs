@@ -47,12 +47,9 @@ pub(super) trait Central: Send + Sync {
         None
     }
     /// The lens for the same picture at `factors` times its rows and columns.
-    fn scaled(&self, _factors: [f64; 2]) -> Self
+    fn scaled(&self, factors: [f64; 2]) -> Self
     where
-        Self: Copy,
-    {
-        *self
-    }
+        Self: Copy;
 }
 
 /// A direction in the camera's coordinates to one in the world's, of length one.

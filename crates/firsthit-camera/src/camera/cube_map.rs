@@ -87,4 +87,8 @@ impl Central for CubeMap {
         let corner = DVec2::new(column as f64, row as f64);
         Some(side as f64 * (corner + 0.5 * (within + DVec2::ONE)))
     }
+
+    fn scaled(&self, _factors: [f64; 2]) -> Self {
+        *self
+    }
 }

@@ -38,4 +38,8 @@ impl Central for Cylindrical {
             rows as f64 * (0.5 + down / self.height()),
         ))
     }
+
+    fn scaled(&self, _factors: [f64; 2]) -> Self {
+        *self
+    }
 }

@@ -63,4 +63,8 @@ impl Central for Equirectangular {
             rows as f64 * (0.5 - latitude / radians(self.vertical_fov)),
         ))
     }
+
+    fn scaled(&self, _factors: [f64; 2]) -> Self {
+        *self
+    }
 }

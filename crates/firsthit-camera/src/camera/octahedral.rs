@@ -37,4 +37,8 @@ impl Central for Octahedral {
         };
         Some(0.5 * (point + DVec2::ONE) * DVec2::new(columns as f64, rows as f64))
     }
+
+    fn scaled(&self, _factors: [f64; 2]) -> Self {
+        *self
+    }
 }
