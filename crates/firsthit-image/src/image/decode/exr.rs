@@ -182,7 +182,7 @@ impl Planes {
         }
         let (dtype, numbers) = interleaved(&planes, kind, is_signed)?;
         let shape = vec![self.rows, self.columns];
-        let array = Array::new(name, shape, names.len(), numbers, dtype);
+        let array = Array::new(Some(name), shape, names.len(), numbers, dtype, false);
         Ok(Some(array))
     }
 }

@@ -42,24 +42,25 @@ pub enum ArrayValues {
 }
 
 impl Array {
-    /// Values, not a picture, of elements in this shape; several components are one more axis.
+    /// Elements in this shape; several components are one more axis.
     pub(super) fn new(
-        name: &str,
+        name: Option<&str>,
         mut shape: Vec<usize>,
         components: usize,
         numbers: ArrayValues,
         dtype: impl Into<String>,
+        is_picture: bool,
     ) -> Self {
         if components > 1 {
             shape.push(components);
         }
         Self {
-            name: Some(name.to_owned()),
+            name: name.map(str::to_owned),
             shape,
             components,
             numbers,
             dtype: dtype.into(),
-            is_picture: false,
+            is_picture,
         }
     }
 }

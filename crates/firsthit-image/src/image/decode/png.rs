@@ -54,11 +54,9 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
         Some(_) => (ArrayValues::Integer(whole), false),
     };
     let shape = vec![rows as usize, columns as usize];
-    output.arrays.push(Array {
-        name: channel.map(|(name, _, _)| name.to_owned()),
-        is_picture,
-        ..Array::new("", shape, components, numbers, dtype)
-    });
+    let name = channel.map(|(name, _, _)| name);
+    let array = Array::new(name, shape, components, numbers, dtype, is_picture);
+    output.arrays.push(array);
     Ok(output)
 }
 

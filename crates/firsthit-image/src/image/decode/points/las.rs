@@ -275,12 +275,13 @@ fn arrays(
     });
     let places = ArrayValues::Float64(collected(3 * table.count, places)?);
     let shape = || vec![table.count];
-    let mut arrays = vec![Array::new("position", shape(), 3, places, "float64")];
+    let positions = Array::new(Some("position"), shape(), 3, places, "float64", false);
+    let mut arrays = vec![positions];
     let mut bits = |name: &str, place: usize, shift: u32, mask: u8| -> Result<(), String> {
         let values =
             rows().map(|row| i64::from(row.get(place).copied().unwrap_or(0) >> shift & mask));
         let values = ArrayValues::Integer(collected(table.count, values)?);
-        arrays.push(Array::new(name, shape(), 1, values, "uint8"));
+        arrays.push(Array::new(Some(name), shape(), 1, values, "uint8", false));
         Ok(())
     };
     if format < LONG {

@@ -332,9 +332,8 @@ impl Table<'_> {
         });
         let numbers = kind.numbers(self.count * starts.len(), cells)?;
         let shape = vec![self.count];
-        Ok(Array {
-            is_picture,
-            ..Array::new(name, shape, starts.len(), numbers, kind.dtype())
-        })
+        let (name, count) = (Some(name), starts.len());
+        let dtype = kind.dtype();
+        Ok(Array::new(name, shape, count, numbers, dtype, is_picture))
     }
 }

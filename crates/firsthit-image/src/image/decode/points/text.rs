@@ -232,7 +232,7 @@ impl Columns {
             let values = values.clone()?;
             let is_known = !values.iter().all(|value| value.is_nan());
             let values = ArrayValues::Float64(values);
-            is_known.then(|| Array::new(name, vec![count], 1, values, "float64"))
+            is_known.then(|| Array::new(Some(name), vec![count], 1, values, "float64", false))
         }));
         Output {
             arrays,
@@ -244,7 +244,7 @@ impl Columns {
 fn positions(points: Vec<[f64; 3]>) -> Array {
     let shape = vec![points.len()];
     let numbers = ArrayValues::Float64(points.into_flattened());
-    Array::new("position", shape, 3, numbers, "float64")
+    Array::new(Some("position"), shape, 3, numbers, "float64", false)
 }
 
 /// The indices of the columns with these names.
