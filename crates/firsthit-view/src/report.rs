@@ -6,7 +6,7 @@ use std::io::Write;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use firsthit::geometry::Digest;
-use firsthit::watch::Watch;
+use firsthit::watch::{Watch, stop_if_asked};
 use firsthit::world::{NamedCamera, World};
 use firsthit::{Error, Result, fhs};
 use flate2::Compression;
@@ -38,9 +38,7 @@ impl Viewer {
     pub fn report(&self, watch: &dyn Watch) -> Result<Vec<u8>> {
         let scene = fhs::encode(self.scene(), &self.world()?, watch)?;
         let scene = packed(&scene)?;
-        if watch.is_stopped() {
-            return Err(Error::Interrupted);
-        }
+        stop_if_asked(watch)?;
         if scene.len() > MOST_BYTES {
             let (got, limit) = (scene.len().to_string(), MOST_BYTES.to_string());
             let what = "packed bytes of a scene in a report";

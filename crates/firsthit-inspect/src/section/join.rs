@@ -14,10 +14,10 @@ use rayon::prelude::*;
 use super::plane::SectionPlane;
 use super::segments::{CHUNK, Edge, Segment};
 use super::{Extent, Section};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{DVec3, compare_points};
 use crate::memory;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// One end of a segment: twice its number, and one more for the end after the start.
 type End = u32;
@@ -57,8 +57,8 @@ pub(super) fn join(
     let links = Links::new(segments, &section.plane, watch)?;
     let mut is_done = memory::filled(count, false)?;
     for segment in 0..count {
-        if segment.is_multiple_of(CHUNK) && watch.is_stopped() {
-            return Err(Error::Interrupted);
+        if segment.is_multiple_of(CHUNK) {
+            stop_if_asked(watch)?;
         }
         if !is_done[segment] {
             let first = links.first(number(segment));
@@ -91,8 +91,8 @@ impl<'a> Links<'a> {
         let mut points = memory::filled(ends.len(), DVec3::ZERO)?;
         let mut unpaired = [Vec::new(), Vec::new()];
         for (k, meeting) in ends.chunk_by(|(a, _), (b, _)| a == b).enumerate() {
-            if k.is_multiple_of(CHUNK) && watch.is_stopped() {
-                return Err(Error::Interrupted);
+            if k.is_multiple_of(CHUNK) {
+                stop_if_asked(watch)?;
             }
             let point = plane.crossing(meeting[0].0);
             for &(_, end) in meeting {

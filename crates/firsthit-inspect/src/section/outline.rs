@@ -12,11 +12,11 @@
 use super::planar::{Line, Lines, Meeting};
 use super::segments::CHUNK;
 use super::{Extent, Section};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::DVec3;
 use crate::memory;
 use crate::solid::FillRule;
-use crate::watch::Watch;
+use crate::watch::{Watch, stop_if_asked};
 
 /// The winding number of an outline around a place, and the number of its crossings.
 #[derive(Debug, Clone, Copy, Default)]
@@ -105,8 +105,8 @@ pub(super) fn judge(
     let mut is_judged = vec![false; extents.len()];
     let mut stack = Vec::new();
     for (line, place) in places.iter().enumerate() {
-        if line.is_multiple_of(CHUNK) && watch.is_stopped() {
-            return Err(Error::Interrupted);
+        if line.is_multiple_of(CHUNK) {
+            stop_if_asked(watch)?;
         }
         let polyline = place.polyline;
         if meetings[line].is_back || is_judged[polyline] && !is_pinched {

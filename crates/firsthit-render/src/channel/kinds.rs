@@ -121,10 +121,12 @@ pub const KINDS: &[ChannelKind] = &[
          1 for a miss"),
     row("samples", 1, Quantity, Unit::None, "", Make::Samples,
         "how many samples the pixel's colour is the mean of"),
-    row("crypto_object", 2 * MATTE_RANKS, Display::Matte, Unit::None, "", Make::Matte(Matte::Object),
+    row("crypto_object", 2 * MATTE_RANKS, Display::Matte, Unit::None, "",
+        Make::Matte(Matte::Object),
         "Cryptomatte of objects by name: six pairs of identifier and coverage, over all \
          samples; 0 for a miss"),
-    row("crypto_material", 2 * MATTE_RANKS, Display::Matte, Unit::None, "", Make::Matte(Matte::Material),
+    row("crypto_material", 2 * MATTE_RANKS, Display::Matte, Unit::None, "",
+        Make::Matte(Matte::Material),
         "the same of materials by name; 0 for a miss and where there is no material"),
 ];
 

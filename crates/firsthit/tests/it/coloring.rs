@@ -39,7 +39,7 @@ fn colored(objects: Vec<Object>, coloring: Coloring) -> Scene {
     scene.with_coloring(Some(coloring)).unwrap()
 }
 
-/// What is seen straight down at x and y.
+/// The colour straight below x and y.
 fn seen(scene: &Scene, shader: &str, x: f64, y: f64) -> Color {
     let (p, u_r) = (DVec3::new(x, y, 8.0), DVec3::NEG_Z);
     let hit = shoot(scene, p, u_r);

@@ -195,7 +195,7 @@ fn with_normals(normals: [[f32; 3]; 3]) -> Object {
     Object::new(Arc::new(mesh)).colored(RED)
 }
 
-/// The same with normals that all lean by 0.6 to +x.
+/// A scene of one triangle whose normals all lean by 0.6 to +x.
 fn leaning() -> Scene {
     Scene::new(vec![with_normals([[0.6, 0.0, 0.8]; 3])]).unwrap()
 }

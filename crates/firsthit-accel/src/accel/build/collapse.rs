@@ -24,8 +24,8 @@ pub(super) struct Wide {
     pub(super) ranges: Vec<(u32, u32)>,
 }
 
-/// The wide tree of a binary one, whose root is first; children stand behind their parents. When it is stopped, which then it must stay,
-/// the tree is not whole.
+/// The wide tree of a binary one, whose root is first; children stand behind their parents. Where `is_stopped` says so, and it must say
+/// so from then on, the tree is not whole.
 pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sync) -> Wide {
     /// The number of nodes between two questions whether to stop.
     const CHUNK: usize = 1 << 12;

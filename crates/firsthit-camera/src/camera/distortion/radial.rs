@@ -372,8 +372,8 @@ macro_rules! polynomial_models {
             }
 
             #[inline(always)]
-            fn sincos<A: Arithmetic>(&self, of: A, limit: &Limit, radius: A::Number) -> Known<A, 2> {
-                angle_by_newton(of, &self.odd(), limit, radius)
+            fn sincos<A: Arithmetic>(&self, of: A, limit: &Limit, r: A::Number) -> Known<A, 2> {
+                angle_by_newton(of, &self.odd(), limit, r)
             }
         }
     )*};

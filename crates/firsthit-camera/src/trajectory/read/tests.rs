@@ -167,7 +167,8 @@ const MISTAKES: &[(TrajectoryFormat, &str, &str)] = &[
     (Kitti, "1 0 0 0 0 1 0 0 0 0 1\n",
         ":1: expected 12 numbers (the rows of a 3 x 4 matrix), got 11"),
     (Kitti, "1 0 0 0 0 1 0 0 0 0 1.001 0\n",
-        ":1: the matrix is not a rotation: the products of its columns are off by 2.00e-3, at most 0.0001 is expected"),
+        ":1: the matrix is not a rotation: the products of its columns are off by 2.00e-3, \
+            at most 0.0001 is expected"),
     (Kitti, "1 0 0 0 0 1 0 0 0 0 -1 0\n", ":1: the matrix is not a rotation: it mirrors"),
 ];
 
