@@ -98,8 +98,8 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
     let wants_boundary_edges = checked.iter().any(of_boundary_edges);
     let mut boundary_edges = Vec::new();
     let checks = checked.len() as u64 + 1;
-    let triangles = marks.iter().map(|marks| marks.of_triangles.len() as u64);
-    watch.begin("checking meshes", checks * triangles.sum::<u64>(), "checks");
+    let all: u64 = (marks.iter().map(|marks| marks.of_triangles.len() as u64)).sum();
+    watch.begin("checking meshes", checks * all, "checks");
     for index in 0..marks.len() {
         let object = usize::try_from(marks[index].objects[0]).unwrap_or(0);
         let Some((object, mesh)) = with_mesh(scene, object) else {
@@ -119,13 +119,13 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         for draft in &mut drafts {
             if let Check::Mesh(check) = draft.kind.check {
                 draft.take(&mut marks, settings, |found| check(&subject, found, watch))?;
+                watch.advance(triangles);
             }
-            watch.advance(triangles);
         }
     }
     for draft in &mut drafts {
         match draft.kind.check {
-            Check::Mesh(_) => {}
+            Check::Mesh(_) => continue,
             Check::BoundaryEdges(check) => draft.take(&mut marks, settings, |found| {
                 check(&mut boundary_edges, found, watch)
             })?,
@@ -133,6 +133,7 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
                 draft.take(&mut marks, settings, |found| check(&facts, found, watch))?;
             }
         }
+        watch.advance(all);
     }
     let findings = drafts.into_iter().filter_map(Draft::finding).collect();
     Ok(Report {

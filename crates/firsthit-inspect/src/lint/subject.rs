@@ -179,8 +179,11 @@ fn sort_by_key<T: Send>(
         return Ok(());
     }
     let (low, _, high) = all.select_nth_unstable_by_key(all.len() / 2, key);
-    sort_by_key(low, key, watch)?;
-    sort_by_key(high, key, watch)
+    let (low, high) = rayon::join(
+        || sort_by_key(low, key, watch),
+        || sort_by_key(high, key, watch),
+    );
+    low.and(high)
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the low bits are meant")]
