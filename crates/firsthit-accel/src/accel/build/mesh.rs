@@ -171,6 +171,9 @@ pub(super) struct Parts {
     pub(super) order: Vec<u32>,
 }
 
+/// The number of leaves between two reports.
+const LEAVES_AT_ONCE: usize = 1024;
+
 /// Steps 3 to 6.
 fn full(triangles: &Triangles<'_>) -> Parts {
     let sharing = &triangles.sharing;
@@ -195,14 +198,20 @@ fn full(triangles: &Triangles<'_>) -> Parts {
     if triangles.building.is_stopped() {
         return Parts::default();
     }
-    let leaf = |&(first, length): &(u32, u32)| {
+    let leaf = |(k, &(first, length)): (usize, &(u32, u32))| {
+        if k.is_multiple_of(LEAVES_AT_ONCE) {
+            let some = ranges[k..].iter().take(LEAVES_AT_ONCE);
+            let some: usize = some.map(|&(_, length)| length as usize).sum();
+            triangles.building.advance(some / 2);
+        }
         let of_leaf = &order[first as usize..(first + length) as usize];
         Meshlet::new(sharing, of_leaf, first)
     };
     let mut leaves = memory::room(ranges.len());
     ranges
         .par_iter()
-        .with_min_len(1024)
+        .enumerate()
+        .with_min_len(LEAVES_AT_ONCE)
         .map(leaf)
         .collect_into_vec(&mut leaves);
     Parts {
@@ -243,7 +252,7 @@ impl Primitives for Triangles<'_> {
         self.large
     }
 
-    /// The tree is made better after this, which takes as long.
+    /// The tree is made better and its leaves are filled after this, which takes as long.
     fn advance(&self, items: usize) {
         self.building.advance(items / 2);
     }
@@ -410,12 +419,15 @@ pub(super) mod tests {
         asked: AtomicUsize,
         at: Option<usize>,
         told: AtomicUsize,
+        /// The most that it was told of at a time.
+        most: AtomicUsize,
     }
 
     impl Watch for Stopper {
         fn advance(&self, triangles: u64) {
-            self.told
-                .fetch_add(usize::try_from(triangles).unwrap(), Relaxed);
+            let triangles = usize::try_from(triangles).unwrap();
+            self.told.fetch_add(triangles, Relaxed);
+            self.most.fetch_max(triangles, Relaxed);
         }
 
         fn is_stopped(&self) -> bool {
@@ -430,6 +442,8 @@ pub(super) mod tests {
             let whole = Stopper::default();
             MeshTree::build_watched(&mesh, is_quick, &whole).unwrap();
             assert_eq!(whole.told.into_inner(), mesh.triangles().len());
+            let most = whole.most.into_inner();
+            assert!(is_quick || 8 * most < mesh.triangles().len(), "{most}");
             let questions = whole.asked.into_inner();
             assert!(questions >= if is_quick { 1 } else { 20 }, "{questions}");
             for at in 0..questions {
