@@ -45,7 +45,7 @@ impl Format {
             report.budget.charge_read(&path, bytes.len())?;
             let bytes = gzip::unpacked(bytes, report)?;
             check_free(bytes.len().saturating_mul(TIMES_CONTENT))?;
-            report.begin_parsing(bytes.len());
+            report.begin_parsing("", bytes.len());
             let made =
                 read(&bytes, report).map_err(|fault| recognize::hinted(fault, self, &bytes))?;
             report.advance_until(0)?;

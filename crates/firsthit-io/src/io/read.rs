@@ -103,7 +103,8 @@ pub(crate) fn content(path: &Path, report: &mut Report) -> Checked<Vec<u8>> {
     Ok(gzip::unpacked(bytes.into(), report)?.into_owned())
 }
 
-/// The content of a sibling; a file that cannot be read is no more than a warning.
+/// The content of a sibling; a file that cannot be read is no more than a warning. So is a stop here, which the reader of the whole
+/// then notices.
 ///
 /// # Errors
 ///

@@ -75,10 +75,10 @@ impl<'w> Report<'w> {
         self.scene = self.scene.take().or(part.scene);
     }
 
-    /// Tells the watch that `bytes` bytes of content are parsed from now on.
-    pub(crate) fn begin_parsing(&mut self, bytes: usize) {
+    /// Tells the watch that `bytes` bytes of the file's content, or of `what` it names, are parsed from now on.
+    pub(crate) fn begin_parsing(&mut self, what: &str, bytes: usize) {
         self.unparsed = bytes;
-        let step = format!("parsing {}", escaped(self.source.path()));
+        let step = format!("parsing {what}{}", escaped(self.source.path()));
         self.watch.begin(&step, bytes as u64, "bytes");
     }
 
@@ -87,7 +87,7 @@ impl<'w> Report<'w> {
     /// # Errors
     ///
     /// [`Error::Interrupted`].
-    pub(crate) fn advance_until(&mut self, left: usize) -> Checked<()> {
+    pub fn advance_until(&mut self, left: usize) -> Checked<()> {
         let bytes = self.unparsed.saturating_sub(left);
         self.unparsed -= bytes;
         self.watch.advance(bytes as u64);

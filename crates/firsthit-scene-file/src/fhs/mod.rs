@@ -144,5 +144,7 @@ fn read_copy(bytes: &[u8], report: &mut Report) -> Checked<World> {
         .charge_content(bytes.len() as u64, "a copy of its content")?;
     let copy = Block::read(bytes, bytes.len());
     let no_room = |_| crate::memory::no_room_for("a copy of the file's content");
-    read::world(Arc::new(copy.map_err(no_room)?), report)
+    let copy = Arc::new(copy.map_err(no_room)?);
+    report.advance_until(0)?;
+    read::world(copy, report)
 }

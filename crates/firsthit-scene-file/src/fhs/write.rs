@@ -51,7 +51,7 @@ pub fn save(path: &Path, scene: &Scene, world: &World, watch: &dyn Watch) -> Res
 ///
 /// The errors of [`save`].
 pub fn encode(scene: &Scene, world: &World, watch: &dyn Watch) -> Result<Vec<u8>> {
-    let path = Path::new("memory");
+    let path = Path::new("the scene");
     with_content(path, scene, world, watch, |content| {
         memory::check("a built scene's content", content.bytes())?;
         let mut bytes = memory::room(content.bytes());
@@ -143,6 +143,9 @@ fn with_content<T>(
     let record = record(scene, world, &lists, &mut parts);
     let record = serde_json::to_vec(&record).map_err(|source| refused(path, source.into()))?;
     let sections = parts.sections(&record);
+    let lengths = sections.iter().map(|(_, bytes)| bytes.len() as u64);
+    let (bytes, path) = (lengths.sum(), escaped(path));
+    watch.begin(&format!("computing checksums of {path}"), bytes, "bytes");
     let sums = sums(&sections, watch)?;
     let (header, table) = header_and_table(&sections, &sums, &record);
     let content = Content {
@@ -150,8 +153,7 @@ fn with_content<T>(
         table,
         sections,
     };
-    let bytes = content.sections.iter().map(|(_, bytes)| bytes.len() as u64);
-    watch.begin(&format!("writing {}", escaped(path)), bytes.sum(), "bytes");
+    watch.begin(&format!("writing {path}"), bytes, "bytes");
     then(&content)
 }
 
@@ -196,6 +198,7 @@ fn sums(sections: &[SectionBytes<'_>], watch: &dyn Watch) -> Result<Vec<Sum>> {
         for piece in bytes.chunks(PIECE) {
             stop_if_asked(watch)?;
             hasher.update(piece);
+            watch.advance(piece.len() as u64);
         }
         Ok(*hasher.finalize().as_bytes())
     };

@@ -114,8 +114,9 @@ fn read(bytes: &[u8], report: &mut Report) -> Checked<World> {
         up,
         ..World::default()
     };
-    // The cameras' own values are checked before large files are read.
+    // The cameras' own values are checked before large files are read, each of which is a step of its own.
     let cameras = camera::read(&scene, report)?;
+    report.advance_until(0)?;
     let (environment, sun) = environment::read(&scene, up, report)?.unzip();
     world.environment = environment.map(Arc::new);
     world.lights.extend(sun.flatten());

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use super::super::fault::{Checked, Fault};
 use super::super::report::Report;
-use super::document::Document;
+use super::document::{Buffer, Document};
 use super::index::Index;
 use super::meshopt;
 use super::place::Entry;
-use super::resource::{Bytes, resource};
+use super::resource::{Bytes, is_data, resource};
 use crate::error::Place;
 
 /// All buffers of a document; each is read when something asks for it, and once.
@@ -27,6 +27,22 @@ impl<'a> Buffers<'a> {
             binary,
             read: HashMap::new(),
             unpacked: HashMap::new(),
+        }
+    }
+
+    /// Tells the watch of the bytes in other files, which are most of the work where there are any.
+    pub(super) fn begin(&self, report: &mut Report) -> Checked<()> {
+        let uri = |buffer: &&Buffer<'_>| buffer.uri.as_ref().is_some_and(|uri| !is_data(uri));
+        let outside = self.document.buffers.iter().filter(uri);
+        match outside.fold(0, |sum: usize, buffer| {
+            sum.saturating_add(buffer.byte_length.0)
+        }) {
+            0 => Ok(()),
+            bytes => {
+                report.advance_until(0)?;
+                report.begin_parsing("buffers of ", bytes);
+                Ok(())
+            }
         }
     }
 

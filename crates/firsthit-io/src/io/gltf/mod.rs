@@ -85,6 +85,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     let cameras = camera::all(&document, &placed, report)?;
     let lights = light::all(&document, &placed, report)?;
     let buffers = Buffers::new(&document, container.binary);
+    buffers.begin(report)?;
     let objects = Objects::new(&document, &placed, buffers, report).all()?;
     if let Some(relative) = &document.extensions.relative_to {
         let place = Place::Pointer("/extensions/CESIUM_RTC/center".into());

@@ -48,10 +48,7 @@ impl<'a> Bytes<'a> {
 
 /// The content of a URI: its own data, or a file under the document's folder.
 pub(super) fn resource<'a>(uri: &str, report: &mut Report) -> Result<Bytes<'a>, Problem> {
-    let is_data = uri
-        .get(..5)
-        .is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"));
-    let bytes = if is_data {
+    let bytes = if is_data(uri) {
         data(uri.get(5..).unwrap_or_default(), report)?
     } else {
         let name = file_name(uri)?;
@@ -59,13 +56,20 @@ pub(super) fn resource<'a>(uri: &str, report: &mut Report) -> Result<Bytes<'a>, 
         let named = |reason: String| Problem::Words(format!("'{shown}' is not read: {reason}"));
         let path = report.sibling(&name).map_err(named)?;
         match read::content(&path, report) {
-            Err(fault @ (Fault::TooLarge { .. } | Fault::Other(Error::TooLarge { .. }))) => {
-                return Err(fault.into());
-            }
+            Err(
+                fault @ (Fault::TooLarge { .. }
+                | Fault::Other(Error::TooLarge { .. } | Error::Interrupted)),
+            ) => return Err(fault.into()),
             read => read.map_err(|fault| named(fault.into_error(&path).to_string()))?,
         }
     };
     Ok(Bytes::new(bytes))
+}
+
+/// Whether a URI has its content in itself.
+pub(super) fn is_data(uri: &str) -> bool {
+    let scheme = uri.get(..5);
+    scheme.is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
 }
 
 /// The file that a URI names, as the file system has it.
