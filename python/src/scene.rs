@@ -151,6 +151,7 @@ impl Scene {
         replaced: Vec<(usize, ObjectIn<'_>)>,
         places: Places<'_>,
         hidden: Vec<(usize, bool)>,
+        report: Report<'_, '_>,
     ) -> Outcome<Self> {
         let mut known = Materials::default();
         let replaced: Vec<(usize, Object)> = replaced
@@ -167,10 +168,10 @@ impl Scene {
                 Ok((identifier, transform(rows)?))
             })
             .collect::<Outcome<_>>()?;
-        let has_new_trees = !replaced.is_empty();
+        let has_new_objects = !replaced.is_empty();
         let changed = |watch: &dyn Watch| {
             let mut scene = self.0.try_clone()?;
-            if has_new_trees {
+            if has_new_objects {
                 let mut objects = scene.objects().to_vec();
                 for (identifier, object) in replaced {
                     if let Some(place) = objects.get_mut(identifier) {
@@ -180,17 +181,26 @@ impl Scene {
                 scene = scene.with_objects_watched(objects, watch)?;
             }
             if !places.is_empty() {
-                scene.move_objects(&places)?;
+                scene.move_objects_watched(&places, watch)?;
             }
             if !hidden.is_empty() {
-                scene.hide_objects(&hidden)?;
+                scene.hide_objects_watched(&hidden, watch)?;
             }
             Ok(scene)
         };
-        if self.0.objects().len() < FEW_OBJECTS && !has_new_trees {
+        // Those that shared a tree get their own.
+        let objects = self.0.objects();
+        let parts = |&(k, to): &(usize, Transform)| {
+            let is_elsewhere = objects.get(k).is_some_and(|it| *it.transform() != to);
+            is_elsewhere && u32::try_from(k).is_ok_and(|k| self.0.numbers_of(k).is_some())
+        };
+        let has_new_trees = has_new_objects
+            || places.iter().any(parts)
+            || hidden.iter().any(|(_, is_hidden)| !is_hidden);
+        if objects.len() < FEW_OBJECTS && !has_new_trees {
             return Ok(Self(guarded(|| py.detach(|| changed(&())))??));
         }
-        run(py, 0, |stop| changed(stop)).map(Self)
+        run_reported(py, 0, report, |stop| changed(stop)).map(Self)
     }
 
     /// The scene in which rays meet only the objects that have a bit in common with `mask`, and are

@@ -17,8 +17,8 @@ pub trait Watch: Sync {
         let _ = count;
     }
 
-    /// Whether to give up: the computation then ends soon with
-    /// [`Error::Interrupted`].
+    /// Whether to give up: the computation then ends soon with [`Error::Interrupted`]. Once true it must stay so: what a step
+    /// gives up is of no use to the next one, which asks again.
     fn is_stopped(&self) -> bool {
         false
     }

@@ -70,7 +70,7 @@ class Built:
                 report,
             )
 
-    def changed(self, changed: Mapping[int, Object]) -> Built:
+    def changed(self, changed: Mapping[int, Object], report: Report | None) -> Built:
         """Return what is built when some objects, given by identifier, are others.
 
         Only what changed is converted: where an object only moved, its transform.
@@ -92,7 +92,7 @@ class Built:
             matrix = objects[identifier]._transform
             transforms[k] = _IDENTITY if matrix is None else matrix
         places = np.array(moved, np.int64), transforms
-        native = self.native.changed(replaced, places, hidden)
+        native = self.native.changed(replaced, places, hidden, report)
         environment, _, is_guessed = self.around
         if is_guessed and environment is not None:
             # Which way is up may be another one now, and the environment lies by it.

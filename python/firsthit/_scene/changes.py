@@ -364,7 +364,7 @@ class Changes(Traceable):
             objects = self._objects[:]
             count = len(last.built.objects)
             changed = {k: objects[k] for k in last.moves[last.known :] if k < count}
-            built = last.built.changed(changed)
+            built = last.built.changed(changed, report)
             self._last = Last(built, last.moves, known)
             return built
         # The list is replaced before the objects are copied: a later move is then in the new list.

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use super::joined::{self, ObjectTree};
 use super::{Object, Scene};
@@ -81,6 +82,21 @@ const SMALL: usize = 1 << 14;
 pub(super) struct TreeBuilder<'a> {
     is_fast: bool,
     watch: &'a dyn Watch,
+    /// The triangles that the watch was not told of.
+    left: AtomicU64,
+}
+
+impl Watch for TreeBuilder<'_> {
+    /// Those of a group may be built twice, and are told of once.
+    fn advance(&self, count: u64) {
+        let less = |left: u64| Some(left.saturating_sub(count));
+        let (Ok(left) | Err(left)) = self.left.fetch_update(Relaxed, Relaxed, less);
+        self.watch.advance(count.min(left));
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.watch.is_stopped()
+    }
 }
 
 impl<'a> TreeBuilder<'a> {
@@ -97,6 +113,7 @@ impl<'a> TreeBuilder<'a> {
         Self {
             is_fast: build.is_fast(triangles),
             watch,
+            left: AtomicU64::new(triangles as u64),
         }
     }
 
@@ -111,7 +128,7 @@ impl<'a> TreeBuilder<'a> {
         if !is_fast {
             has_room_for(TREE_BYTES)?;
         }
-        MeshTree::build_watched(mesh, is_fast, self.watch)
+        MeshTree::build_watched(mesh, is_fast, self)
     }
 }
 
@@ -158,13 +175,16 @@ pub(super) fn object_trees(
     let is_fittable = |k: usize| before.is_some_and(|before| before.may_fit(k, &objects[k]));
     let is_missing = |object: u32| missing.binary_search(&(object as usize)).is_ok();
     let may_join = |object| is_missing(object) && !is_fittable(object as usize);
-    for group in joined::found(objects, may_join, |mesh| builder.build(mesh).ok()) {
+    for group in joined::found(objects, may_join, &|mesh| builder.build(mesh))? {
         group.join(&mut trees);
     }
     let alone = missing.iter().filter(|&&k| trees[k].any().is_none());
     let alone = alone.filter_map(|&k| Some((k, objects[k].mesh()?)));
     let tree = |(k, mesh): (usize, &Arc<Mesh>)| {
-        let tree = fitted(k).map_or_else(|| builder.build(mesh), Ok)?;
+        let Some(tree) = fitted(k) else {
+            return Ok((k, Arc::new(builder.build(mesh)?)));
+        };
+        builder.advance(mesh.triangles().len() as u64);
         Ok((k, Arc::new(tree)))
     };
     // One after the other large meshes take the memory of one, and all threads build each.

@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 use super::{Places, Scene, extent};
 use crate::error::{Error, Result};
 use crate::geometry::Transform;
+use crate::watch::Watch;
 
 impl Scene {
     /// Moves an object: its shape is taken to the world by another transform. What is shot at the scene is answered as by
@@ -36,6 +37,19 @@ impl Scene {
     /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for trees of objects that shared
     /// one; then nothing has moved.
     pub fn move_objects(&mut self, places: &[(usize, Transform)]) -> Result<()> {
+        self.move_objects_watched(places, &())
+    }
+
+    /// As [`move_objects`](Self::move_objects); `watch` follows the trees that are built, and may end it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`move_objects`](Self::move_objects), and [`Error::Interrupted`]; then nothing has moved.
+    pub fn move_objects_watched(
+        &mut self,
+        places: &[(usize, Transform)],
+        watch: &dyn Watch,
+    ) -> Result<()> {
         let moved = places.iter().map(|&(object, _)| self.check_object(object));
         let moved = moved.collect::<Result<Vec<u32>>>()?;
         let is_elsewhere = |&&(object, transform): &&(usize, Transform)| {
@@ -45,7 +59,7 @@ impl Scene {
             .filter(|(_, place)| is_elsewhere(place))
             .map(|(&object, _)| object)
             .collect();
-        let has_parted = self.part(&leaving, true)?;
+        let has_parted = self.part(&leaving, true, watch)?;
         // What is where it was may share a tree still, and the box around all that do.
         let moved: Vec<u32> = (moved.into_iter())
             .filter(|&object| self.trees[object as usize].group().is_none())
@@ -75,6 +89,19 @@ impl Scene {
     /// [`Error::Argument`] for an object that is not there, and [`Error::Limit`] where there is no memory for a tree; then nothing is
     /// hidden or shown.
     pub fn hide_objects(&mut self, objects: &[(usize, bool)]) -> Result<()> {
+        self.hide_objects_watched(objects, &())
+    }
+
+    /// As [`hide_objects`](Self::hide_objects); `watch` follows the trees that are built, and may end it.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`hide_objects`](Self::hide_objects), and [`Error::Interrupted`]; then nothing is hidden or shown.
+    pub fn hide_objects_watched(
+        &mut self,
+        objects: &[(usize, bool)],
+        watch: &dyn Watch,
+    ) -> Result<()> {
         // Of an object that is there twice the last one counts.
         let last: BTreeMap<usize, bool> = objects.iter().copied().collect();
         let (mut hidden, mut shown) = (Vec::new(), Vec::new());
@@ -87,10 +114,10 @@ impl Scene {
                 shown.push(identifier);
             }
         }
-        for (object, tree) in self.own_trees(&shown)? {
+        for (object, tree) in self.own_trees(&shown, watch)? {
             self.trees[object] = tree;
         }
-        self.part(&hidden, false)?;
+        self.part(&hidden, false, watch)?;
         for (&object, &is_hidden) in &last {
             self.objects[object].hide(is_hidden);
         }

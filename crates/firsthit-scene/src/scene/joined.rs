@@ -20,10 +20,11 @@ pub(super) use find::{found, kept};
 use super::build::TreeBuilder;
 use super::{Object, Scene};
 use crate::accel::MeshTree;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{Bounds, SurfaceId};
 use crate::parallel;
 use crate::shape::{JoinedMeshes, Mesh, Meshes};
+use crate::watch::Watch;
 
 /// The tree of an object's mesh.
 #[derive(Debug, Clone)]
@@ -91,25 +92,23 @@ impl Group {
 
     /// Joins objects; `None` where they cannot be joined, or there is no memory for it.
     fn build(
-        members: Vec<u32>,
+        mut members: Vec<u32>,
         objects: &[Object],
-        build: impl Fn(&Mesh) -> Option<MeshTree>,
-    ) -> Option<Self> {
-        let mut members = members;
-        let mut joined = meshes(&members, objects)?;
-        let mut tree = build(&joined.as_one().ok()?).filter(MeshTree::has_nodes)?;
+        build: &impl Fn(&Mesh) -> Result<MeshTree>,
+    ) -> Option<Result<Self>> {
+        let joined = meshes(&members, objects)?;
+        let tree = match build(&joined.as_one().ok()?) {
+            Err(error) => return matches!(error, Error::Interrupted).then_some(Err(error)),
+            Ok(tree) => Some(tree).filter(MeshTree::has_nodes)?,
+        };
         let common = with_common_triangles(&joined, &tree);
         if !common.is_empty() {
             let mut number = 0..;
             members.retain(|_| !number.next().is_some_and(|number| common.contains(&number)));
-            if members.len() < 2 {
-                return None;
-            }
-            joined = meshes(&members, objects)?;
-            tree = build(&joined.as_one().ok()?).filter(MeshTree::has_nodes)?;
+            return (members.len() > 1).then(|| Self::build(members, objects, build))?;
         }
         let members = members.into_iter().map(Some).collect();
-        Self::new(members, Arc::new(joined), Arc::new(tree))
+        Self::new(members, Arc::new(joined), Arc::new(tree)).map(Ok)
     }
 
     /// Joins objects by a tree from untrusted data, which `tree` makes.
@@ -340,8 +339,13 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`Error::Limit`](crate::error::Error::Limit) where there is no memory for these; nothing has changed then.
-    pub(super) fn part(&mut self, objects: &[u32], are_seen: bool) -> Result<bool> {
+    /// [`Error::Limit`] where there is no memory for these, and [`Error::Interrupted`]; nothing has changed then.
+    pub(super) fn part(
+        &mut self,
+        objects: &[u32],
+        are_seen: bool,
+        watch: &dyn Watch,
+    ) -> Result<bool> {
         let mut leaving = objects.to_vec();
         leaving.retain(|&object| self.group(object).is_some());
         leaving.sort_unstable();
@@ -350,7 +354,7 @@ impl Scene {
             return Ok(false);
         }
         let mut trees: Vec<(usize, ObjectTree)> = if are_seen {
-            self.own_trees(&leaving)?
+            self.own_trees(&leaving, watch)?
         } else {
             let none = |&object: &u32| (object as usize, ObjectTree::None);
             leaving.iter().map(none).collect()
@@ -372,12 +376,17 @@ impl Scene {
     }
 
     /// A tree of its own for each of some objects whose meshes have none.
-    pub(super) fn own_trees(&self, objects: &[u32]) -> Result<Vec<(usize, ObjectTree)>> {
+    pub(super) fn own_trees(
+        &self,
+        objects: &[u32],
+        watch: &dyn Watch,
+    ) -> Result<Vec<(usize, ObjectTree)>> {
         let numbered = objects
             .iter()
             .map(|&k| (k as usize, &self.objects[k as usize]));
         let numbered: Vec<(usize, &Object)> = numbered.collect();
-        let builder = TreeBuilder::new(self.build, numbered.iter().map(|&(_, object)| object), &());
+        let of_each = numbered.iter().map(|&(_, object)| object);
+        let builder = TreeBuilder::new(self.build, of_each, watch);
         parallel::try_map(numbered, |(k, object)| {
             let tree = object.mesh().map(|mesh| builder.build(mesh)).transpose()?;
             let tree = tree.map_or(ObjectTree::None, |tree| ObjectTree::Own(Arc::new(tree)));

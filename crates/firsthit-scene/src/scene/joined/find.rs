@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::Group;
 use crate::accel::MeshTree;
+use crate::error::Result;
 use crate::geometry::{Bounds, DVec3};
 use crate::scene::top_tree::LARGEST_SLACK;
 use crate::scene::{Object, Scene, extent};
@@ -113,12 +114,16 @@ pub(in crate::scene) fn kept(
     groups.into_iter().filter_map(keep).collect()
 }
 
-/// Joins objects that `may_join`, and has trees built over them.
+/// Joins objects that `may_join`, and has trees built over them. Those that there is no memory for stay alone.
+///
+/// # Errors
+///
+/// [`Error::Interrupted`](crate::error::Error::Interrupted).
 pub(in crate::scene) fn found(
     objects: &[Object],
     may_join: impl Fn(u32) -> bool,
-    build: impl Fn(&Mesh) -> Option<MeshTree>,
-) -> Vec<Arc<Group>> {
+    build: &impl Fn(&Mesh) -> Result<MeshTree>,
+) -> Result<Vec<Arc<Group>>> {
     let mut by_key: HashMap<Key, Vec<u32>> = HashMap::new();
     let candidates = candidates(objects).into_iter();
     for (object, key) in candidates.filter(|&(object, _)| may_join(object)) {
@@ -129,8 +134,8 @@ pub(in crate::scene) fn found(
     let alike = all
         .into_iter()
         .flat_map(|members| in_sizes(objects, members));
-    let groups = alike.filter_map(|members| Group::build(members, objects, &build));
-    groups.map(Arc::new).collect()
+    let groups = alike.filter_map(|members| Group::build(members, objects, build));
+    groups.map(|group| group.map(Arc::new)).collect()
 }
 
 /// Whether objects fill the box around them so much that a ray through it is expected to come to one.
