@@ -4,6 +4,7 @@ import re
 import sys
 
 import firsthit as fh
+import numpy as np
 import pages
 import pytest
 from pages import DOCS, ROOT
@@ -46,6 +47,18 @@ def test_each_task_has_a_picture_that_it_makes_a_command_and_python():
     for page in (DOCS / "tasks").glob("*.md"):
         assert pages.pictures(page), page
         assert {"sh", "python"} <= {block.language for block in pages.blocks(page)}, page
+
+
+def test_the_chapter_has_the_camera_of_its_scene(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    letters = {}
+    exec(pages.blocks(CHAPTER, "python")[0].text, letters)
+    sizes = {"rows": letters["M"], "columns": letters["N"]}
+    numbers = (letters[name] for name in ("x_c", "u_c", "v_up", "z_p", "w", "h"))
+    own = letters["scene"].camera(**sizes)
+    of_page = fh.Camera(*numbers, **sizes, ray_start=own.ray_start)
+    for one, other in zip(own.rays(), of_page.rays(), strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_only_what_sets_up_is_left_out():
