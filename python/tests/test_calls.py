@@ -222,6 +222,8 @@ def test_a_line_has_rays_and_percents_and_is_gone_at_the_end(capsys):
     said = capsys.readouterr().err
     assert "\r19200 of 19200 rays, 100 %" in said
     assert said.rsplit("\r", 2)[1].strip() == ""
+    fh.render(ball(), CAMERA, samples=1, progress=True)
+    assert "\rshooting: " in capsys.readouterr().err
 
 
 @pytest.fixture

@@ -32,17 +32,18 @@ def following(
     total: int | None = None,
     kept: int | None = None,
     unit: str = "rays",
+    name: str = "",
 ) -> Iterator[Report | None]:
     """Yield the report for ``progress`` out of ``total``; ``None`` if none is wanted.
 
     ``kept`` is what was done before, which is told at once. Where nobody knows the total it is what
-    is done.
+    is done. ``name`` is that of the step on the line.
     """
     check(progress)
     if progress is None or progress is False:
         yield None
         return
-    line = _Line(total, kept or 0, unit)
+    line = _Line(total, kept or 0, unit, name)
 
     def tell(done: int, total: int | None = total, *_: str) -> None:
         total = done if total is None else total
@@ -67,8 +68,8 @@ def later(report: Report | None, before: int) -> Report | None:
 class _Line:
     """A line on standard error that is written anew, from its start for each step."""
 
-    def __init__(self, total: int | None, kept: int, unit: str) -> None:
-        self._step, self._kept = (total, "", unit), kept
+    def __init__(self, total: int | None, kept: int, unit: str, name: str) -> None:
+        self._step, self._kept = (total, name, unit), kept
         self._began, self._shown = time.monotonic(), -1.0
         self._width = 0
 

@@ -122,7 +122,7 @@ class Picture(NamedTuple):
         pixels = math.prod(self.part.shape)
         work = _firsthit.render_work(pixels, self.asked, self.samples)
         owned = pixels * self.samples if self._has_own_colors else 0
-        with following(progress, work + owned) as report:
+        with following(progress, work + owned, name="shooting") as report:
             made, origin = self._rendered(self.asked, self.samples, report)
             if self._has_own_colors:
                 told, job = later(report, work), self._own_shading()
@@ -154,7 +154,7 @@ class Picture(NamedTuple):
         known: _firsthit.Accumulated | None = None
         sums = np.zeros((*self.part.shape, 3)) if self._has_own_colors else np.zeros(0)
         before = done = 0
-        with following(progress, steps.work(pixels)) as report:
+        with following(progress, steps.work(pixels), name="shooting") as report:
             for samples in steps.samples:
                 if steps.centred and not before:
                     kept, _ = self._rendered(steps.centred, samples, later(report, done))
