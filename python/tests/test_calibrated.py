@@ -772,3 +772,9 @@ def test_a_colmap_folder_is_read_without_its_files_names(tmp_path):
     (folder / "images.txt").symlink_to(tmp_path / "images.txt")
     with pytest.raises(fh.FileFormatError, match="outside the reconstruction's folder"):
         fh.Camera.from_colmap(folder)
+
+
+def test_none_stands_for_no_distortion_no_rotation_and_no_translation():
+    plain = fh.Camera.from_opencv([500, 500, 320, 240], rows=480, columns=640)
+    given = fh.Camera.from_opencv([500, 500, 320, 240], None, None, None, rows=480, columns=640)
+    np.testing.assert_array_equal(given.rays(), plain.rays())

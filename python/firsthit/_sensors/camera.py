@@ -538,7 +538,7 @@ class Camera(ReadCameras, Sensor):
         K: npt.ArrayLike,
         distortion: npt.ArrayLike | None = None,
         rvec: npt.ArrayLike | None = None,
-        tvec: npt.ArrayLike = (0.0, 0.0, 0.0),
+        tvec: npt.ArrayLike | None = None,
         *,
         R: npt.ArrayLike | None = None,
         rows: int,
@@ -562,7 +562,7 @@ class Camera(ReadCameras, Sensor):
         rvec : (3,) or (3, 3) array_like, optional
             The rotation from the world to the camera as axis times angle in radians, or as a
             matrix.
-        tvec : (3,) array_like
+        tvec : (3,) array_like, optional
             The translation from the world to the camera.
         R : (3, 3) array_like, optional
             The rotation as a matrix, instead of ``rvec``. Without both the camera is not turned.
@@ -606,7 +606,7 @@ class Camera(ReadCameras, Sensor):
         turned = np.eye(3)
         if rvec is not None or R is not None:
             turned = conventions.rotation_of(rvec, R)
-        moved = numbers("tvec", tvec)
+        moved = numbers("tvec", (0.0, 0.0, 0.0) if tvec is None else tvec)
         moved = np.array(vector("tvec", moved.ravel() if moved.size == 3 else moved))
         return cls.from_intrinsics(
             matrix,
