@@ -202,3 +202,11 @@ def test_files_give_scenes_and_errors_their_place(tmp_path):
 def test_info_says_what_is_in_use():
     assert set(fh.info()) == {"version", "instruction_set", "threads"}
     assert fh.__version__ == fh.info()["version"]
+
+
+@pytest.mark.parametrize("name", ["section", "shoot", "inside", "add"])
+def test_errors_of_calls_name_the_scene_and_methods_are_pickled(name):
+    method = getattr(fh.Scene, name)
+    with pytest.raises(TypeError, match=rf"^Scene\.{name}\(\) missing"):
+        method(fh.Scene())
+    assert pickle.loads(pickle.dumps(method)) is method

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import isfunction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
 
@@ -495,3 +496,9 @@ _KEPT = (
     "_up",
     "_up_is_guessed",
 )
+
+# Errors name the class that users know, not the part of it that has the method.
+for _part in Scene.__bases__:
+    for _name, _method in vars(_part).items():
+        if isfunction(_method):
+            _method.__module__, _method.__qualname__ = Scene.__module__, f"Scene.{_name}"
