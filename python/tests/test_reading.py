@@ -158,5 +158,21 @@ def test_objects_of_a_file_are_made_in_python_when_they_are_asked_for(tmp_path: 
     scene = fh.load(tmp_path / "many.obj")
     assert scene.shoot((0.2, 0.2, 1e4), (0, 0, -1)).object == 1999
     scene.move(7, np.eye(4))
+    copied = copy.copy(scene)
     assert count() <= before + 2
+    copied.hide(1999)
+    assert copied.shoot((0.2, 0.2, 1e4), (0, 0, -1)).object == 1998
+    assert count() <= before + 4
     assert (scene.objects[7].name, count() >= before + 2000) == ("7", True)
+
+
+def test_objects_are_listed_anew_after_changes_alone() -> None:
+    scene = ball()
+    listed = scene.objects
+    assert scene.objects is listed
+    scene.move(0, np.eye(4))
+    moved = scene.objects
+    assert moved is not listed
+    assert moved[0] is not listed[0]
+    scene.add(listed[0].shape)
+    assert len(scene.objects) == len(listed) + 1

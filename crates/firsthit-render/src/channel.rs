@@ -413,7 +413,7 @@ fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [Chann
                     }
                 }
             }
-            // Of surfaces, below.
+            // From surfaces, below.
             (Make::Doubles(_), Values::Doubles(_))
             | (Make::Integer(_), Values::Integers(_))
             | (Make::Flag(_), Values::Flags(_)) => {}
@@ -421,13 +421,25 @@ fn fill(shots: &ChannelInput<'_>, first: usize, count: usize, parts: &mut [Chann
         }
     }
     // Nothing is fetched for hits that are not looked up.
-    if !parts.iter().any(ChannelChunk::needs_surface) {
-        return;
+    if parts.iter().any(ChannelChunk::needs_surface) {
+        fill_from_surfaces(shots, first, count, parts);
     }
+}
+
+/// Fills what surfaces tell, hit by hit.
+fn fill_from_surfaces(
+    shots: &ChannelInput<'_>,
+    first: usize,
+    count: usize,
+    parts: &mut [ChannelChunk<'_>],
+) {
     let mut prefetcher = Prefetcher::new(shots.scene, shots.hits, first, count);
     for k in 0..count {
         prefetcher.advance(k);
-        let Some(hit) = met(k) else { continue };
+        let hit = shots.hits.get(first + k);
+        if hit.is_miss() {
+            continue;
+        }
         let ray = shots.rays.ray(first + k);
         let Some(surface) = shots.scene.interaction(&ray, &hit) else {
             continue;

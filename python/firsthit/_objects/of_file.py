@@ -101,6 +101,11 @@ def natives(
     return made, objects.of_file.native
 
 
+def held(objects: Sequence[Object]) -> Sequence[Object]:
+    """Return the list as it is, with numbers, for a list that has them too."""
+    return list(cast("Any", objects.held())) if isinstance(objects, ObjectList) else objects
+
+
 def triangles(objects: Sequence[Object]) -> int:
     """Return the number of triangles, those of a shared mesh once for each object."""
     if not isinstance(objects, ObjectList):

@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from firsthit._objects.traceable import Surroundings
     from firsthit.typing import ForeignMesh, ObjectKey, Progress, Selection, Vector
 
+    from .objects import Objects
+
 #: After so many changes their list begins anew, and the next build starts from all objects; but not
 #: before so many calls that move many.
 _MOST_MOVES, _STEPS = 1 << 16, 16
@@ -66,6 +68,8 @@ class Changes(Traceable):
         self._objects: list[Object] = []
         #: Those that changed, by identifiers. A change replaces the object, then adds it here.
         self._moves: list[int] = []
+        #: The objects as they were last asked for, with the changes that there were before.
+        self._listed: tuple[list[int], int, Objects] | None = None
         self._lights: list[Light] = []
         self._environment: Environment | None = None
         self._up: Vector = (0.0, 0.0, 1.0)

@@ -21,7 +21,7 @@ from firsthit._objects import foreign
 from firsthit._objects.filters import ALL, one_mask
 from firsthit._objects.foreign_kinds import WANTED, reader_of
 from firsthit._objects.object import Object, affine, placed
-from firsthit._objects.of_file import triangles
+from firsthit._objects.of_file import held, triangles
 from firsthit._objects.shapes import Shape
 from firsthit._queries.inspections import Inspections
 from firsthit._queries.of_points import PointQueries
@@ -260,7 +260,14 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
     @property
     def objects(self) -> tuple[Object, ...]:
         """The objects, in the order of their identifiers."""
-        return Objects(self._objects)
+        changes, known = self._moves, len(self._moves)
+        if self._listed is not None:
+            of, before, listed = self._listed
+            if of is changes and (before, len(listed)) == (known, len(self._objects)):
+                return listed
+        listed = Objects(self._objects)
+        self._listed = changes, known, listed
+        return listed
 
     @property
     def lights(self) -> tuple[Light, ...]:
@@ -476,7 +483,7 @@ class Scene(Changes, RayQueries, PointQueries, Inspections):
         built = self._current()
         if built is not None:
             # Where the objects were when it was built, lest a move come in between.
-            other._objects[: len(built.objects)] = built.objects
+            other._objects[: len(built.objects)] = held(built.objects)
             other._last = Last(built, other._moves, 0)
         return other
 

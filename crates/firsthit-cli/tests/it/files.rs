@@ -174,6 +174,7 @@ fn verbose_has_a_line_for_each_step() {
                 "reading square.ply",
                 "parsing square.ply",
                 "building trees",
+                "computing checksums of a.fhs",
                 "writing a.fhs",
             ],
         ),

@@ -87,7 +87,7 @@ pub(super) struct TreeBuilder<'a> {
 }
 
 impl Watch for TreeBuilder<'_> {
-    /// Those of a group may be built twice, and are told of once.
+    /// A group's may be built twice, and are told of once.
     fn advance(&self, count: u64) {
         let less = |left: u64| Some(left.saturating_sub(count));
         let (Ok(left) | Err(left)) = self.left.fetch_update(Relaxed, Relaxed, less);
