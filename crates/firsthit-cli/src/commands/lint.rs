@@ -21,18 +21,8 @@ const PLACES_IN_TEXT: usize = 3;
 const PLACES_IN_JSON: usize = 100;
 
 pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
-    let outputs = args.output.as_slice();
-    if let Some(path) = &args.output {
-        let extension = path.extension().unwrap_or_default();
-        if !extension.eq_ignore_ascii_case("ply") {
-            return Err(Failure::usage("--output: the file must end in .ply"));
-        }
-        if args.files.len() > 1 {
-            return Err(Failure::usage("--output takes the findings of one file"));
-        }
-    }
     args.files.iter().for_each(|file| inputs::note(file));
-    output::check_files(outputs)?;
+    check_output(args)?;
     let settings = settings(args)?;
     with_count(args.threads, || {
         let (mut files, mut is_clean) = (Vec::new(), true);
@@ -82,6 +72,20 @@ pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
             None => Err(Failure::no()),
         }
     })
+}
+
+/// Refuses an output that cannot take the findings.
+fn check_output(args: &LintArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.output {
+        let extension = path.extension().unwrap_or_default();
+        if !extension.eq_ignore_ascii_case("ply") {
+            return Err(Failure::usage("--output: the file must end in .ply"));
+        }
+        if args.files.len() > 1 {
+            return Err(Failure::usage("--output takes the findings of one file"));
+        }
+    }
+    output::check_files(args.output.as_slice())
 }
 
 /// The names of the kinds that are looked for.

@@ -276,8 +276,7 @@ fn other_ball(place: impl Fn(DVec3) -> DVec3) -> Object {
 #[test]
 fn trees_that_are_fitted_are_told_of_with_those_that_are_built() {
     let scene = built(&()).unwrap();
-    let objects =
-        [|p: DVec3| 1.01 * p, |p: DVec3| p + 3.0 * DVec3::X].map(|place| other_ball(place));
+    let objects = [|p: DVec3| 1.01 * p, |p: DVec3| p + 3.0 * DVec3::X].map(other_ball);
     let change = |watch: &dyn Watch| scene.with_objects_watched(objects.to_vec(), watch);
     assert_eq!(steps(change), ["building trees"]);
 }
