@@ -120,7 +120,7 @@ pub trait Surface {
 /// Makes [`Shape`] and everything that depends on the list of shapes.
 macro_rules! shapes {
     ($($(#[$doc:meta])* $name:literal => $kind:ident($held:ty) from $type:ty;)*) => {
-        /// Any shape. Those larger than a sphere are in a box: there may be a million objects.
+        /// Any shape. Those larger than a box are behind a pointer: there may be a million objects.
         ///
         /// ```
         /// use firsthit::{DVec3, Shape, Sphere};
@@ -212,7 +212,7 @@ shapes! {
     /// A flat round disc.
     "disc" => Disc(Box<Disc>) from Disc;
     /// A box, its sides along the axes of object space.
-    "box" => Box(Box<Cuboid>) from Cuboid;
+    "box" => Box(Cuboid) from Cuboid;
     /// A cylinder with both lids.
     "cylinder" => Cylinder(Box<Cylinder>) from Cylinder;
     /// A cone, or a part of one, with its lids.

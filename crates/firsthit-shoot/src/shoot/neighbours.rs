@@ -330,7 +330,7 @@ impl Eight {
             // Flat shapes are never asked.
             Shape::Mesh(_) | Shape::Plane(_) | Shape::Disc(_) => return leaving,
             Shape::Sphere(sphere) => on!(sphere),
-            Shape::Box(cuboid) => on!(&**cuboid),
+            Shape::Box(cuboid) => on!(cuboid),
             Shape::Cylinder(cylinder) => on!(cylinder.cone()),
             Shape::Cone(cone) => on!(&**cone),
         };

@@ -174,7 +174,7 @@ impl ShapeHits {
             Shape::Sphere(sphere) => on!(sphere),
             Shape::Plane(plane) => on!(&**plane),
             Shape::Disc(disc) => on!(&**disc),
-            Shape::Box(cuboid) => on!(&**cuboid),
+            Shape::Box(cuboid) => on!(cuboid),
             Shape::Cylinder(cylinder) => on!(cylinder.cone()),
             Shape::Cone(cone) => on!(&**cone),
         })
