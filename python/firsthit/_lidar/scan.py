@@ -69,7 +69,7 @@ def settings_of(
     return _firsthit.ScanSettings(
         text("returns", returns),
         None if divergence is None else number("divergence", divergence),
-        count("subrays", subrays, 1),
+        count("subrays", subrays),
         number("range_gate", range_gate),
         None if max_returns is None else count("max_returns", max_returns, 1),
         (number("min_range", min_range), number("max_range", max_range)),
