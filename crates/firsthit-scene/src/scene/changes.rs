@@ -44,7 +44,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`move_objects`](Self::move_objects), and [`Error::Interrupted`]; then nothing has moved.
+    /// The errors of [`move_objects`](Self::move_objects), and [`Error::Interrupted`]; then nothing has moved.
     pub fn move_objects_watched(
         &mut self,
         places: &[(usize, Transform)],
@@ -96,7 +96,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of [`hide_objects`](Self::hide_objects), and [`Error::Interrupted`]; then nothing is hidden or shown.
+    /// The errors of [`hide_objects`](Self::hide_objects), and [`Error::Interrupted`]; then nothing is hidden or shown.
     pub fn hide_objects_watched(
         &mut self,
         objects: &[(usize, bool)],
