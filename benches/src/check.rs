@@ -41,28 +41,15 @@ impl<'a> Judge<'a> {
         let around = |object: &Object| {
             let bounds = object.mesh().map_or_else(
                 || object.bounds(),
-                |mesh| {
-                    mesh.bounds()
-                        .transformed(object.transform().world_from_object())
-                },
+                |mesh| mesh.bounds().transformed(object.transform().world_from_object()),
             );
             let margin = 1e-9 * bounds.low.abs().max(bounds.high.abs()).max_element();
-            Bounds {
-                low: bounds.low - margin,
-                high: bounds.high + margin,
-            }
+            Bounds { low: bounds.low - margin, high: bounds.high + margin }
         };
         let objects = scene.objects();
-        let boxes = if objects.len() > 1 {
-            objects.iter().map(around).collect()
-        } else {
-            Vec::new()
-        };
-        Self {
-            scene,
-            budget,
-            boxes,
-        }
+        let boxes =
+            if objects.len() > 1 { objects.iter().map(around).collect() } else { Vec::new() };
+        Self { scene, budget, boxes }
     }
 
     /// The first hit by brute force.
@@ -109,9 +96,8 @@ impl<'a> Judge<'a> {
     ) -> Checked {
         let mut checked = Checked::default();
         let mut disputed = Vec::new();
-        for (index, answers) in embree
-            .into_iter()
-            .flat_map(|a| (0..hits.len()).map(move |k| (k, a)))
+        for (index, answers) in
+            embree.into_iter().flat_map(|a| (0..hits.len()).map(move |k| (k, a)))
         {
             let hit = hits.get(index);
             match answers.hit(index) {
@@ -282,12 +268,7 @@ mod tests {
             let all = firsthit_side::judge_all(&scene, &ray);
             let found = judge.all_hits_of(&ray);
             assert_eq!(found.len(), all.len());
-            assert!(
-                found
-                    .iter()
-                    .enumerate()
-                    .all(|(k, hit)| equal(hit, &all.get(k)))
-            );
+            assert!(found.iter().enumerate().all(|(k, hit)| equal(hit, &all.get(k))));
         }
     }
 

@@ -91,12 +91,6 @@ pub(crate) fn judge(scene: &Scene, ray: &Ray) -> Hit {
 
 /// All hits by the judge.
 pub(crate) fn judge_all(scene: &Scene, ray: &Ray) -> Hits {
-    let all = trace_with(
-        &BruteForce,
-        scene,
-        std::slice::from_ref(ray),
-        All::default(),
-        &(),
-    );
+    let all = trace_with(&BruteForce, scene, std::slice::from_ref(ray), All::default(), &());
     all.expect(STOPPED).hits
 }

@@ -47,10 +47,7 @@ fn main() -> ExitCode {
 }
 
 /// Makes an instruction set the one that everything is shot with.
-#[expect(
-    unsafe_code,
-    reason = "the environment is changed before there are other threads"
-)]
+#[expect(unsafe_code, reason = "the environment is changed before there are other threads")]
 fn choose(set: InstructionSet) {
     // SAFETY: this is the only thread so far.
     unsafe { std::env::set_var("FIRSTHIT_ISA", set.name()) };
@@ -79,10 +76,7 @@ fn run(settings: &Settings) -> Result<bool, String> {
     let failed = |error: rayon::ThreadPoolBuildError| error.to_string();
     let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread();
     alone.build_global().map_err(failed)?;
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(2)
-        .build()
-        .map_err(failed)?;
+    let pool = ThreadPoolBuilder::new().num_threads(2).build().map_err(failed)?;
     if settings.pairs {
         return pairs::serve(settings).map(|()| true);
     }
@@ -90,17 +84,10 @@ fn run(settings: &Settings) -> Result<bool, String> {
     for name in settings.scenes()? {
         let scene = scenes::find(&name, &settings.folder)?;
         let trees = tree::measure(&scene, device.as_ref(), settings, &pool)?;
-        let tinybvh = tinybvh
-            .as_ref()
-            .and_then(|library| tinybvh::Tree::new(library, &trees.firsthit));
+        let tinybvh =
+            tinybvh.as_ref().and_then(|library| tinybvh::Tree::new(library, &trees.firsthit));
         report.tree(&scene, &trees);
-        rows::measure(
-            &scene,
-            (&trees, tinybvh.as_ref()),
-            settings,
-            &pool,
-            &mut report,
-        )?;
+        rows::measure(&scene, (&trees, tinybvh.as_ref()), settings, &pool, &mut report)?;
     }
     report.finish()
 }

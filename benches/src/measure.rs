@@ -15,10 +15,7 @@ pub(crate) struct Timing {
 impl Timing {
     fn of(mut times: Vec<f64>) -> Self {
         times.sort_by(f64::total_cmp);
-        Self {
-            min: times[0],
-            median: times[times.len() / 2],
-        }
+        Self { min: times[0], median: times[times.len() / 2] }
     }
 }
 

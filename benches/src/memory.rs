@@ -1,8 +1,5 @@
 //! An allocator that counts the bytes which this program holds.
-#![expect(
-    unsafe_code,
-    reason = "an allocator that counts, and leaves the work to the system's"
-)]
+#![expect(unsafe_code, reason = "an allocator that counts, and leaves the work to the system's")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicIsize, Ordering};

@@ -22,9 +22,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
         let scene = scenes::find(&name, &settings.folder)?;
         let built = firsthit_side::build(&scene.objects)?;
         let mut build = || drop(black_box(firsthit_side::build(&scene.objects)));
-        client
-            .time(&name, "build", scene.model.triangles(), &mut build)
-            .map_err(failed)?;
+        client.time(&name, "build", scene.model.triangles(), &mut build).map_err(failed)?;
         let shots = Shots::new(&built, &scene.look, settings.side)?;
         let (mut hits, mut all) = (Hits::default(), AllHits::default());
         for row in settings.rows() {
@@ -38,9 +36,7 @@ pub(crate) fn serve(settings: &Settings) -> Result<(), String> {
                 Shot::All(rays) => firsthit_side::all_hits(&built, rays, &mut all),
                 Shot::Picture(picture) => drop(black_box(picture.render())),
             };
-            client
-                .time(&name, &row.name(), shot.count(), &mut shoot)
-                .map_err(failed)?;
+            client.time(&name, &row.name(), shot.count(), &mut shoot).map_err(failed)?;
         }
     }
     Ok(())

@@ -27,9 +27,7 @@ impl Picture {
     /// A picture whose colours are means over four points, without light.
     pub(crate) fn antialiased(scene: &Scene, camera: &Camera) -> Self {
         let points = (0..camera.pixels()).flat_map(|pixel| (0..SAMPLES).map(move |k| (pixel, k)));
-        let rays: Vec<Ray> = points
-            .map(|(pixel, k)| Sample::new(camera, k).ray(pixel))
-            .collect();
+        let rays: Vec<Ray> = points.map(|(pixel, k)| Sample::new(camera, k).ray(pixel)).collect();
         Self {
             scene: scene.clone(),
             camera: *camera,
@@ -67,10 +65,7 @@ impl Picture {
     }
 
     fn shading(&self) -> Shading<'_> {
-        Shading {
-            background: Background::default(),
-            ..self.shader.clone().on(&self.scene)
-        }
+        Shading { background: Background::default(), ..self.shader.clone().on(&self.scene) }
     }
 
     /// The colours of all pixels, three numbers each.

@@ -53,12 +53,8 @@ scene      row           rays firsthit (median) |     1    16 16coh | 1 rob 16ro
 
 impl<'a> Report<'a> {
     pub(crate) fn new(settings: &'a Settings, device: Option<&Device<'_>>) -> Self {
-        let mut report = Self {
-            settings,
-            text: String::new(),
-            rows: Vec::new(),
-            counted: Vec::new(),
-        };
+        let mut report =
+            Self { settings, text: String::new(), rows: Vec::new(), counted: Vec::new() };
         report.line(&machine());
         let set = settings.instruction_set();
         report.line(&format!(
@@ -73,9 +69,7 @@ impl<'a> Report<'a> {
             Some(device) => format!(
                 "Embree {}{}, packets of {}, one thread, medium quality",
                 device.version(),
-                settings
-                    .embree_isa()
-                    .map_or_else(String::new, |isa| format!(", isa={isa}")),
+                settings.embree_isa().map_or_else(String::new, |isa| format!(", isa={isa}")),
                 device.width()
             ),
             None => "Embree is not there (--embree): firsthit alone".into(),
@@ -137,29 +131,14 @@ impl<'a> Report<'a> {
             checked.largest_difference
         );
         if let Some(tinybvh) = measured.tinybvh {
-            let Beside {
-                nanoseconds,
-                ratio,
-                other,
-            } = tinybvh;
-            let _ = write!(
-                line,
-                "  tinybvh {nanoseconds:.1} (x {ratio:.2}, {other} other)"
-            );
+            let Beside { nanoseconds, ratio, other } = tinybvh;
+            let _ = write!(line, "  tinybvh {nanoseconds:.1} (x {ratio:.2}, {other} other)");
         }
         if let Some(visits) = measured.visits {
             let name = format!("{scene} {}", measured.row.name());
             self.counted.push((name, (visits, min)));
-            let Visits {
-                nodes,
-                leaves,
-                hits,
-                ..
-            } = visits;
-            let _ = write!(
-                line,
-                "  {nodes:.2} nodes, {leaves:.2} leaves, {hits:.2} hits a ray"
-            );
+            let Visits { nodes, leaves, hits, .. } = visits;
+            let _ = write!(line, "  {nodes:.2} nodes, {leaves:.2} leaves, {hits:.2} hits a ray");
         }
         self.line(&line);
         self.rows.push(measured);
@@ -189,11 +168,8 @@ impl<'a> Report<'a> {
                 }
             });
             let speedup = mean(&|m| m.speedup);
-            let line = format!(
-                "{:12} {ours:8.2} ns       |{} {speedup:5.2}",
-                row.name(),
-                ratios(all)
-            );
+            let line =
+                format!("{:12} {ours:8.2} ns       |{} {speedup:5.2}", row.name(), ratios(all));
             let beside: Option<Vec<f64>> = rows.iter().map(|m| Some(m.tinybvh?.ratio)).collect();
             let beside = beside.map(|all| format!("  tinybvh x {:.2}", geometric_mean(&all)));
             self.line(&(line + &beside.unwrap_or_default()));
@@ -221,10 +197,8 @@ impl<'a> Report<'a> {
             "\nbounce and random, ns a ray = {ray:.1} + {node:.1} nodes + {leaf:.1} leaves + {hit:.1} hits; beyond that, rows took"
         ));
         let names = self.counted.iter().map(|(name, _)| name);
-        let named: Vec<String> = names
-            .zip(off)
-            .map(|(name, off)| format!("{name} {off:+.1}"))
-            .collect();
+        let named: Vec<String> =
+            names.zip(off).map(|(name, off)| format!("{name} {off:+.1}")).collect();
         self.line(&named.join(", "));
     }
 
@@ -270,12 +244,9 @@ fn ratios(ratios: Option<Ratios>) -> String {
 /// The processor and how many there are.
 fn machine() -> String {
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let models = info
-        .lines()
-        .filter_map(|line| line.strip_prefix("model name"));
-    let models: Vec<&str> = models
-        .map(|model| model.trim_start_matches([' ', '\t', ':']))
-        .collect();
+    let models = info.lines().filter_map(|line| line.strip_prefix("model name"));
+    let models: Vec<&str> =
+        models.map(|model| model.trim_start_matches([' ', '\t', ':'])).collect();
     match models.first() {
         Some(model) => format!("{model}, {} processors", models.len()),
         None => format!("{} processor", std::env::consts::ARCH),
@@ -284,10 +255,7 @@ fn machine() -> String {
 
 /// The commit that is built, if git knows it.
 fn commit() -> Option<String> {
-    let git = Command::new("git")
-        .args(["describe", "--always", "--dirty"])
-        .output()
-        .ok()?;
+    let git = Command::new("git").args(["describe", "--always", "--dirty"]).output().ok()?;
     let name = String::from_utf8(git.stdout).ok()?.trim().to_owned();
     (git.status.success() && !name.is_empty()).then_some(name)
 }

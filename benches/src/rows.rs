@@ -101,13 +101,7 @@ pub(crate) struct Shots<'a> {
 impl<'a> Shots<'a> {
     pub(crate) fn new(scene: &'a Scene, look: &'a Look, side: usize) -> Result<Self, String> {
         let camera = look.camera(false, side)?;
-        Ok(Self {
-            scene,
-            look,
-            side,
-            surface: Surface::seen(scene, &camera),
-            camera,
-        })
+        Ok(Self { scene, look, side, surface: Surface::seen(scene, &camera), camera })
     }
 
     /// The rays of a row.
@@ -130,12 +124,7 @@ impl<'a> Shots<'a> {
             Row::Shaded => {
                 let shadows = self.surface.to_light(self.look.light);
                 let light = self.look.light;
-                Shot::Picture(Box::new(Picture::shaded(
-                    self.scene,
-                    &self.camera,
-                    light,
-                    &shadows,
-                )))
+                Shot::Picture(Box::new(Picture::shaded(self.scene, &self.camera, light, &shadows)))
             }
         })
     }

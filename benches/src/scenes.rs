@@ -38,9 +38,7 @@ pub(crate) fn all(folder: &Path) -> Result<Vec<String>, String> {
         let path = entry.map_err(|error| error.to_string())?.path();
         let is_look = path.extension().is_some_and(|extension| extension == "cam");
         if let Some(file) = file_beside(&path).filter(|_| is_look) {
-            let size = fs::metadata(&file)
-                .map_err(|error| error.to_string())?
-                .len();
+            let size = fs::metadata(&file).map_err(|error| error.to_string())?.len();
             let name = path.file_stem().unwrap_or_default().to_string_lossy();
             found.push((size, name.into_owned()));
         }
@@ -59,27 +57,16 @@ pub(crate) fn find(name: &str, folder: &Path) -> Result<BenchScene, String> {
     let (objects, look) = if let Some(scene) = file_beside(&file).filter(|_| file.is_file()) {
         let text = fs::read_to_string(&file).map_err(|error| error.to_string())?;
         let look = look::parse(&text).ok_or_else(|| {
-            format!(
-                "{}: expected four lines of 3 numbers and one more of 3",
-                file.display()
-            )
+            format!("{}: expected four lines of 3 numbers and one more of 3", file.display())
         })?;
         (firsthit_side::load(&scene)?, look)
     } else {
         built_in::make(name).ok_or_else(|| {
             let known = built_in::NAMES.join(", ");
-            format!(
-                "no scene {name}: neither {} nor one of {known}",
-                file.display()
-            )
+            format!("no scene {name}: neither {} nor one of {known}", file.display())
         })?
     };
-    Ok(BenchScene {
-        name: name.into(),
-        model: Model::new(&objects)?,
-        objects,
-        look,
-    })
+    Ok(BenchScene { name: name.into(), model: Model::new(&objects)?, objects, look })
 }
 
 #[cfg(test)]

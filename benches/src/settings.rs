@@ -55,8 +55,7 @@ fn side(text: &str) -> Result<usize, String> {
 }
 
 fn set(name: &str) -> Result<InstructionSet, String> {
-    name.parse()
-        .map_err(|error: firsthit::Error| error.to_string())
+    name.parse().map_err(|error: firsthit::Error| error.to_string())
 }
 
 impl Settings {
@@ -76,11 +75,7 @@ impl Settings {
 
     /// The names of the scenes to measure.
     pub(crate) fn scenes(&self) -> Result<Vec<String>, String> {
-        if self.scenes.is_empty() {
-            scenes::all(&self.folder)
-        } else {
-            Ok(self.scenes.clone())
-        }
+        if self.scenes.is_empty() { scenes::all(&self.folder) } else { Ok(self.scenes.clone()) }
     }
 
     /// The command that measures the same again.
@@ -105,10 +100,6 @@ impl Settings {
 
     /// The rows to measure.
     pub(crate) fn rows(&self) -> &[Row] {
-        if self.rows.is_empty() {
-            Row::ALL
-        } else {
-            &self.rows
-        }
+        if self.rows.is_empty() { Row::ALL } else { &self.rows }
     }
 }

@@ -1,8 +1,5 @@
 //! tinybvh's `BVH8_CPU`, opened at run time as `benches/tinybvh.cpp` is compiled: arrays of rays at scenes of one mesh, one by one.
-#![expect(
-    unsafe_code,
-    reason = "tinybvh is a C++ library; every block says what it rests on"
-)]
+#![expect(unsafe_code, reason = "tinybvh is a C++ library; every block says what it rests on")]
 
 use std::cell::RefCell;
 use std::ffi::c_void;
@@ -96,11 +93,7 @@ impl<'a> Tree<'a> {
         let corners: Vec<_> = mesh.triangles().iter().flatten().map(corner).collect();
         // SAFETY: there are three corners for each triangle, and they live as long as the tree.
         let handle = unsafe { (library.build)(corners.as_ptr(), corners.len() as u32 / 3) };
-        Some(Self {
-            library,
-            handle,
-            _corners: corners,
-        })
+        Some(Self { library, handle, _corners: corners })
     }
 
     /// The rays of a row, where they are an array and one hit is asked for.

@@ -86,13 +86,7 @@ pub(crate) fn measure<'a>(
                 None
             };
             let bytes = plain.bytes as f64 / triangles as f64;
-            Some(EmbreeTrees {
-                plain,
-                robust,
-                gathering,
-                build: times[1],
-                bytes,
-            })
+            Some(EmbreeTrees { plain, robust, gathering, build: times[1], bytes })
         }
     };
     Ok(Trees {

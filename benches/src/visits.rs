@@ -48,10 +48,7 @@ impl Tree {
         if !object.transform().is_identity() {
             return None;
         }
-        let world = World {
-            objects: scene.objects().to_vec(),
-            ..World::default()
-        };
+        let world = World { objects: scene.objects().to_vec(), ..World::default() };
         let file = fhs::encode(scene, &world, &()).ok()?;
         assert_eq!(word(&file, 8), VERSION, "docs/fhs.md has changed");
         let sections = long(&file, 24);
@@ -68,21 +65,13 @@ impl Tree {
             let of = |plane: usize| (0..LANES).map(move |lane| plane * LANES + lane);
             let low = of(2 * axis).map(|k| number(nodes.first(), k));
             let high = of(2 * axis + 1).map(|k| number(nodes.first(), k));
-            (
-                low.fold(f64::INFINITY, f64::min),
-                high.fold(f64::NEG_INFINITY, f64::max),
-            )
+            (low.fold(f64::INFINITY, f64::min), high.fold(f64::NEG_INFINITY, f64::max))
         };
         let [x, y, z] = [0, 1, 2].map(ends);
         let (low, high) = (DVec3::new(x.0, y.0, z.0), DVec3::new(x.1, y.1, z.1));
         let ratio = (high - low).max_element() / bounds.size().max_element();
         let scale = libm::exp2(libm::log2(ratio).round());
-        Some(Self {
-            nodes,
-            leaves,
-            origin: bounds.centre() - 0.5 / scale * (low + high),
-            scale,
-        })
+        Some(Self { nodes, leaves, origin: bounds.centre() - 0.5 / scale * (low + high), scale })
     }
 
     /// Counts the visits of the first hits of a sample of `rays`.
@@ -157,11 +146,7 @@ fn meet([a, b, c]: [DVec3; 3], direction: DVec3, limit: f64) -> f64 {
     let is_met = volumes.iter().all(|&v| v >= 0.0) || volumes.iter().all(|&v| v <= 0.0);
     let normal = (b - a).cross(c - a);
     let t = a.dot(normal) / direction.dot(normal);
-    if is_met && t >= 0.0 && t < limit {
-        t
-    } else {
-        limit
-    }
+    if is_met && t >= 0.0 && t < limit { t } else { limit }
 }
 
 fn word(bytes: &[u8], at: usize) -> u32 {
@@ -174,9 +159,7 @@ fn long(bytes: &[u8], at: usize) -> usize {
 
 /// The float32 in place `index` of a node or leaf.
 fn number<const N: usize>(bytes: Option<&[u8; N]>, index: usize) -> f64 {
-    bytes.map_or(f64::NAN, |bytes| {
-        f64::from(f32::from_bits(word(bytes, 4 * index)))
-    })
+    bytes.map_or(f64::NAN, |bytes| f64::from(f32::from_bits(word(bytes, 4 * index))))
 }
 
 /// The costs of a ray, a node, a leaf and a hit: the least squares over visits and times of rows
@@ -203,16 +186,13 @@ pub(crate) fn fit(rows: &[(Visits, f64)]) -> Option<([f64; 4], Vec<f64>)> {
         let pivot = (column..4).max_by(|a, b| size(a).total_cmp(&size(b)))?;
         system.swap(column, pivot);
         let row = system[column].map(|x| x / system[column][column]);
-        system = std::array::from_fn(|k| {
-            let factor = if k == column { 0.0 } else { system[k][column] };
-            std::array::from_fn(|j| {
-                if k == column {
-                    row[j]
-                } else {
-                    system[k][j] - factor * row[j]
-                }
-            })
-        });
+        system =
+            std::array::from_fn(|k| {
+                let factor = if k == column { 0.0 } else { system[k][column] };
+                std::array::from_fn(|j| {
+                    if k == column { row[j] } else { system[k][j] - factor * row[j] }
+                })
+            });
     }
     let costs = system.map(|equation| equation[4]);
     let off = |(visits, time): &(Visits, f64)| {
@@ -220,10 +200,7 @@ pub(crate) fn fit(rows: &[(Visits, f64)]) -> Option<([f64; 4], Vec<f64>)> {
         time - sum
     };
     let off = rows.iter().map(off).collect();
-    costs
-        .iter()
-        .all(|cost| cost.is_finite())
-        .then_some((costs, off))
+    costs.iter().all(|cost| cost.is_finite()).then_some((costs, off))
 }
 
 #[cfg(test)]
@@ -242,20 +219,14 @@ mod tests {
             bytes: 1000,
         };
         let time = |v: Visits| 20.0 + 19.0 * v.nodes + 39.0 * v.leaves + 68.0 * v.hits;
-        let rows: Vec<_> = (0..6)
-            .map(|k| row(f64::from(k)))
-            .map(|v| (v, time(v)))
-            .collect();
+        let rows: Vec<_> = (0..6).map(|k| row(f64::from(k))).map(|v| (v, time(v))).collect();
         let (costs, off) = fit(&rows).unwrap();
         assert!(off.iter().all(|off| off.abs() < 1e-6), "{off:?}");
         for (cost, expected) in costs.iter().zip([20.0, 19.0, 39.0, 68.0]) {
             assert!((cost - expected).abs() < 1e-6, "{costs:?}");
         }
         assert!(fit(&rows[..4]).is_none());
-        let large = Visits {
-            bytes: 1 << 30,
-            ..row(2.0)
-        };
+        let large = Visits { bytes: 1 << 30, ..row(2.0) };
         let with_large = [&*rows, &[(large, time(large) + 50.0)]].concat();
         let (again, off) = fit(&with_large).unwrap();
         assert_eq!(again, costs);

@@ -3,7 +3,8 @@
 
 use firsthit_fuzz::Folder;
 
-const MESH: &[u8] = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+const MESH: &[u8] =
+    b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
     property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
     0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 

@@ -34,8 +34,7 @@ impl Rays for RaySlices<'_> {
             DVec3::from(*of(self.origins, index)),
             DVec3::from(*of(self.directions, index)),
         );
-        ray.beyond(*of(self.t_min, index))
-            .up_to(*of(self.t_max, index))
+        ray.beyond(*of(self.t_min, index)).up_to(*of(self.t_max, index))
     }
 
     fn is_filtered(&self) -> bool {
@@ -100,12 +99,8 @@ impl RayArrays<'_> {
             t_max: self.3.as_slice()?,
             filters: filters.transpose()?,
         };
-        let counts = [
-            rays.origins.len(),
-            rays.directions.len(),
-            rays.t_min.len(),
-            rays.t_max.len(),
-        ];
+        let counts =
+            [rays.origins.len(), rays.directions.len(), rays.t_min.len(), rays.t_max.len()];
         if counts.iter().all(|&each| each == count || each == 1) {
             Ok(rays)
         } else {

@@ -47,11 +47,7 @@ impl PropertyIn<'_> {
             name,
             of: of_named(&of)?,
             components,
-            between: if is_of_nearest {
-                Between::NearestCorner
-            } else {
-                Between::Interpolated
-            },
+            between: if is_of_nearest { Between::NearestCorner } else { Between::Interpolated },
             values: match values {
                 ValuesIn::Single(values) => {
                     let values = values.as_slice()?;
@@ -76,13 +72,7 @@ pub(crate) fn property_out<'py>(py: Python<'py>, property: &Property) -> Outcome
     };
     let is_of_nearest = property.between == Between::NearestCorner;
     let of = name_of(property.of);
-    Ok((
-        of,
-        property.name.clone(),
-        property.components,
-        is_of_nearest,
-        values,
-    ))
+    Ok((of, property.name.clone(), property.components, is_of_nearest, values))
 }
 
 /// An attribute at hits: how many numbers each has, and the numbers, flat.

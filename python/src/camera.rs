@@ -47,11 +47,7 @@ impl Camera {
         parameters: Vec<(String, f64)>,
         is_exact: bool,
     ) -> Outcome<Self> {
-        let make = if is_exact {
-            firsthit::Camera::from_view_exact
-        } else {
-            firsthit::Camera::new
-        };
+        let make = if is_exact { firsthit::Camera::from_view_exact } else { firsthit::Camera::new };
         let camera = make(View {
             position: DVec3::from(position),
             aim: DVec3::from(aim),
@@ -213,11 +209,7 @@ impl Camera {
         columns: Option<usize>,
     ) -> Outcome<Self> {
         let view = view.parse()?;
-        let sized = Description {
-            rows,
-            columns,
-            ..Description::default()
-        };
+        let sized = Description { rows, columns, ..Description::default() };
         let up = DVec3::from(up);
         run(py, 0, |_| framing_camera(&scene.0, up, view, sized.size())).map(Self)
     }
@@ -237,12 +229,7 @@ impl Camera {
     /// Position, aim, right, upwards.
     fn frame(&self) -> CameraFrame {
         let Self(camera) = self;
-        let vectors = [
-            camera.position(),
-            camera.aim(),
-            camera.right(),
-            camera.upwards(),
-        ];
+        let vectors = [camera.position(), camera.aim(), camera.right(), camera.upwards()];
         let [position, aim, right, upwards] = vectors.map(|vector| vector.to_array());
         (position, aim, right, upwards)
     }
@@ -298,14 +285,9 @@ pub(crate) fn rays_of_rows<'py>(
 ) -> Outcome<RayArraysOut<'py>> {
     let [all_rows, columns] = sensor.shape();
     let last_row = rows.1.min(all_rows);
-    let (first, last) = (
-        rows.0.saturating_mul(columns),
-        last_row.saturating_mul(columns),
-    );
+    let (first, last) = (rows.0.saturating_mul(columns), last_row.saturating_mul(columns));
     let sample = Sample::new(sensor, sample);
-    ray_arrays(py, last.saturating_sub(first), |index| {
-        sample.ray(first + index)
-    })
+    ray_arrays(py, last.saturating_sub(first), |index| sample.ray(first + index))
 }
 
 /// `range` or `z` of the hits at `t` of some pixels of a sensor.
@@ -322,10 +304,7 @@ pub(crate) fn distances_of<'py>(
         let [range, z] = sensor.range_and_z(pixel, t);
         if is_range { range } else { z }
     };
-    Ok(PyArray1::from_vec(
-        py,
-        pixels.zip(t).map(distance).collect(),
-    ))
+    Ok(PyArray1::from_vec(py, pixels.zip(t).map(distance).collect()))
 }
 
 /// Checks the numbers of pixels against a sensor of `count` pixels.
@@ -389,9 +368,8 @@ fn lens_in(
     parameters: &[(String, f64)],
 ) -> firsthit::Result<Lens> {
     let parameters = parameters.iter();
-    let parameters: Vec<(&str, f64)> = parameters
-        .map(|(name, value)| (name.as_str(), *value))
-        .collect();
+    let parameters: Vec<(&str, f64)> =
+        parameters.map(|(name, value)| (name.as_str(), *value)).collect();
     let mut lens = Lens::named(projection.parse()?, &parameters)?;
     let start: RayStart = ray_start.parse()?;
     if let Lens::Flat(viewplane) = &mut lens {
@@ -421,22 +399,10 @@ pub(crate) fn orthonormalised(pose: [[f64; 4]; 4]) -> Option<([[f64; 4]; 4], f64
 }
 
 /// Position, aim and up; rows and columns; projection and ray start; the lens' numbers by their names.
-pub(crate) type ViewOut = (
-    [[f64; 3]; 3],
-    [usize; 2],
-    [&'static str; 2],
-    Vec<(&'static str, f64)>,
-);
+pub(crate) type ViewOut = ([[f64; 3]; 3], [usize; 2], [&'static str; 2], Vec<(&'static str, f64)>);
 
 pub(crate) fn view_out(view: &View) -> ViewOut {
-    let &View {
-        position,
-        aim,
-        up,
-        rows,
-        columns,
-        lens,
-    } = view;
+    let &View { position, aim, up, rows, columns, lens } = view;
     let viewplane = lens.viewplane();
     let ray_start = viewplane.map_or(RayStart::Eye, |viewplane| viewplane.ray_start);
     (

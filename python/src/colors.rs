@@ -33,14 +33,7 @@ pub(crate) fn coloring_in(colors: &ColorsIn) -> firsthit::Result<Coloring> {
         None => ColorBy::Values(values.as_slice().into()),
     };
     let [below, above, missing] = outside.map(|color| color.map(Into::into));
-    Ok(Coloring {
-        by,
-        map: map.parse()?,
-        range: range.map(Into::into),
-        below,
-        above,
-        missing,
-    })
+    Ok(Coloring { by, map: map.parse()?, range: range.map(Into::into), below, above, missing })
 }
 
 pub(crate) fn coloring_out(coloring: &Coloring) -> ColorsOut {
@@ -50,13 +43,7 @@ pub(crate) fn coloring_out(coloring: &Coloring) -> ColorsOut {
     };
     let [below, above, missing] =
         [coloring.below, coloring.above, coloring.missing].map(|color| color.map(Into::into));
-    (
-        by,
-        values,
-        coloring.map.name(),
-        coloring.range.map(Into::into),
-        (below, above, missing),
-    )
+    (by, values, coloring.map.name(), coloring.range.map(Into::into), (below, above, missing))
 }
 
 /// The words for what gives numbers, beside `attribute:NAME`, and the names of the maps.

@@ -36,10 +36,7 @@ pub(crate) fn edges_out(edges: &Edges) -> EdgesOut {
 /// and gaps then.
 #[pyfunction]
 pub(crate) fn edge_defaults() -> (Vec<&'static str>, EdgesOut) {
-    let usual = Edges {
-        hidden: Some(Dash::default()),
-        ..Edges::default()
-    };
+    let usual = Edges { hidden: Some(Dash::default()), ..Edges::default() };
     (EdgeKind::NAMES.to_vec(), edges_out(&usual))
 }
 

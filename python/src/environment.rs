@@ -29,9 +29,7 @@ impl EnvironmentMap {
         };
         let numbers = texels.as_slice()?;
         let texels = copied(numbers.as_chunks().0)?;
-        let made = run(py, 0, |_| {
-            firsthit::scene::EnvironmentMap::new(columns, rows, texels)
-        });
+        let made = run(py, 0, |_| firsthit::scene::EnvironmentMap::new(columns, rows, texels));
         Ok(Self(Arc::new(made?)))
     }
 
@@ -43,11 +41,7 @@ impl EnvironmentMap {
         max_memory: u64,
         max_texture: u32,
     ) -> Outcome<(Self, Vec<String>)> {
-        let settings = LoadSettings {
-            max_memory,
-            max_texture,
-            ..LoadSettings::default()
-        };
+        let settings = LoadSettings { max_memory, max_texture, ..LoadSettings::default() };
         let (map, warnings) = run(py, 0, |_| load_environment(&path, &settings))?;
         Ok((Self(Arc::new(map)), warnings))
     }
@@ -117,19 +111,16 @@ fn kind(
         ("hemispheres", &[above, below], [], None) => {
             EnvironmentKind::Hemispheres { above, below, up }
         }
-        ("gradient", &[horizon, zenith], [], None) => EnvironmentKind::Gradient {
-            horizon,
-            zenith,
-            up,
-        },
+        ("gradient", &[horizon, zenith], [], None) => {
+            EnvironmentKind::Gradient { horizon, zenith, up }
+        }
         ("map", axis, &[degrees], Some(map)) => {
             let axis = axis.first().copied().unwrap_or(up);
             EnvironmentKind::of_map(map, up, &rotation(axis, degrees))
         }
-        ("placed", &[x, y, z], [], Some(map)) => EnvironmentKind::Map {
-            map,
-            world_from_map: DMat3::from_cols(x, y, z),
-        },
+        ("placed", &[x, y, z], [], Some(map)) => {
+            EnvironmentKind::Map { map, world_from_map: DMat3::from_cols(x, y, z) }
+        }
         ("daylight", &[ground], &[elevation, azimuth, turbidity], None) => {
             let day = Daylight::new(up, elevation, azimuth, turbidity, ground)?;
             EnvironmentKind::Daylight(day)
@@ -149,15 +140,10 @@ pub(crate) fn environment_out(environment: &firsthit::scene::Environment) -> Env
         EnvironmentKind::Hemispheres { above, below, up } => {
             ("hemispheres", triples(&[*above, *below]), Some(*up))
         }
-        EnvironmentKind::Gradient {
-            horizon,
-            zenith,
-            up,
-        } => ("gradient", triples(&[*horizon, *zenith]), Some(*up)),
-        EnvironmentKind::Map {
-            map,
-            world_from_map,
-        } => {
+        EnvironmentKind::Gradient { horizon, zenith, up } => {
+            ("gradient", triples(&[*horizon, *zenith]), Some(*up))
+        }
+        EnvironmentKind::Map { map, world_from_map } => {
             held = Some(EnvironmentMap(Arc::clone(map)));
             let columns = [0, 1, 2].map(|axis| world_from_map.col(axis));
             ("placed", triples(&columns), None)

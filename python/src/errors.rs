@@ -80,11 +80,9 @@ pub(crate) fn of_file(
     (path, place): (&Path, String),
     message: String,
 ) -> PyErr {
-    let made = py.import("firsthit._base.errors").and_then(|module| {
-        module
-            .getattr(class)?
-            .call1((message, path.to_string_lossy(), place))
-    });
+    let made = py
+        .import("firsthit._base.errors")
+        .and_then(|module| module.getattr(class)?.call1((message, path.to_string_lossy(), place)));
     made.map_or_else(|error| error, PyErr::from_value)
 }
 

@@ -17,12 +17,7 @@ use crate::scene::Scene;
 
 /// The ray through a pixel: the camera, the row and the column, `t_min` and `t_max`, and what the ray does not meet.
 #[derive(FromPyObject)]
-pub(crate) struct PixelIn<'py>(
-    PyRef<'py, Camera>,
-    [usize; 2],
-    [f64; 2],
-    Option<FilterArrays<'py>>,
-);
+pub(crate) struct PixelIn<'py>(PyRef<'py, Camera>, [usize; 2], [f64; 2], Option<FilterArrays<'py>>);
 
 /// The pixel or the ray that is explained.
 #[derive(FromPyObject)]
@@ -49,18 +44,11 @@ pub(crate) fn explain<'py>(
     among: Option<Vec<usize>>,
     behind: usize,
 ) -> Outcome<(String, String)> {
-    let mut settings = ExplainSettings {
-        among,
-        behind,
-        ..ExplainSettings::default()
-    };
+    let mut settings = ExplainSettings { among, behind, ..ExplainSettings::default() };
     let scene = &scene.0;
     let told = |explanation: &Explanation<'_>| {
         let json = firsthit_cli::explanation::json(explanation);
-        (
-            firsthit_cli::explanation::text(explanation, false),
-            json.to_string(),
-        )
+        (firsthit_cli::explanation::text(explanation, false), json.to_string())
     };
     match explained {
         Explained::Pixel(PixelIn(camera, pixel, [t_min, t_max], filters)) => {
@@ -69,11 +57,7 @@ pub(crate) fn explain<'py>(
                 settings.filter = filters.filters(1)?.filter(0);
             }
             let camera = camera.0;
-            run(py, 1, |stop| {
-                Ok(told(&explain_pixel(
-                    scene, &camera, pixel, &settings, stop,
-                )?))
-            })
+            run(py, 1, |stop| Ok(told(&explain_pixel(scene, &camera, pixel, &settings, stop)?)))
         }
         Explained::Ray(rays) => {
             let ray = {
@@ -81,9 +65,7 @@ pub(crate) fn explain<'py>(
                 settings.filter = rays.filter(0);
                 rays.ray(0)
             };
-            run(py, 1, |stop| {
-                Ok(told(&explain_ray(scene, &ray, &settings, stop)?))
-            })
+            run(py, 1, |stop| Ok(told(&explain_ray(scene, &ray, &settings, stop)?)))
         }
     }
 }

@@ -48,10 +48,7 @@ impl FilterArrays<'_> {
     /// The filters of `count` rays.
     pub(crate) fn filters(&self, count: usize) -> Outcome<Filters<'_>> {
         let Self(masks, cull, skip, left, only) = self;
-        let masks = masks
-            .as_ref()
-            .map(|masks| slice(masks, count))
-            .transpose()?;
+        let masks = masks.as_ref().map(|masks| slice(masks, count)).transpose()?;
         let skip = skip.as_ref();
         let skip = skip.map(|(object, primitive)| identifiers(object, primitive, count));
         let left = left.as_ref().map(|(object, primitive, weights, sides)| {
@@ -115,11 +112,7 @@ impl Filters<'_> {
                 -1 => Some(Side::Back),
                 _ => None,
             };
-            Some(Departure {
-                surface,
-                barycentric,
-                side,
-            })
+            Some(Departure { surface, barycentric, side })
         });
         RayFilter {
             mask: self.masks.map_or(u32::MAX, |masks| *of(masks, index)),

@@ -30,10 +30,7 @@ pub(crate) struct DisplayIn(f64, String);
 impl DisplayIn {
     pub(crate) fn transform(&self) -> firsthit::Result<DisplayTransform> {
         let Self(exposure, tone_map) = self;
-        Ok(DisplayTransform {
-            exposure: *exposure,
-            tone_map: tone_map.parse()?,
-        })
+        Ok(DisplayTransform { exposure: *exposure, tone_map: tone_map.parse()? })
     }
 }
 
@@ -108,10 +105,8 @@ impl PictureIn {
             cull: cull.as_deref().and_then(Side::from_name),
             edges,
             // A picture with a noise is a whole one, and has no region.
-            region: (noise.is_none() || !is_whole).then_some(Region {
-                rows: top..bottom,
-                columns: left..right,
-            }),
+            region: (noise.is_none() || !is_whole)
+                .then_some(Region { rows: top..bottom, columns: left..right }),
             ..Picture::new(&resolved.scene, sensor, &shade, &kinds)
         };
         run_reported(py, *threads, report.as_ref(), |stop| work(&picture, stop))
@@ -275,9 +270,7 @@ pub(crate) fn origin(
     let kinds = references(&kinds);
     let sensor = camera.as_ref().map(|camera| camera.sensor() as &dyn Sensor);
     // The fingerprint takes long the first time.
-    let origin = run(py, 0, |_| {
-        Ok(firsthit::render::origin(&scene.0, sensor, None, &kinds))
-    })?;
+    let origin = run(py, 0, |_| Ok(firsthit::render::origin(&scene.0, sensor, None, &kinds)))?;
     Ok(serde_json::to_string(&origin)?)
 }
 
@@ -301,11 +294,8 @@ fn frame(
         // Colours with a fourth number say so by how many there are.
         let elements: usize = frame.shape().iter().product();
         let is_transparent = kind.needs_shade() && elements > 0 && data.len() == 4 * elements;
-        let mut channel = if is_transparent {
-            kind.transparent_channel(data)
-        } else {
-            kind.channel(data)
-        };
+        let mut channel =
+            if is_transparent { kind.transparent_channel(data) } else { kind.channel(data) };
         if kind.components == 0 || kind.matte().is_some() {
             let components = channel.data.len().checked_div(elements);
             channel.components = components.unwrap_or(1).max(1);
@@ -316,20 +306,18 @@ fn frame(
 }
 
 pub(crate) fn data(array: &Bound<'_, PyAny>) -> Outcome<Data> {
-    Ok(
-        if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f64>>() {
-            Data::Float64(copied(values.as_slice()?)?)
-        } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f32>>() {
-            Data::Float32(copied(values.as_slice()?)?)
-        } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, i32>>() {
-            Data::Int32(copied(values.as_slice()?)?)
-        } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, bool>>() {
-            Data::Bool(copied(values.as_slice()?)?)
-        } else {
-            let what = "expected a flat array of float64, float32, int32 or bool";
-            return Err(PyTypeError::new_err(what).into());
-        },
-    )
+    Ok(if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f64>>() {
+        Data::Float64(copied(values.as_slice()?)?)
+    } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, f32>>() {
+        Data::Float32(copied(values.as_slice()?)?)
+    } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, i32>>() {
+        Data::Int32(copied(values.as_slice()?)?)
+    } else if let Ok(values) = array.extract::<PyReadonlyArray1<'_, bool>>() {
+        Data::Bool(copied(values.as_slice()?)?)
+    } else {
+        let what = "expected a flat array of float64, float32, int32 or bool";
+        return Err(PyTypeError::new_err(what).into());
+    })
 }
 
 /// The storage of numbers: the step of distances in PNGs, what becomes of those beyond, whether
@@ -358,17 +346,13 @@ pub(crate) fn write(
         compress,
         display: display.unwrap_or_default(),
     };
-    run(py, 0, |stop| {
-        image::format_of(&path)?.write(&frame, None, settings, &path, stop)
-    })
+    run(py, 0, |stop| image::format_of(&path)?.write(&frame, None, settings, &path, stop))
 }
 
 /// Writes bytes to a file, whole or not at all.
 #[pyfunction]
 pub(crate) fn write_bytes(py: Python<'_>, path: PathBuf, content: &[u8]) -> Outcome<()> {
-    run(py, 1, |stop| {
-        image::write_whole(&path, stop, |out| out.write_all(content))
-    })
+    run(py, 1, |stop| image::write_whole(&path, stop, |out| out.write_all(content)))
 }
 
 /// Begins a run, which has read nothing and written nothing yet.
@@ -436,10 +420,7 @@ pub(crate) fn png<'py>(
     display: DisplayIn,
 ) -> Outcome<Bound<'py, PyBytes>> {
     let frame = frame(shape, vec![(name, values)], "{}")?;
-    let settings = WriteSettings {
-        display: display.transform()?,
-        ..WriteSettings::default()
-    };
+    let settings = WriteSettings { display: display.transform()?, ..WriteSettings::default() };
     let memory = "memory".as_ref();
     let mut bytes = Vec::new();
     image::format_named("png")?.encode(&frame, None, settings, &mut bytes, memory)?;

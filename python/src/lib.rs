@@ -1,10 +1,7 @@
 //! The native half of the Python package: conversion only, no mathematics. Its words are those of the
 //! library; everything that a user sees is in `python/firsthit/`.
 
-#![allow(
-    clippy::needless_pass_by_value,
-    reason = "arguments from Python arrive by value"
-)]
+#![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
 
 mod arrays;
 mod attributes;

@@ -47,12 +47,7 @@ impl Lint {
             let places = finding.places.iter();
             let places =
                 places.map(|place| (place.object, place.primitive, place.position.to_array()));
-            (
-                finding.kind.name,
-                finding.count,
-                finding.note.clone(),
-                places.collect(),
-            )
+            (finding.kind.name, finding.count, finding.note.clone(), places.collect())
         });
         made.collect()
     }

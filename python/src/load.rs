@@ -37,15 +37,7 @@ enum ShapeOut {
 type LabelsOut = (Option<LabelTuple>, Option<LabelTuple>);
 
 /// An object, as `ObjectIn` has it, but with the numbers of its mesh and of its materials.
-type ObjectOut = (
-    ShapeOut,
-    String,
-    Option<Py<PyArray2<f64>>>,
-    usize,
-    u32,
-    (bool, bool),
-    LabelsOut,
-);
+type ObjectOut = (ShapeOut, String, Option<Py<PyArray2<f64>>>, usize, u32, (bool, bool), LabelsOut);
 
 /// The objects of a file. Python makes its own of one when that is asked for.
 #[pyclass(frozen, module = "firsthit._firsthit")]
@@ -133,15 +125,8 @@ pub(crate) fn load(
     variant: Option<String>,
     report: Report<'_, '_>,
 ) -> Outcome<ModelOut> {
-    let settings = LoadSettings {
-        strict,
-        max_memory,
-        max_texture,
-        verify: false,
-        resources,
-        scale,
-        variant,
-    };
+    let settings =
+        LoadSettings { strict, max_memory, max_texture, verify: false, resources, scale, variant };
     let load =
         |stop: &Stop| with_lit_scene(firsthit::load::load_watched(&path, &settings, stop)?, stop);
     let loaded = run_reported(py, 0, report, load)?;
@@ -180,10 +165,7 @@ fn with_lit_scene(mut loaded: Loaded, watch: &dyn Watch) -> firsthit::Result<Loa
 /// Saves a built scene with the cameras, the background (see `background_in`), the shading, the display and the lines of edges of a scene in Python,
 /// whether the first camera is the one to look through, which way is up, and whether that is guessed.
 #[pyfunction]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "a scene's parts, sent by the Python half alone"
-)]
+#[expect(clippy::too_many_arguments, reason = "a scene's parts, sent by the Python half alone")]
 pub(crate) fn save(
     py: Python<'_>,
     path: PathBuf,
@@ -216,9 +198,7 @@ pub(crate) fn save(
         up_is_guessed,
         ..World::default()
     };
-    run_reported(py, 0, report, |stop| {
-        fhs::save(&path, &scene.0, &world, stop)
-    })
+    run_reported(py, 0, report, |stop| fhs::save(&path, &scene.0, &world, stop))
 }
 
 /// Name, camera, whether rows, columns and width are the file's own.
@@ -239,12 +219,7 @@ impl CameraIn<'_> {
 }
 
 fn taken_apart(loaded: Loaded) -> ModelOut {
-    let Loaded {
-        mut world,
-        warnings,
-        scene,
-        ..
-    } = loaded;
+    let Loaded { mut world, warnings, scene, .. } = loaded;
     let list = std::mem::take(&mut world.objects);
     let model = &world;
     let (mut meshes, mut textures) = (Shared::default(), Shared::default());
@@ -263,11 +238,7 @@ fn taken_apart(loaded: Loaded) -> ModelOut {
     }
     ModelOut {
         looks,
-        objects: Objects {
-            list,
-            meshes: meshes.numbers,
-            looks: numbers,
-        },
+        objects: Objects { list, meshes: meshes.numbers, looks: numbers },
         meshes: meshes.list.into_iter().map(Mesh).collect(),
         textures: textures.list.into_iter().map(Texels).collect(),
         cameras: model.cameras.iter().map(camera_out).collect(),
@@ -301,10 +272,7 @@ struct Shared<T> {
 
 impl<T> Default for Shared<T> {
     fn default() -> Self {
-        Self {
-            list: Vec::new(),
-            numbers: HashMap::new(),
-        }
+        Self { list: Vec::new(), numbers: HashMap::new() }
     }
 }
 
@@ -324,26 +292,16 @@ fn shape_out(shape: &Shape, mut number: impl FnMut(&Arc<firsthit::Mesh>) -> usiz
             let [x, y, z] = sphere.center().to_array();
             ("sphere", vec![x, y, z, sphere.radius()])
         }
-        Shape::Plane(plane) => (
-            "plane",
-            [plane.point(), plane.facing()]
-                .map(|v| v.to_array())
-                .concat(),
-        ),
+        Shape::Plane(plane) => {
+            ("plane", [plane.point(), plane.facing()].map(|v| v.to_array()).concat())
+        }
         Shape::Disc(disc) => {
-            let vectors = [disc.center(), disc.facing()]
-                .map(|v| v.to_array())
-                .concat();
+            let vectors = [disc.center(), disc.facing()].map(|v| v.to_array()).concat();
             ("disc", [vectors, vec![disc.radius()]].concat())
         }
-        Shape::Box(cuboid) => (
-            "box",
-            [cuboid.low(), cuboid.high()].map(|v| v.to_array()).concat(),
-        ),
+        Shape::Box(cuboid) => ("box", [cuboid.low(), cuboid.high()].map(|v| v.to_array()).concat()),
         Shape::Cylinder(cylinder) => {
-            let vectors = [cylinder.bottom(), cylinder.top()]
-                .map(|v| v.to_array())
-                .concat();
+            let vectors = [cylinder.bottom(), cylinder.top()].map(|v| v.to_array()).concat();
             ("cylinder", [vectors, vec![cylinder.radius()]].concat())
         }
         Shape::Cone(cone) => {
@@ -383,12 +341,8 @@ pub(crate) fn background_out(background: Background) -> Vec<[f64; 3]> {
     match background {
         Background::Transparent => Vec::new(),
         Background::Uniform(color) => vec![color.to_array()],
-        Background::Gradient {
-            horizon,
-            zenith,
-            up,
-        } => [horizon, zenith, up]
-            .map(|vector| vector.to_array())
-            .to_vec(),
+        Background::Gradient { horizon, zenith, up } => {
+            [horizon, zenith, up].map(|vector| vector.to_array()).to_vec()
+        }
     }
 }

@@ -81,16 +81,9 @@ fn map(MapIn(texels, wraps, filter, rows, is_second): &MapIn<'_>) -> Outcome<Tex
     let [across, down] = wraps;
     Ok(TextureMap {
         texture: Arc::clone(&texels.0),
-        wrap: [
-            named("wrap", across, &Wrap::NAMES)?,
-            named("wrap", down, &Wrap::NAMES)?,
-        ],
+        wrap: [named("wrap", across, &Wrap::NAMES)?, named("wrap", down, &Wrap::NAMES)?],
         filter: named("filter", filter, &Filter::NAMES)?,
-        uv_set: if *is_second {
-            UvSet::Second
-        } else {
-            UvSet::First
-        },
+        uv_set: if *is_second { UvSet::Second } else { UvSet::First },
         picture_from_uv: *rows,
     })
 }
@@ -153,13 +146,7 @@ pub(crate) fn check_material(candidate: MaterialIn<'_>) -> Outcome<SettingsOut> 
 type Triple = (f64, f64, f64);
 
 /// A [`MapIn`] on its way out, its texels by number. Tuples, since Python is to compare and hash them.
-type MapOut = (
-    usize,
-    (&'static str, &'static str),
-    &'static str,
-    (Triple, Triple),
-    bool,
-);
+type MapOut = (usize, (&'static str, &'static str), &'static str, (Triple, Triple), bool);
 
 /// A [`MaterialIn`] on its way out.
 pub(crate) type MaterialOut = (
@@ -210,15 +197,8 @@ pub(crate) fn material_out(
         material.unlit,
         material.double_sided,
         material.name.to_string(),
-        (
-            material.model.name(),
-            settings_out(material.model.settings()),
-        ),
-        (
-            material.emission.into(),
-            material.normal_scale,
-            material.occlusion_strength,
-        ),
+        (material.model.name(), settings_out(material.model.settings())),
+        (material.emission.into(), material.normal_scale, material.occlusion_strength),
         others,
     )
 }
@@ -250,7 +230,5 @@ pub(crate) fn meant_as_levels(color: [f64; 3]) -> Option<String> {
 /// The linear value of each of the 256 levels of sRGB.
 #[pyfunction]
 pub(crate) fn srgb_levels() -> Vec<f64> {
-    (0..=u8::MAX)
-        .map(|level| geometry::srgb_decode(f64::from(level) / 255.0))
-        .collect()
+    (0..=u8::MAX).map(|level| geometry::srgb_decode(f64::from(level) / 255.0)).collect()
 }

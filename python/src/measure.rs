@@ -18,11 +18,7 @@ use crate::scene::Scene;
 const LITTLE: u64 = 1 << 21;
 
 fn by(is_by_object: bool) -> Grouping {
-    if is_by_object {
-        Grouping::Object
-    } else {
-        Grouping::Union
-    }
+    if is_by_object { Grouping::Object } else { Grouping::Union }
 }
 
 /// Does what takes little in the calling thread alone.
@@ -90,11 +86,7 @@ pub(crate) fn thickness<'py>(
 ) -> Outcome<Bound<'py, PyArray1<f64>>> {
     let (is_inwards, rule) = how;
     let (rays, rule) = (rays.slices(count)?, rule.parse()?);
-    let towards = if is_inwards {
-        Towards::Inside
-    } else {
-        Towards::Given
-    };
+    let towards = if is_inwards { Towards::Inside } else { Towards::Given };
     let t = measured(py, (scene, count), threads, report.as_ref(), |watch| {
         thickness_along(rule, &scene.0, &rays, towards, watch)
     })?;

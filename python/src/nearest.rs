@@ -59,11 +59,7 @@ pub(crate) fn signed_distances<'py>(
     let points = points.as_slice()?.as_chunks().0;
     let size = (scene, points.len());
     let (rule, allow_open) = how;
-    let settings = SignSettings {
-        rule: rule.parse()?,
-        allow_open,
-        ..SignSettings::default()
-    };
+    let settings = SignSettings { rule: rule.parse()?, allow_open, ..SignSettings::default() };
     // The first time it is found out of every mesh whether it is closed.
     let signed = measured(py, size, threads, report.as_ref(), |watch| {
         signed_distances_with(settings, &scene.0, points, watch)

@@ -81,9 +81,7 @@ pub(crate) struct ScanIn<'py>(Vec<(String, Bound<'py, PyAny>)>, [usize; 2], Stri
 impl ScanIn<'_> {
     fn scan(&self) -> Outcome<Scan> {
         let Self(columns, shape, origin) = self;
-        let columns = columns
-            .iter()
-            .map(|(name, array)| Ok((name.clone(), data(array)?)));
+        let columns = columns.iter().map(|(name, array)| Ok((name.clone(), data(array)?)));
         let columns = columns.collect::<Outcome<_>>()?;
         Ok(Scan::of(columns, *shape, origin_of(origin)?)?)
     }
@@ -99,9 +97,7 @@ fn columns_out(
     columns: impl IntoIterator<Item = (String, Data)>,
 ) -> ColumnsOut<'_> {
     let columns = columns.into_iter();
-    columns
-        .map(|(name, data)| (name, array(py, data)))
-        .collect()
+    columns.map(|(name, data)| (name, array(py, data))).collect()
 }
 
 fn scan_out(py: Python<'_>, scan: Scan) -> Outcome<ScanOut<'_>> {
@@ -139,10 +135,7 @@ pub(crate) fn scan_metadata(names: Vec<String>, count: u64, origin: &str) -> Out
 /// Several scans as one.
 #[pyfunction]
 pub(crate) fn join_scans<'py>(py: Python<'py>, scans: Vec<ScanIn<'py>>) -> Outcome<ScanOut<'py>> {
-    let scans = scans
-        .iter()
-        .map(ScanIn::scan)
-        .collect::<Outcome<Vec<Scan>>>()?;
+    let scans = scans.iter().map(ScanIn::scan).collect::<Outcome<Vec<Scan>>>()?;
     scan_out(py, run(py, 1, |_| Scan::joined(scans))?)
 }
 

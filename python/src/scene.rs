@@ -79,10 +79,7 @@ impl<'py> FromPyObject<'_, 'py> for Rows {
 pub(crate) type LabelTuple = (u64, String);
 
 fn label(label: Option<&LabelTuple>) -> Option<Label> {
-    label.map(|(number, name)| Label {
-        number: *number,
-        name: name.as_str().into(),
-    })
+    label.map(|(number, name)| Label { number: *number, name: name.as_str().into() })
 }
 
 /// The numbers of objects, (n,), and the transform of each, (n, 4, 4).
@@ -93,10 +90,7 @@ impl Scene {
     /// Builds a scene, sharing with `previous` what did not change, and building as that did. Which way is up, and whether that is guessed, is asked for the
     /// environment.
     #[new]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "a scene's parts, sent by the Python half alone"
-    )]
+    #[expect(clippy::too_many_arguments, reason = "a scene's parts, sent by the Python half alone")]
     fn new(
         py: Python<'_>,
         objects: (Vec<Given<'_>>, Option<PyRef<'_, Objects>>),
@@ -107,10 +101,7 @@ impl Scene {
         build: &str,
         report: Report<'_, '_>,
     ) -> Outcome<Self> {
-        let trees = BuildSettings {
-            build: build.parse()?,
-            rays: None,
-        };
+        let trees = BuildSettings { build: build.parse()?, rays: None };
         let mut known = Materials::default();
         let (objects, of_file) = objects;
         let objects: Vec<Object> = objects
@@ -124,10 +115,9 @@ impl Scene {
         let lights = lights.iter().map(light_in);
         let lights = lights.collect::<firsthit::Result<_>>()?;
         let scene = run_reported(py, 0, report, |stop| match previous {
-            Some(Self(previous)) => previous
-                .try_clone()?
-                .with_build(trees)
-                .with_objects_watched(objects, stop),
+            Some(Self(previous)) => {
+                previous.try_clone()?.with_build(trees).with_objects_watched(objects, stop)
+            }
             None => firsthit::Scene::build_watched(objects, trees, stop),
         })?;
         let (up, up_is_guessed) = up;
@@ -138,9 +128,7 @@ impl Scene {
         };
         let environment = environment.map(|environment| environment_in(&environment, up));
         let environment = environment.transpose()?.map(Arc::new);
-        Ok(Self(
-            scene.with_lights(lights).with_environment(environment),
-        ))
+        Ok(Self(scene.with_lights(lights).with_environment(environment)))
     }
 
     /// The scene with other objects in the place of some, with objects moved, and some hidden

@@ -47,10 +47,7 @@ impl SensorIn<'_> {
 
 impl Sensor {
     fn made(sensor: impl AnySensor + Send + Sync + 'static) -> Self {
-        Self {
-            any: Arc::new(sensor),
-            lidar: None,
-        }
+        Self { any: Arc::new(sensor), lidar: None }
     }
 
     pub(crate) fn lidar_of(&self) -> Outcome<&Lidar> {
@@ -128,10 +125,7 @@ impl Sensor {
             }
         })?;
         let lidar = Arc::new(lidar);
-        Ok(Self {
-            any: lidar.clone(),
-            lidar: Some(lidar),
-        })
+        Ok(Self { any: lidar.clone(), lidar: Some(lidar) })
     }
 
     /// Rows and columns.
@@ -412,10 +406,7 @@ impl Trajectory {
         let poses = positions
             .iter()
             .zip(rotations)
-            .map(|(&position, &turn)| Pose {
-                position,
-                rotation: DQuat::from_array(turn),
-            });
+            .map(|(&position, &turn)| Pose { position, rotation: DQuat::from_array(turn) });
         let poses = collected(rotations.len(), poses)?;
         py.detach(|| {
             let trajectory = firsthit::Trajectory::new(times, poses)?;
@@ -513,9 +504,7 @@ impl Trajectory {
 
     /// The motion of the body with other axes.
     fn in_axes(&self, given: &str, wanted: &str) -> Outcome<Self> {
-        Ok(Self(
-            self.0.clone().in_axes(given.parse()?, wanted.parse()?),
-        ))
+        Ok(Self(self.0.clone().in_axes(given.parse()?, wanted.parse()?)))
     }
 }
 

@@ -210,9 +210,7 @@ pub(crate) fn draws<'py>(
     let pixels = pixels.as_slice()?;
     let mut drawn = Vec::with_capacity(pixels.len() * count);
     for &pixel in pixels {
-        let four = Draws::new(pixel.cast_unsigned(), sample)
-            .skipped(number)
-            .four();
+        let four = Draws::new(pixel.cast_unsigned(), sample).skipped(number).four();
         drawn.extend_from_slice(&four[..count.min(4)]);
     }
     Ok(PyArray1::from_vec(py, drawn))

@@ -107,18 +107,13 @@ impl Mesh {
     /// The triangles' faces and slots: a copy.
     fn labels<'py>(&self, py: Python<'py>) -> Outcome<[Option<Bound<'py, PyArray1<u32>>>; 2]> {
         let out = |labels: &[u32]| Ok::<_, PyErr>(PyArray1::from_vec(py, copied(labels)?));
-        Ok([
-            self.0.faces().map(out).transpose()?,
-            self.0.slots().map(out).transpose()?,
-        ])
+        Ok([self.0.faces().map(out).transpose()?, self.0.slots().map(out).transpose()?])
     }
 
     /// The numbers by name, as they go in: a copy.
     fn properties<'py>(&self, py: Python<'py>) -> Outcome<Vec<PropertyOut<'py>>> {
         let properties = self.0.properties().iter();
-        properties
-            .map(|property| property_out(py, property))
-            .collect()
+        properties.map(|property| property_out(py, property)).collect()
     }
 
     /// The numbers of vertices and triangles.
@@ -182,10 +177,7 @@ pub(crate) fn polygons<'py>(
     let (triangles, faces) = run(py, 1, |_| polygons_of(points, corners, sizes))?;
     let count = triangles.len();
     let triangles = PyArray1::from_vec(py, triangles.into_flattened());
-    Ok((
-        triangles.reshape([count, 3])?,
-        PyArray1::from_vec(py, faces),
-    ))
+    Ok((triangles.reshape([count, 3])?, PyArray1::from_vec(py, faces)))
 }
 
 /// Normals, uvs, colours, alphas, second uvs and tangents.

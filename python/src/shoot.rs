@@ -96,9 +96,8 @@ pub(crate) fn shoot_all<'py>(
     let rays = rays.slices(count)?;
     let (report, query) = (report.as_ref(), All { nearest });
     let size = (count, count < FEW);
-    let AllHits { offsets, hits } = run_sized(py, size, threads, report, |watch| {
-        trace(&scene.0, &rays, query, watch)
-    })?;
+    let AllHits { offsets, hits } =
+        run_sized(py, size, threads, report, |watch| trace(&scene.0, &rays, query, watch))?;
     Ok((
         PyArray1::from_vec(py, offsets),
         PyArray1::from_vec(py, hits.t),
@@ -186,9 +185,7 @@ pub(crate) fn channel<'py>(
         (None, None) => return Err(Raised::value("expected rays or a camera")),
     };
     if rays.len() != hits.len() || kind.needs_samples() || kind.is_edge() {
-        return Err(Raised::value(
-            "expected as many hits as rays, and no colours",
-        ));
+        return Err(Raised::value("expected as many hits as rays, and no colours"));
     }
     let shots = ChannelInput {
         scene: &scene.0,
@@ -197,9 +194,7 @@ pub(crate) fn channel<'py>(
         sensor: sensor.map(|sensor| sensor as &dyn Sensor),
     };
     let size = (hits.len(), hits.len() < FEW);
-    let made = run_sized(py, size, threads, report.as_ref(), |watch| {
-        make(&[kind], &shots, watch)
-    })?;
+    let made = run_sized(py, size, threads, report.as_ref(), |watch| make(&[kind], &shots, watch))?;
     let channel = made.into_iter().next();
     let channel = channel.ok_or_else(|| Raised::value("expected a channel"))?;
     Ok(array(py, channel.data))

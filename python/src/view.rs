@@ -70,9 +70,7 @@ impl Viewer {
         question: &str,
         about: &str,
     ) -> Outcome<(String, Bound<'py, PyBytes>)> {
-        let answered = run(py, 0, |stop| {
-            Ok(self.0.answer(question, about.as_bytes(), stop))
-        })?;
+        let answered = run(py, 0, |stop| Ok(self.0.answer(question, about.as_bytes(), stop)))?;
         let Answer { json, pixels } = answered.map_err(|error| match error {
             AnswerError::Failed(error) => Raised::from(error),
             other => Raised::value(other.to_string()),
@@ -105,15 +103,8 @@ impl PageServer {
             let server = server;
             server.run(&|| stop.load(Ordering::Relaxed));
         };
-        std::thread::Builder::new()
-            .name("viewer".into())
-            .spawn(serve)
-            .map_err(PyErr::from)?;
-        Ok(Self {
-            address,
-            is_stopped,
-            is_over,
-        })
+        std::thread::Builder::new().name("viewer".into()).spawn(serve).map_err(PyErr::from)?;
+        Ok(Self { address, is_stopped, is_over })
     }
 
     #[getter]

@@ -35,12 +35,7 @@ impl Arguments {
     /// The arguments with a filter function and the context that it is given.
     pub(super) fn filtered(coherent: bool, filter: *mut c_void, context: *mut c_void) -> Self {
         let plain = Self::new(coherent);
-        Self {
-            flags: plain.flags | QUERY_INVOKE_ARGUMENT_FILTER,
-            context,
-            filter,
-            ..plain
-        }
+        Self { flags: plain.flags | QUERY_INVOKE_ARGUMENT_FILTER, context, filter, ..plain }
     }
 }
 

@@ -65,11 +65,7 @@ impl<'a> Device<'a> {
 
     /// The number of rays of the best packet: 16, or 8 without AVX-512.
     pub(crate) fn width(&self) -> usize {
-        if self.property(api::PROPERTY_NATIVE_RAY16) == 1 {
-            16
-        } else {
-            8
-        }
+        if self.property(api::PROPERTY_NATIVE_RAY16) == 1 { 16 } else { 8 }
     }
 
     fn property(&self, property: std::ffi::c_int) -> isize {

@@ -86,14 +86,7 @@ unsafe extern "C" fn keep(arguments: *const FilterArguments) {
     // SAFETY: Embree gives its arguments, alive during the call. The context is the one that `gather` made, which nothing else
     // uses meanwhile. Rays and hits have `lanes` numbers of 4 bytes in each field.
     unsafe {
-        let FilterArguments {
-            valid,
-            context,
-            rays,
-            hits,
-            lanes,
-            ..
-        } = arguments.read();
+        let FilterArguments { valid, context, rays, hits, lanes, .. } = arguments.read();
         let context = &mut *context.cast::<Context<'_>>();
         let lanes = lanes as usize;
         for lane in 0..lanes {
@@ -149,10 +142,7 @@ fn gather<const N: usize>(
     let mut packet = RayHits::EMPTY;
     for block in 0..source.len().div_ceil(BLOCK) {
         let rays = BLOCK.min(source.len() - block * BLOCK);
-        let mut context = Context {
-            instance: [INVALID; 2],
-            found: &mut gathered.found,
-        };
+        let mut context = Context { instance: [INVALID; 2], found: &mut gathered.found };
         let context = (&raw mut context).cast();
         let mut arguments =
             Arguments::filtered(door == Door::Coherent, keep as *mut c_void, context);

@@ -1,8 +1,5 @@
 //! Embree 4, opened at run time: devices, scenes, and its doors for rays.
-#![expect(
-    unsafe_code,
-    reason = "Embree is a C library; every block says what it rests on"
-)]
+#![expect(unsafe_code, reason = "Embree is a C library; every block says what it rests on")]
 #![expect(
     clippy::inline_always,
     reason = "what fills packets must end up in `trace::wide`, to be compiled for wide registers"

@@ -49,16 +49,10 @@ impl Model {
             };
             known.extend(mesh.map(|mesh| (mesh, shape)));
             let transform = object.transform();
-            let matrix = transform
-                .world_from_object()
-                .to_cols_array()
-                .map(|x| x as f32);
+            let matrix = transform.world_from_object().to_cols_array().map(|x| x as f32);
             placed.push((shape, (!transform.is_identity()).then_some(matrix)));
         }
-        Ok(Self {
-            shapes,
-            objects: placed,
-        })
+        Ok(Self { shapes, objects: placed })
     }
 
     /// The number of triangles, those of a mesh that objects share once.
@@ -168,10 +162,7 @@ fn form(object: &Object) -> Result<Form, String> {
             let [x, y, z] = single(sphere.center().to_array());
             Ok(Form::Sphere(Ball([x, y, z, sphere.radius() as f32])))
         }
-        _ => Err(format!(
-            "object {} must be a mesh or a sphere for Embree",
-            object.name()
-        )),
+        _ => Err(format!("object {} must be a mesh or a sphere for Embree", object.name())),
     }
 }
 
@@ -198,10 +189,7 @@ mod tests {
         let matrix = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0];
         assert_eq!(model.triangles(), 1);
         assert_eq!(model.objects, [(0, None), (0, Some(matrix)), (1, None)]);
-        assert!(matches!(
-            model.shapes[1],
-            Form::Sphere(Ball([0.0, 0.0, 0.0, 2.0]))
-        ));
+        assert!(matches!(model.shapes[1], Form::Sphere(Ball([0.0, 0.0, 0.0, 2.0]))));
     }
 
     #[test]

@@ -40,11 +40,7 @@ impl<const N: usize> Hits<N> {
 /// The object that a hit is of.
 #[inline(always)]
 pub(super) fn object(instance: u32, geometry: u32) -> u32 {
-    if instance == INVALID {
-        geometry
-    } else {
-        instance
-    }
+    if instance == INVALID { geometry } else { instance }
 }
 
 /// `RTCRayHitN`.

@@ -64,10 +64,7 @@ impl Pixels {
     fn tile(&self, block: usize) -> (usize, usize) {
         let tiles = self.side / 16;
         if tiles.is_power_of_two() {
-            (
-                16 * every_other_bit(block),
-                16 * every_other_bit(block >> 1),
-            )
+            (16 * every_other_bit(block), 16 * every_other_bit(block >> 1))
         } else {
             (block % tiles * 16, block / tiles * 16)
         }
@@ -178,10 +175,7 @@ impl Columns {
         for column in &mut columns {
             column.resize(rays.len().next_multiple_of(BLOCK), 0.0);
         }
-        Self {
-            len: rays.len(),
-            columns,
-        }
+        Self { len: rays.len(), columns }
     }
 }
 
@@ -251,11 +245,7 @@ mod tests {
                 let mut packet = RayHits::<N>::EMPTY;
                 pixels.fill(block, first, &mut packet.rays);
                 let mut places = [u32::MAX; BLOCK];
-                Pixels::place(
-                    first,
-                    &std::array::from_fn::<u32, N, _>(|k| k as u32),
-                    &mut places,
-                );
+                Pixels::place(first, &std::array::from_fn::<u32, N, _>(|k| k as u32), &mut places);
                 for (place, &k) in places.iter().enumerate().filter(|(_, k)| **k != u32::MAX) {
                     let index = 16 * pixels.line(block, place / 16) + place % 16;
                     let lane = |v: [[f32; N]; 3]| v.map(|axis| axis[k as usize]);

@@ -26,9 +26,7 @@ pub(crate) struct Answers([Plane; 5]);
 impl Answers {
     /// Room for `rays` answers.
     pub(crate) fn new(rays: usize) -> Self {
-        Self(std::array::from_fn(|number| {
-            Plane::new(rays.next_multiple_of(BLOCK), number)
-        }))
+        Self(std::array::from_fn(|number| Plane::new(rays.next_multiple_of(BLOCK), number)))
     }
 
     /// `t`, object and primitive of the first hit of ray `index`, if any.

@@ -27,12 +27,7 @@ const OFF: f64 = 1e-5;
 pub(super) fn of_pixels(camera: &Camera) -> Vec<Ray> {
     let pixels = (0..camera.rows()).flat_map(|row| (0..camera.columns()).map(move |k| (row, k)));
     let rounded = |(row, column)| {
-        let Ray {
-            origin,
-            direction,
-            t_max,
-            ..
-        } = camera.ray(row, column);
+        let Ray { origin, direction, t_max, .. } = camera.ray(row, column);
         ray(origin, direction, t_max)
     };
     pixels.map(rounded).collect()
@@ -52,18 +47,12 @@ impl Surface {
             let hit = hits.get(row * camera.columns() + column);
             let ray = camera.ray(row, column);
             let normal = scene.interaction(&ray, &hit)?.normal();
-            let normal = if ray.direction.dot(normal) < 0.0 {
-                normal
-            } else {
-                -normal
-            };
+            let normal = if ray.direction.dot(normal) < 0.0 { normal } else { -normal };
             let place = ray.at(hit.t) + off * normal;
             normal.is_finite().then_some(Point { place, normal })
         };
         let seen = |tile| (0..256).filter_map(|k| point(pixel(tile, k))).collect();
-        Self {
-            tiles: (0..tiles * tiles).map(seen).collect(),
-        }
+        Self { tiles: (0..tiles * tiles).map(seen).collect() }
     }
 
     fn points(&self) -> impl Iterator<Item = Point> {
@@ -109,11 +98,7 @@ pub(super) fn anywhere(bounds: Bounds, count: usize) -> Vec<Ray> {
     let mut random = Random(3);
     let mut place = || {
         let share = DVec3::new(random.unit(), random.unit(), random.unit());
-        ray(
-            bounds.low + share * bounds.size(),
-            random.direction(),
-            f64::INFINITY,
-        )
+        ray(bounds.low + share * bounds.size(), random.direction(), f64::INFINITY)
     };
     (0..count).map(|_| place()).collect()
 }

@@ -127,10 +127,8 @@ impl Grid {
         let first = self.vertices.len() as u32;
         for row in 0..=rows {
             for column in 0..=columns {
-                let (u, v) = (
-                    f64::from(column) / f64::from(columns),
-                    f64::from(row) / f64::from(rows),
-                );
+                let (u, v) =
+                    (f64::from(column) / f64::from(columns), f64::from(row) / f64::from(rows));
                 self.vertices.push(place(u, v).to_array().map(|x| x as f32));
             }
         }

@@ -34,9 +34,7 @@ impl Look {
         } else {
             Viewplane::with_fov(self.fov, FovAxis::Vertical, side, side)
         };
-        let lens = viewplane
-            .map(Lens::Flat)
-            .map_err(|error| error.to_string())?;
+        let lens = viewplane.map(Lens::Flat).map_err(|error| error.to_string())?;
         self.through(&lens, side)
     }
 

@@ -19,9 +19,7 @@ pub(crate) fn with_required<'a>(
     names: &[String],
     files: impl IntoIterator<Item = &'a PathBuf>,
 ) -> Vec<String> {
-    let holds = files
-        .into_iter()
-        .filter_map(|path| image::format_of(path).ok());
+    let holds = files.into_iter().filter_map(|path| image::format_of(path).ok());
     let required = holds.flat_map(|format| format.holds.required_channels());
     let required = required.map(|&name| name.to_owned());
     let required = required.filter(|name| !names.iter().any(|given| given.trim() == name));

@@ -65,10 +65,7 @@ pub(crate) fn camera(
     let described = described(args, base)?;
     match args.size {
         Some(size) => check_size("--size", size)?,
-        None => check_size(
-            &format!("{}: the camera's size", escaped(file)),
-            described.size(),
-        )?,
+        None => check_size(&format!("{}: the camera's size", escaped(file)), described.size())?,
     }
     let reach = bounds.low.abs().max(bounds.high.abs()).max_element();
     if described.position.is_none() && !bounds.is_empty() && reach > FARTHEST {
@@ -105,9 +102,7 @@ fn guessed(described: &Description, up: Option<DVec3>) -> Vec<String> {
         }
         (None, None | Some(Aim::Centre)) if is_panorama => {
             let front = StandardView::Front.name();
-            guessed.push(format!(
-                "from the middle (--position), view {front} (--view)"
-            ));
+            guessed.push(format!("from the middle (--position), view {front} (--view)"));
         }
         (None, Some(Aim::Along(_))) => guessed.push("all in the picture (--position)".into()),
         (None, None | Some(Aim::Centre)) => {
@@ -156,11 +151,7 @@ pub(crate) fn check_size(what: &str, [rows, columns]: [usize; 2]) -> Result<(), 
 
 /// The description with each word of the arguments in place of the file's.
 fn described(args: &CameraArgs, base: &Description) -> Result<Description, Failure> {
-    let from_anywhere = Description {
-        position: None,
-        up: None,
-        ..*base
-    };
+    let from_anywhere = Description { position: None, up: None, ..*base };
     // A view replaces the position and the up of the file's camera.
     let base = args.view.map_or(base, |_| &from_anywhere);
     let aim = match (args.view, args.aim, args.look_at) {

@@ -25,10 +25,6 @@ impl TypedValueParser for ChannelNames {
     }
 
     fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(
-            self.0
-                .channels()
-                .map(|kind| PossibleValue::new(&*kind.name)),
-        ))
+        Some(Box::new(self.0.channels().map(|kind| PossibleValue::new(&*kind.name))))
     }
 }

@@ -75,20 +75,12 @@ pub(crate) fn report_beside_data() {
 
 /// Takes the warnings kept so far.
 pub(crate) fn kept_warnings() -> Vec<String> {
-    with_report(|report| {
-        report
-            .as_mut()
-            .map_or_else(Vec::new, |r| std::mem::take(&mut r.warnings))
-    })
+    with_report(|report| report.as_mut().map_or_else(Vec::new, |r| std::mem::take(&mut r.warnings)))
 }
 
 /// Prints the report: `done`, with the warnings added.
 pub(crate) fn end_report(mut done: Value) -> std::io::Result<()> {
-    let Some(Report {
-        warnings,
-        is_beside_data,
-    }) = with_report(Option::take)
-    else {
+    let Some(Report { warnings, is_beside_data }) = with_report(Option::take) else {
         return Ok(());
     };
     if let Some(fields) = done.as_object_mut() {

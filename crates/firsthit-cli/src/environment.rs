@@ -112,10 +112,7 @@ mod tests {
         assert_eq!(parse("daylight:35"), day(35.0, 0.0));
         assert_eq!(parse("daylight:35,-120"), day(35.0, -120.0));
         for wrong in ["daylight:", "daylight:91", "daylight:1,2,3", "daylight:nan"] {
-            assert!(
-                parse(wrong).unwrap_err().contains("from 0 to 90"),
-                "{wrong}"
-            );
+            assert!(parse(wrong).unwrap_err().contains("from 0 to 90"), "{wrong}");
         }
     }
 }

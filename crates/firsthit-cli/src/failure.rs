@@ -28,24 +28,15 @@ pub(crate) struct Failure {
 
 impl Failure {
     pub(crate) fn usage(message: impl Display) -> Self {
-        Self {
-            code: USAGE,
-            message: Some(message.to_string()),
-        }
+        Self { code: USAGE, message: Some(message.to_string()) }
     }
 
     pub(crate) fn bad_input(message: impl Display) -> Self {
-        Self {
-            code: BAD_INPUT,
-            message: Some(message.to_string()),
-        }
+        Self { code: BAD_INPUT, message: Some(message.to_string()) }
     }
 
     pub(crate) fn not_written(message: impl Display) -> Self {
-        Self {
-            code: NOT_WRITTEN,
-            message: Some(message.to_string()),
-        }
+        Self { code: NOT_WRITTEN, message: Some(message.to_string()) }
     }
 
     /// A panic, by its message.
@@ -57,10 +48,7 @@ impl Failure {
     }
 
     pub(crate) fn limit(message: impl Display) -> Self {
-        Self {
-            code: LIMIT,
-            message: Some(message.to_string()),
-        }
+        Self { code: LIMIT, message: Some(message.to_string()) }
     }
 
     /// Adds words to the message.
@@ -72,10 +60,9 @@ impl Failure {
     /// The failure about a request of a file: then the file is wrong, not the command line.
     pub(crate) fn in_file(self, file: &Path) -> Self {
         match self {
-            Self {
-                code: USAGE,
-                message: Some(message),
-            } => Self::bad_input(format!("{}: {message}", escaped(file))),
+            Self { code: USAGE, message: Some(message) } => {
+                Self::bad_input(format!("{}: {message}", escaped(file)))
+            }
             other => other,
         }
     }
@@ -87,10 +74,7 @@ impl Failure {
 
     /// A failure that is said already.
     pub(crate) fn said(code: u8) -> Self {
-        Self {
-            code,
-            message: None,
-        }
+        Self { code, message: None }
     }
 
     /// Standard output did not take it. A reader that has gone away had enough: that is no failure.
@@ -98,10 +82,7 @@ impl Failure {
         if error.kind() == io::ErrorKind::BrokenPipe {
             return Self::said(0);
         }
-        Self {
-            code: NOT_WRITTEN,
-            message: Some(format!("standard output: {error}")),
-        }
+        Self { code: NOT_WRITTEN, message: Some(format!("standard output: {error}")) }
     }
 
     /// The exit code and the message.
@@ -135,9 +116,6 @@ impl From<Error> for Failure {
             Error::Interrupted => INTERRUPTED,
             _ => INTERNAL,
         };
-        Self {
-            code,
-            message: Some(error.to_string()),
-        }
+        Self { code, message: Some(error.to_string()) }
     }
 }

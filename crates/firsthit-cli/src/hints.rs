@@ -65,7 +65,5 @@ fn looks_away(camera: &Camera, bounds: Bounds) -> bool {
     let sees_ahead = camera.lens().viewplane().is_some();
     let corners = bounds.corners();
     sees_ahead
-        && corners
-            .iter()
-            .all(|&corner| (corner - camera.position()).dot(camera.aim()) <= 0.0)
+        && corners.iter().all(|&corner| (corner - camera.position()).dot(camera.aim()) <= 0.0)
 }

@@ -46,11 +46,7 @@ pub(crate) fn check(path: &Path, orders: &[Order]) -> Result<(), Failure> {
 /// Writes the table.
 pub(crate) fn write(path: &Path, rows: &[Row<'_>], progress: &Progress) -> Result<(), Failure> {
     write_whole(path, progress, |out| {
-        if is_json(path) {
-            write_json(rows, out)
-        } else {
-            write_csv(rows, out)
-        }
+        if is_json(path) { write_json(rows, out) } else { write_csv(rows, out) }
     })?;
     Ok(())
 }
@@ -75,19 +71,12 @@ pub(crate) fn rows<'a>(scene: &'a Scene, seen: &[i32]) -> Vec<Row<'a>> {
     }
     let row = |object: i32, name, pixels| {
         let [red, green, blue] = color_of_identifier(object);
-        Row {
-            object,
-            name,
-            color: format!("#{red:02x}{green:02x}{blue:02x}"),
-            pixels,
-        }
+        Row { object, name, color: format!("#{red:02x}{green:02x}{blue:02x}"), pixels }
     };
     let names = objects.iter().map(Object::name).zip(pixels);
     let objects = (0..).zip(names);
     let objects = objects.map(|(object, (name, pixels))| row(object, name, pixels));
-    std::iter::once(row(MISS, "", misses))
-        .chain(objects)
-        .collect()
+    std::iter::once(row(MISS, "", misses)).chain(objects).collect()
 }
 
 /// A name as spreadsheets take it for text: one that begins like a formula gets an apostrophe, so

@@ -63,9 +63,7 @@ where
         Ok(Ok(())) => 0,
         Ok(Err(failure)) => failure.report(),
         Err(_) => {
-            let text = last
-                .lock()
-                .map_or_else(|_| String::new(), |text| text.clone());
+            let text = last.lock().map_or_else(|_| String::new(), |text| text.clone());
             Failure::bug(&text).report()
         }
     }
@@ -81,10 +79,9 @@ pub fn info(file: &Path) -> Result<String, (u8, String)> {
     let args = ["firsthit", "info", "--quiet", "--json", "--"].map(OsString::from);
     let args = args.into_iter().chain([file.into()]).collect();
     let told = match parse(args) {
-        Ok(Cli {
-            command: Command::Info(args),
-            verbosity,
-        }) => commands::info::text(&args, &Progress::new(&verbosity)),
+        Ok(Cli { command: Command::Info(args), verbosity }) => {
+            commands::info::text(&args, &Progress::new(&verbosity))
+        }
         Ok(_) => unreachable!("the command is info"),
         Err(error) => Err(Failure::usage(error)),
     };

@@ -26,10 +26,7 @@ pub(crate) struct Loaded {
 }
 
 /// The build settings of a command that shoots no rays, if it builds any trees.
-pub(crate) const NO_RAYS: BuildSettings = BuildSettings {
-    build: Build::Auto,
-    rays: Some(0),
-};
+pub(crate) const NO_RAYS: BuildSettings = BuildSettings { build: Build::Auto, rays: Some(0) };
 
 /// Reads a 3D file; `neutral` is the colour of objects that have none.
 pub(crate) fn read(
@@ -72,14 +69,8 @@ pub(crate) fn read_with(
     neutral: Option<Color>,
     progress: &Progress,
 ) -> Result<Loaded, Failure> {
-    let load::Loaded {
-        world: mut model,
-        mut warnings,
-        variants,
-        vertices,
-        scene: built,
-        ..
-    } = load_watched(path, settings, progress)?;
+    let load::Loaded { world: mut model, mut warnings, variants, vertices, scene: built, .. } =
+        load_watched(path, settings, progress)?;
     let is_neutral = |object: &Object| object.materials().is_empty();
     if neutral.is_some() && !model.objects.iter().any(is_neutral) {
         let why = "--color does nothing here: every object has a material of its own";
@@ -90,19 +81,15 @@ pub(crate) fn read_with(
     if build.build != Build::Auto && built.as_ref().is_some_and(has_trees) {
         warnings.push("--build does nothing here: the file has its trees".to_owned());
     }
-    let objects = std::mem::take(&mut model.objects)
-        .into_iter()
-        .map(|object| match neutral {
-            Some(color) if object.materials().is_empty() => object.colored(color),
-            _ => object,
-        });
+    let objects = std::mem::take(&mut model.objects).into_iter().map(|object| match neutral {
+        Some(color) if object.materials().is_empty() => object.colored(color),
+        _ => object,
+    });
     let objects = objects.collect();
     Ok(Loaded {
         scene: match built {
             // What the file does not hold is built.
-            Some(built) => built
-                .with_build(build)
-                .with_objects_watched(objects, progress)?,
+            Some(built) => built.with_build(build).with_objects_watched(objects, progress)?,
             None => Scene::build_watched(objects, build, progress)?,
         },
         warnings,

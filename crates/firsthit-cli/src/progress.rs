@@ -131,10 +131,7 @@ impl Progress {
 fn show_long_steps(step: &Weak<Mutex<Option<Step>>>, bar: &ProgressBar) {
     while let Some(step) = step.upgrade() {
         let step = step.lock().unwrap_or_else(PoisonError::into_inner);
-        if step
-            .as_ref()
-            .is_some_and(|step| step.began.elapsed() > MOMENT)
-        {
+        if step.as_ref().is_some_and(|step| step.began.elapsed() > MOMENT) {
             if bar.is_hidden() {
                 bar.set_draw_target(ProgressDrawTarget::stderr());
             }
@@ -195,12 +192,7 @@ impl Watch for Progress {
         if total == 0 {
             return;
         }
-        let began = Step {
-            name: step.to_owned(),
-            total,
-            unit,
-            began: Instant::now(),
-        };
+        let began = Step { name: step.to_owned(), total, unit, began: Instant::now() };
         let mut present = self.step.lock().unwrap_or_else(PoisonError::into_inner);
         self.bar.reset();
         self.bar.set_style(style(unit));

@@ -27,9 +27,8 @@ pub(crate) fn report(mut error: Error) -> u8 {
             let _ = error.print();
         }
         _ => {
-            let line = file_for_command(error)
-                .or_else(|| elsewhere(error))
-                .unwrap_or_else(|| line(error));
+            let line =
+                file_for_command(error).or_else(|| elsewhere(error)).unwrap_or_else(|| line(error));
             end_report_with_error(&line, USAGE);
             say(format_args!("firsthit: error: {line}"));
         }
@@ -58,11 +57,7 @@ fn file_for_command(error: &Error) -> Option<String> {
     if !(is_output || is_model || path.is_file()) {
         return None;
     }
-    let command = if is_output && !is_model {
-        "info"
-    } else {
-        "render"
-    };
+    let command = if is_output && !is_model { "info" } else { "render" };
     // As it would have to be typed.
     let is_plain = |c: char| c.is_alphanumeric() || "._-/+:,@%".contains(c);
     let typed = if shown.chars().all(is_plain) {
@@ -123,7 +118,5 @@ fn swapped(error: &Error) -> Option<String> {
     let program = Cli::command();
     let command = program.find_subcommand(command(&error.render().to_string())?)?;
     let mut options = command.get_arguments().filter_map(clap::Arg::get_long);
-    options
-        .any(|long| long == swapped)
-        .then(|| format!("--{swapped}"))
+    options.any(|long| long == swapped).then(|| format!("--{swapped}"))
 }

@@ -97,11 +97,7 @@ impl Error {
         got: impl fmt::Display,
     ) -> Self {
         let (expected, got) = (expected.into(), got.to_string());
-        Self::Argument {
-            name,
-            expected,
-            got,
-        }
+        Self::Argument { name, expected, got }
     }
 }
 
@@ -228,14 +224,8 @@ mod tests {
             assert_eq!(shown, format!("a\\u{{{:x}}}b", u32::from(c)));
             assert_eq!(escape_controls(&shown), shown);
         }
-        for name in [
-            "cube",
-            "Würfel",
-            "می\u{200c}خواهم",
-            "工具",
-            "👩\u{200d}🔧",
-            "❤\u{fe0f}",
-        ] {
+        for name in ["cube", "Würfel", "می\u{200c}خواهم", "工具", "👩\u{200d}🔧", "❤\u{fe0f}"]
+        {
             assert_eq!(escape_controls(name), name);
         }
     }

@@ -22,11 +22,8 @@ struct Files {
 }
 
 impl Files {
-    const NONE: Self = Self {
-        read: BTreeMap::new(),
-        places: BTreeSet::new(),
-        own: BTreeMap::new(),
-    };
+    const NONE: Self =
+        Self { read: BTreeMap::new(), places: BTreeSet::new(), own: BTreeMap::new() };
 }
 
 static FILES: Mutex<Files> = Mutex::new(Files::NONE);
@@ -67,8 +64,7 @@ pub fn is_input(path: &Path) -> bool {
     let read = files.read.get(&identity).cloned();
     drop(files);
     // Where the file that was read is gone, the system may have given its identity to another.
-    read.and_then(|place| found(&place))
-        .is_some_and(|(there, _)| there == identity)
+    read.and_then(|place| found(&place)).is_some_and(|(there, _)| there == identity)
 }
 
 /// Notes that this process has written the file at `path`.

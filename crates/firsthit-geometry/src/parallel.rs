@@ -255,11 +255,7 @@ mod tests {
         let result = pool.unwrap().install(|| {
             try_map(0..1000, |number| {
                 begun.fetch_add(1, Ordering::Relaxed);
-                if number == 3 {
-                    Err(Error::Interrupted)
-                } else {
-                    Ok(())
-                }
+                if number == 3 { Err(Error::Interrupted) } else { Ok(()) }
             })
         });
         assert!(matches!(result, Err(Error::Interrupted)));

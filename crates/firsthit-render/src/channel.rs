@@ -196,11 +196,7 @@ impl ChannelKind {
             components: self.components,
             data,
             display: self.display,
-            description: Description {
-                about: self.about,
-                unit: self.unit,
-                frame: self.frame,
-            },
+            description: Description { about: self.about, unit: self.unit, frame: self.frame },
         }
     }
 }
@@ -249,9 +245,7 @@ pub fn make(
     watch: &dyn Watch,
 ) -> Result<Vec<Channel>> {
     let others = kinds.iter().copied();
-    let others: Vec<&ChannelKind> = others
-        .filter(|kind| kind.attribute_name().is_none())
-        .collect();
+    let others: Vec<&ChannelKind> = others.filter(|kind| kind.attribute_name().is_none()).collect();
     let mut made = make_at_hits(&others, shots, watch)?.into_iter();
     let mut channels = Vec::with_capacity(kinds.len());
     for kind in kinds {
@@ -371,10 +365,7 @@ impl<'a> ChannelChunk<'a> {
 
     /// Whether it needs to know more than the hit.
     fn needs_surface(&self) -> bool {
-        matches!(
-            self.kind.make,
-            Make::Doubles(_) | Make::Integer(_) | Make::Flag(_)
-        )
+        matches!(self.kind.make, Make::Doubles(_) | Make::Integer(_) | Make::Flag(_))
     }
 }
 

@@ -116,10 +116,7 @@ pub fn render(
     samples: u32,
     watch: &dyn Watch,
 ) -> Result<Frame> {
-    let picture = Picture {
-        samples,
-        ..Picture::new(scene, sensor, shade, channels)
-    };
+    let picture = Picture { samples, ..Picture::new(scene, sensor, shade, channels) };
     picture.render(watch)
 }
 
@@ -216,11 +213,7 @@ impl<'a> Picture<'a> {
                 Some(last) => last.next(part, watch)?,
                 None => Slab::new(self, part, watch)?,
             };
-            let samples = if self.needs_samples() {
-                self.samples
-            } else {
-                1
-            };
+            let samples = if self.needs_samples() { self.samples } else { 1 };
             for _ in 0..samples {
                 if !slab.add_sample(watch)? {
                     break;
@@ -292,12 +285,7 @@ impl<'a> Picture<'a> {
             return Ok(None);
         };
         let edges = self.edges.unwrap_or_default();
-        let subject = Subject {
-            scene: self.scene,
-            camera,
-            engine: self.engine,
-            cull: self.cull,
-        };
+        let subject = Subject { scene: self.scene, camera, engine: self.engine, cull: self.cull };
         let part = [region.rows.clone(), region.columns.clone()];
         Lines::new(&subject, &edges, part, watch).map(Some)
     }
@@ -355,10 +343,7 @@ impl<'a> Picture<'a> {
             digest.word("noise");
             digest.numbers(&[noise]);
         }
-        Recipe {
-            digest: digest.name(),
-            ..recipe
-        }
+        Recipe { digest: digest.name(), ..recipe }
     }
 
     /// An empty frame of a region that says where it comes from; `samples` is the most that a pixel has.
@@ -460,9 +445,7 @@ pub fn origin(
             .map(legend::record),
         first_pixel: [0, 0],
         names: has_names.then(|| names(scene)),
-        cryptomatte: (channels.iter())
-            .filter_map(|kind| mattes::record(scene, kind))
-            .collect(),
+        cryptomatte: (channels.iter()).filter_map(|kind| mattes::record(scene, kind)).collect(),
         scan: None,
         scans: None,
     }
@@ -471,11 +454,7 @@ pub fn origin(
 /// A recipe as outputs have it.
 fn record(recipe: Recipe) -> ShadingRecord {
     let number = |x: f64| {
-        if x.is_finite() {
-            x.into()
-        } else {
-            x.to_string().into()
-        }
+        if x.is_finite() { x.into() } else { x.to_string().into() }
     };
     let value = |value| match value {
         Value::Flag(flag) => flag.into(),
@@ -485,9 +464,7 @@ fn record(recipe: Recipe) -> ShadingRecord {
     let settings = recipe.settings.into_iter();
     ShadingRecord {
         shader: recipe.shader.to_owned(),
-        settings: settings
-            .map(|(name, of)| (name.to_owned(), value(of)))
-            .collect(),
+        settings: settings.map(|(name, of)| (name.to_owned(), value(of))).collect(),
         digest: recipe.digest,
     }
 }

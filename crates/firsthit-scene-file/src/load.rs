@@ -148,11 +148,7 @@ fn check_scale(format: Reader, settings: &LoadSettings) -> Result<()> {
         && let Reader::World(WorldFormat { format, .. }) = format
     {
         let got = format!("{scale} for a {}", format.name);
-        return Err(Error::argument(
-            "scale",
-            "1 but for mesh files and models",
-            got,
-        ));
+        return Err(Error::argument("scale", "1 but for mesh files and models", got));
     }
     Ok(())
 }
@@ -203,14 +199,8 @@ mod tests {
     fn what_is_no_regular_file_is_refused() {
         let folder = tempfile::Builder::new().suffix(".obj").tempdir().unwrap();
         let error = load(folder.path(), &LoadSettings::default()).unwrap_err();
-        assert!(
-            error.to_string().ends_with("a folder, not a file"),
-            "{error}"
-        );
+        assert!(error.to_string().ends_with("a folder, not a file"), "{error}");
         let missing = folder.path().join("x.ply");
-        assert!(matches!(
-            load(&missing, &LoadSettings::default()),
-            Err(Error::Read { .. })
-        ));
+        assert!(matches!(load(&missing, &LoadSettings::default()), Err(Error::Read { .. })));
     }
 }

@@ -114,16 +114,8 @@ impl World {
     /// The direction upwards in `scene`, the scene of the objects: as the file says, or as
     /// [`Scene::likely_up`] guesses if it does not say.
     pub fn up_in(&self, scene: &Scene) -> DVec3 {
-        let up = if self.up == DVec3::ZERO {
-            DVec3::Z
-        } else {
-            self.up
-        };
-        if self.up_is_guessed {
-            scene.likely_up(up)
-        } else {
-            up
-        }
+        let up = if self.up == DVec3::ZERO { DVec3::Z } else { self.up };
+        if self.up_is_guessed { scene.likely_up(up) } else { up }
     }
 }
 

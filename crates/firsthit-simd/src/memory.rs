@@ -105,9 +105,6 @@ mod tests {
     fn what_no_machine_has_is_refused() {
         assert!(check("bytes of a test", 1 << 20).is_ok());
         let error = check("bytes of a test", isize::MAX as usize).unwrap_err();
-        assert!(
-            error.to_string().starts_with("bytes of a test: "),
-            "{error}"
-        );
+        assert!(error.to_string().starts_with("bytes of a test: "), "{error}");
     }
 }

@@ -107,11 +107,7 @@ impl Viewer {
         }
         let pixels = match painted.pixels {
             Pixels::Png(bytes) => bytes,
-            Pixels::Values {
-                components,
-                dtype,
-                bytes,
-            } => {
+            Pixels::Values { components, dtype, bytes } => {
                 json["components"] = components.into();
                 json["dtype"] = dtype.into();
                 bytes

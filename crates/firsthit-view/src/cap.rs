@@ -67,10 +67,7 @@ impl<'a> CappedShade<'a> {
         let is_dark = place.floor().rem_euclid(2.0) == 1.0;
         let stripe = if is_dark { STRIPE } else { 1.0 };
         let light = stripe * (AMBIENT + (1.0 - AMBIENT) * cosine);
-        light
-            * self
-                .color
-                .unwrap_or_else(|| self.scene.objects()[object].color())
+        light * self.color.unwrap_or_else(|| self.scene.objects()[object].color())
     }
 }
 

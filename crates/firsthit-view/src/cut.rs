@@ -32,10 +32,7 @@ impl CutPlane {
         let largest = normal.abs().max_element();
         let scaled = normal / largest;
         let length = scaled.length();
-        Ok(Self {
-            normal: scaled / length,
-            offset: cut.offset / largest / length,
-        })
+        Ok(Self { normal: scaled / length, offset: cut.offset / largest / length })
     }
 
     /// The normal, of length one.
@@ -114,8 +111,7 @@ impl Sensor for CutCamera<'_> {
     }
 
     fn ray_within(&self, pixel: usize, offset: DVec2) -> Ray {
-        self.plane
-            .behind(Sensor::ray_within(self.camera, pixel, offset))
+        self.plane.behind(Sensor::ray_within(self.camera, pixel, offset))
     }
 
     fn row_within(&self, first: usize, offset: DVec2, rays: &mut [Ray]) {
@@ -172,20 +168,14 @@ mod tests {
         let [first, last] = ends(plane([0.0, 0.0, -1.0], -7.0));
         assert!(first >= last, "in front of it all the way");
         let along = ends(plane([1.0, 0.0, 0.0], 0.0));
-        assert_eq!(
-            along,
-            [0.0, f64::INFINITY],
-            "a ray in the plane is behind it"
-        );
+        assert_eq!(along, [0.0, f64::INFINITY], "a ray in the plane is behind it");
     }
 
     #[test]
     fn what_is_no_plane_is_refused() {
-        for (normal, offset) in [
-            ([0.0; 3], 0.0),
-            ([f64::NAN, 0.0, 0.0], 0.0),
-            ([1.0, 0.0, 0.0], f64::INFINITY),
-        ] {
+        for (normal, offset) in
+            [([0.0; 3], 0.0), ([f64::NAN, 0.0, 0.0], 0.0), ([1.0, 0.0, 0.0], f64::INFINITY)]
+        {
             let error = CutPlane::new(&Cut { normal, offset }).unwrap_err();
             assert!(error.to_string().contains("cut"), "{error}");
         }

@@ -85,10 +85,7 @@ impl Viewer {
         let shading = resolved.shading(Cpu::shared());
         let range = resolved.scene.colored().map(Colored::range);
         let plane = look.part.cut.as_ref().map(CutPlane::new).transpose()?;
-        let cut = plane.map(|plane| CutCamera {
-            camera: &camera,
-            plane,
-        });
+        let cut = plane.map(|plane| CutCamera { camera: &camera, plane });
         let sensor: &dyn Sensor = match &cut {
             Some(cut) => cut,
             None => &camera,
@@ -117,10 +114,7 @@ impl Viewer {
         let pixels = if kind.is_color() {
             let mut bytes = Vec::new();
             let png = image::format_named("png")?;
-            let settings = WriteSettings {
-                display: self.display,
-                ..WriteSettings::default()
-            };
+            let settings = WriteSettings { display: self.display, ..WriteSettings::default() };
             png.encode(&frame, None, settings, &mut bytes, "memory".as_ref())?;
             Pixels::Png(bytes)
         } else {
@@ -137,11 +131,7 @@ impl Viewer {
 
     /// See [`Painted::full_samples`].
     fn full_samples(&self, look: &FrameRequest, scene: &Scene, camera: &Camera) -> Result<u32> {
-        let full = FrameRequest {
-            is_lit: true,
-            samples: None,
-            ..look.clone()
-        };
+        let full = FrameRequest { is_lit: true, samples: None, ..look.clone() };
         let resolved = self.appearance_of(&full)?.resolve(scene, Some(camera))?;
         Ok(resolved.samples)
     }
@@ -153,10 +143,7 @@ impl Viewer {
         look: &FrameRequest,
         watch: &dyn Watch,
     ) -> Result<Frame> {
-        let asked = FrameRequest {
-            samples: None,
-            ..look.clone()
-        };
+        let asked = FrameRequest { samples: None, ..look.clone() };
         let mut progressive = match self.take_begun(&asked, picture.samples) {
             Some(begun) => picture.resume(&begun.state)?,
             None => picture.start()?,
@@ -203,9 +190,7 @@ impl Viewer {
             None => None,
         };
         let day = environment.as_ref().and_then(Environment::sun);
-        let scene = scene
-            .try_clone()?
-            .with_environment(environment.map(Arc::new));
+        let scene = scene.try_clone()?.with_environment(environment.map(Arc::new));
         let lights = match (day, sun) {
             (Some(sun), _) => vec![sun],
             (None, Some(direction)) => vec![Light::Directional(DirectionalLight {
@@ -225,11 +210,7 @@ impl Viewer {
         up: DVec3,
         sun: Option<DVec3>,
     ) -> Result<Option<Environment>> {
-        let EnvironmentRequest {
-            choice,
-            strength,
-            turn,
-        } = *request;
+        let EnvironmentRequest { choice, strength, turn } = *request;
         if !turn.is_finite() {
             return Err(Error::argument("turn", "a finite angle", turn));
         }
@@ -252,10 +233,7 @@ impl Viewer {
                     Some(direction) => Daylight::with_sun_towards(up, -direction, haze, ground)?,
                     None => Daylight::new(up, SUN_ELEVATION, SUN_AZIMUTH, haze, ground)?,
                 };
-                Environment {
-                    strength,
-                    ..Environment::new(EnvironmentKind::Daylight(daylight))
-                }
+                Environment { strength, ..Environment::new(EnvironmentKind::Daylight(daylight)) }
             }
         };
         environment.check()?;
@@ -304,10 +282,7 @@ fn direction(name: &'static str, given: [f64; 3]) -> Result<DVec3> {
 fn values(channel: &Channel) -> Result<Pixels> {
     let (dtype, plain): (_, Vec<u8>) = match &channel.data {
         Data::Float64(numbers) => {
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "a page shows colours of them"
-            )]
+            #[expect(clippy::cast_possible_truncation, reason = "a page shows colours of them")]
             let each = numbers.iter().map(|&x| x as f32);
             ("float32", each.flat_map(f32::to_le_bytes).collect())
         }
@@ -329,9 +304,5 @@ fn values(channel: &Channel) -> Result<Pixels> {
     let written = packed.write_all(&plain).and_then(|()| packed.finish());
     let bytes =
         written.map_err(|error| Error::argument("frame", "one that can be packed", error))?;
-    Ok(Pixels::Values {
-        components: channel.components,
-        dtype,
-        bytes,
-    })
+    Ok(Pixels::Values { components: channel.components, dtype, bytes })
 }

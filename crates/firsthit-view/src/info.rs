@@ -22,18 +22,8 @@ fn legend(coloring: &Coloring) -> Value {
 }
 
 /// The channels that a page can show, in the order in which it lists them.
-const SHOWN: [&str; 10] = [
-    "color",
-    "t",
-    "range",
-    "z",
-    "object",
-    "primitive",
-    "normal",
-    "position",
-    "incidence",
-    "front",
-];
+const SHOWN: [&str; 10] =
+    ["color", "t", "range", "z", "object", "primitive", "normal", "position", "incidence", "front"];
 
 /// The most objects that a page lists.
 const MOST_LISTED: usize = 10_000;

@@ -18,12 +18,7 @@ impl Viewer {
     ///
     /// The errors of [`Scene::new`] and [`Description::camera`].
     pub fn of_file(title: impl Into<String>, loaded: Loaded) -> Result<Self> {
-        let Loaded {
-            world: mut model,
-            warnings,
-            scene: built,
-            ..
-        } = loaded;
+        let Loaded { world: mut model, warnings, scene: built, .. } = loaded;
         let objects = std::mem::take(&mut model.objects);
         let scene = match built {
             Some(built) => built.with_objects(objects)?,
@@ -67,10 +62,6 @@ fn camera(model: &World, scene: &Scene) -> Result<Camera> {
     let described = first.map_or_else(Description::default, |camera| camera.described(None));
     // With a position or an aim, up is the format's convention: it must not depend on the model.
     let is_open = described.position.is_none() && !matches!(described.aim, Some(Aim::Along(_)));
-    let up = if is_open {
-        model.up_in(scene)
-    } else {
-        model.up
-    };
+    let up = if is_open { model.up_in(scene) } else { model.up };
     described.camera(scene.bounds(), |direction| scene.support(direction), up)
 }

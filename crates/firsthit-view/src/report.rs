@@ -159,11 +159,7 @@ fn page(head: &str, still: &str) -> String {
     INDEX
         .replacen("<title>", &policy, 1)
         .replacen("<link rel=\"stylesheet\" href=\"app.css\">", &style, 1)
-        .replacen(
-            "<script type=\"module\" src=\"main.js\"></script>",
-            &script,
-            1,
-        )
+        .replacen("<script type=\"module\" src=\"main.js\"></script>", &script, 1)
         .replacen("<body>", &still, 1)
 }
 
@@ -229,10 +225,7 @@ mod tests {
                     assert_eq!(is_import, imported(line).is_some(), "{name}: {line}");
                     if let Some((names, from)) = imported(line) {
                         let before = &scripts[..k];
-                        assert!(
-                            before.iter().any(|script| script.name == from),
-                            "{name}: {line}"
-                        );
+                        assert!(before.iter().any(|script| script.name == from), "{name}: {line}");
                         assert!(
                             names.starts_with("{ ") && !names.contains(" as "),
                             "{name}: {line}"
@@ -240,15 +233,8 @@ mod tests {
                     }
                     let mut exported = Vec::new();
                     unlinked(line, &mut exported);
-                    assert_eq!(
-                        line.starts_with("export"),
-                        exported.len() == 1,
-                        "{name}: {line}"
-                    );
-                    assert!(
-                        exported.iter().all(|name| !name.is_empty()),
-                        "{name}: {line}"
-                    );
+                    assert_eq!(line.starts_with("export"), exported.len() == 1, "{name}: {line}");
+                    assert!(exported.iter().all(|name| !name.is_empty()), "{name}: {line}");
                 }
             }
         }
@@ -261,10 +247,7 @@ mod tests {
                 name: "a-b.js",
                 text: "export const one = 1;\nexport function two() {}\nconst own = 3;",
             },
-            Script {
-                name: "main.js",
-                text: "import { one, two } from \"./a-b.js\";\ntwo(one);",
-            },
+            Script { name: "main.js", text: "import { one, two } from \"./a-b.js\";\ntwo(one);" },
         ];
         let expected = "const of_a_b = (() => {\nconst one = 1;\nfunction two() {}\nconst own = 3;\nreturn { one, two };\n})();\n\
                         const { one, two } = of_a_b;\ntwo(one);\n";

@@ -52,9 +52,7 @@ fn faces(section: &Section, scene: &Scene) -> Vec<Value> {
     let mut areas = BTreeMap::<i32, Option<f64>>::new();
     for polyline in section.polylines() {
         let area = areas.entry(polyline.object).or_insert(Some(0.0));
-        *area = area
-            .zip(polyline.area(section.plane()))
-            .map(|(sum, more)| sum + more);
+        *area = area.zip(polyline.area(section.plane())).map(|(sum, more)| sum + more);
     }
     let faces = areas.into_iter().filter_map(|(number, area)| {
         let object = scene.objects().get(usize::try_from(number).ok()?)?;

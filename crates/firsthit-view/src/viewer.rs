@@ -90,11 +90,7 @@ impl Viewer {
     /// Sets the display of colours in PNGs and the lines along edges, as the scene's file says.
     #[must_use]
     pub fn shown(self, display: DisplayTransform, edges: Option<Edges>) -> Self {
-        Self {
-            display,
-            edges,
-            ..self
-        }
+        Self { display, edges, ..self }
     }
 
     /// The whole scene.
@@ -109,10 +105,7 @@ impl Viewer {
         visibility: &Visibility,
         colors: &[(usize, [f64; 3])],
     ) -> Result<Arc<Scene>> {
-        let changes = Changes {
-            hidden: self.hidden_of(visibility)?,
-            colors: colors.to_vec(),
-        };
+        let changes = Changes { hidden: self.hidden_of(visibility)?, colors: colors.to_vec() };
         if changes == Changes::default() {
             return Ok(Arc::clone(&self.scene));
         }

@@ -41,9 +41,7 @@ pub fn coordinate(x: f64, extent: f64) -> String {
     }
     let digits = (leading(x) - leading(step) + 1).clamp(6, 17);
     let after = usize::try_from(digits - 1).unwrap_or(5);
-    format!("{x:.after$e}")
-        .parse()
-        .map_or_else(|_| number(x), exact_number)
+    format!("{x:.after$e}").parse().map_or_else(|_| number(x), exact_number)
 }
 
 /// The power of ten of the first digit.
@@ -79,9 +77,6 @@ mod tests {
         for unknown in [0.0, f64::INFINITY, f64::NAN] {
             assert_eq!(place(far, unknown), triple(far), "{unknown}");
         }
-        assert_eq!(
-            place(DVec3::new(0.0, f64::NAN, f64::INFINITY), 1.0),
-            "0,NaN,inf"
-        );
+        assert_eq!(place(DVec3::new(0.0, f64::NAN, f64::INFINITY), 1.0), "0,NaN,inf");
     }
 }

@@ -45,12 +45,7 @@ type Answered = Result<(Value, Vec<u8>), String>;
 impl Door {
     /// A door without a scene.
     pub const fn new() -> Self {
-        Self {
-            room: Vec::new(),
-            viewer: None,
-            answer: String::new(),
-            pixels: Vec::new(),
-        }
+        Self { room: Vec::new(), viewer: None, answer: String::new(), pixels: Vec::new() }
     }
 
     /// Room for that many bytes, which are zero; `None` where there is no memory for them.
@@ -136,10 +131,7 @@ fn split(room: &[u8], name_bytes: usize) -> Result<(&str, &[u8]), String> {
 }
 
 fn open(name: &str, content: &[u8]) -> Result<Viewer, String> {
-    let settings = LoadSettings {
-        max_memory: MAX_MEMORY,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { max_memory: MAX_MEMORY, ..LoadSettings::default() };
     let name = Path::new(name);
     let loaded = load_bytes(name, content, &settings);
     let opened = loaded.and_then(|loaded| Viewer::of_file(escaped(name), loaded));
@@ -163,11 +155,7 @@ fn hits(viewer: &Viewer, camera: &FlatCamera) -> firsthit::Result<(Value, Vec<u8
     let mut bytes = Vec::with_capacity(16 * hits.len());
     bytes.extend(hits.t.iter().flat_map(|t| t.to_le_bytes()));
     bytes.extend(hits.object.iter().flat_map(|object| object.to_le_bytes()));
-    bytes.extend(
-        hits.primitive
-            .iter()
-            .flat_map(|primitive| primitive.to_le_bytes()),
-    );
+    bytes.extend(hits.primitive.iter().flat_map(|primitive| primitive.to_le_bytes()));
     let about = json!({"rows": camera.rows, "columns": camera.columns});
     Ok((about, bytes))
 }
@@ -200,10 +188,7 @@ mod tests {
         let mut door = Door::new();
         load(&mut door, "a.obj", TRIANGLE).unwrap();
         let info: Value = serde_json::from_str(door.answer()).unwrap();
-        assert_eq!(
-            (&info["title"], &info["triangles"]),
-            (&json!("a.obj"), &json!(1))
-        );
+        assert_eq!((&info["title"], &info["triangles"]), (&json!("a.obj"), &json!(1)));
         let camera = json!({
             "position": [0.2, 0.2, 2.0], "aim": [0, 0, -1], "up": [0, 1, 0],
             "projection": "perspective", "focal_length": 1.0, "width": 0.8, "height": 0.5, "rows": 3, "columns": 5,
@@ -213,22 +198,12 @@ mod tests {
         assert_eq!(door.pixels()[7 * 8..8 * 8], 2.0_f64.to_le_bytes());
         ask(&mut door, "frame", &json!({"camera": camera})).unwrap();
         assert!(door.pixels().starts_with(b"\x89PNG"));
-        ask(
-            &mut door,
-            "frame",
-            &json!({"camera": camera, "channel": "object"}),
-        )
-        .unwrap();
+        ask(&mut door, "frame", &json!({"camera": camera, "channel": "object"})).unwrap();
         assert_eq!(
             door.answer(),
             r#"{"columns":5,"components":1,"dtype":"int32","full_samples":16,"rows":3,"samples":1}"#
         );
-        ask(
-            &mut door,
-            "probe",
-            &json!({"camera": camera, "pixel": [2, 1]}),
-        )
-        .unwrap();
+        ask(&mut door, "probe", &json!({"camera": camera, "pixel": [2, 1]})).unwrap();
         ask(&mut door, "camera", &json!({"camera": camera})).unwrap();
         assert_eq!(door.pixels(), b"");
     }

@@ -54,9 +54,7 @@ fn status(result: Result<(), Refused>) -> i32 {
 /// call of [`fh_load`] or [`fh_ask`].
 #[unsafe(no_mangle)]
 pub extern "C" fn fh_room(bytes: usize) -> *mut u8 {
-    door()
-        .room(bytes)
-        .map_or(ptr::null_mut(), <[u8]>::as_mut_ptr)
+    door().room(bytes).map_or(ptr::null_mut(), <[u8]>::as_mut_ptr)
 }
 
 /// Reads the file in the room: its name, which takes that many bytes, and then its content. Returns 0 where all went well; then the

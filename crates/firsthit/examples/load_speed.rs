@@ -12,11 +12,7 @@ const RUNS: u32 = 5;
 /// The time that this thread has computed.
 fn cpu_time() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split(' ')
-        .next()?
-        .parse()
-        .ok()
-        .map(Duration::from_nanos)
+    text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
 }
 
 fn main() -> firsthit::Result<()> {
@@ -27,11 +23,7 @@ fn main() -> firsthit::Result<()> {
             let (started, start) = (Instant::now(), cpu_time());
             let model = load(path, &LoadSettings::default())?;
             wall = wall.min(started.elapsed());
-            cpu = cpu.min(
-                cpu_time()
-                    .unwrap_or_default()
-                    .saturating_sub(start.unwrap_or_default()),
-            );
+            cpu = cpu.min(cpu_time().unwrap_or_default().saturating_sub(start.unwrap_or_default()));
             drop(model);
         }
         let size = std::fs::metadata(path).map_or(0, |metadata| metadata.len());

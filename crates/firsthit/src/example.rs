@@ -19,11 +19,8 @@ pub fn scene() -> Result<Scene> {
     let knot = Arc::new(knot(360, 36)?);
     let mut objects = Vec::from(stage()?);
     objects.extend(solids()?);
-    let upright = placed(
-        DVec3::splat(0.62),
-        DQuat::from_rotation_z(0.5),
-        DVec3::new(0.0, 0.0, 1.08),
-    )?;
+    let upright =
+        placed(DVec3::splat(0.62), DQuat::from_rotation_z(0.5), DVec3::new(0.0, 0.0, 1.08))?;
     // The same triangles again: the colours run the other way round.
     let mirrored = placed(
         DVec3::new(-0.24, 0.24, 0.24),
@@ -46,11 +43,7 @@ pub fn scene() -> Result<Scene> {
 fn stage() -> Result<[Object; 3]> {
     let ground = Plane::new(DVec3::ZERO, DVec3::Z)?;
     let pedestal = Cylinder::new(DVec3::ZERO, DVec3::new(0.0, 0.0, 0.6), 0.95)?;
-    let disc = Disc::new(
-        DVec3::new(-0.75, 2.6, 1.45),
-        DVec3::new(0.15, -1.0, 0.0),
-        1.45,
-    )?;
+    let disc = Disc::new(DVec3::new(-0.75, 2.6, 1.45), DVec3::new(0.15, -1.0, 0.0), 1.45)?;
     Ok([
         object("ground", ground, Color::new(0.5, 0.47, 0.42)),
         object("pedestal", pedestal, Color::new(0.7, 0.66, 0.58)),
@@ -65,23 +58,10 @@ fn solids() -> Result<Vec<Object>> {
         Ok(object("sphere", sphere, color))
     };
     let cuboid = Cuboid::new(DVec3::new(-0.5, -0.5, 0.0), DVec3::new(0.5, 0.5, 1.0))?;
-    let turned = placed(
-        DVec3::splat(0.95),
-        DQuat::from_rotation_z(0.5),
-        DVec3::new(2.05, 0.7, 0.0),
-    )?;
-    let cone = Cone::new(
-        DVec3::new(-1.0, -1.5, 0.0),
-        DVec3::new(-1.0, -1.5, 0.95),
-        0.38,
-        0.0,
-    )?;
-    let cut = Cone::new(
-        DVec3::new(2.05, 0.7, 0.95),
-        DVec3::new(2.05, 0.7, 1.4),
-        0.38,
-        0.22,
-    )?;
+    let turned =
+        placed(DVec3::splat(0.95), DQuat::from_rotation_z(0.5), DVec3::new(2.05, 0.7, 0.0))?;
+    let cone = Cone::new(DVec3::new(-1.0, -1.5, 0.0), DVec3::new(-1.0, -1.5, 0.95), 0.38, 0.0)?;
+    let cut = Cone::new(DVec3::new(2.05, 0.7, 0.95), DVec3::new(2.05, 0.7, 1.4), 0.38, 0.22)?;
     Ok(vec![
         ball(-2.0, -0.35, 0.6, Color::new(0.1, 0.35, 0.6))?,
         ball(-1.75, -1.35, 0.22, Color::new(0.75, 0.72, 0.65))?,
@@ -97,9 +77,7 @@ fn object(name: &str, shape: impl Into<Shape>, color: Color) -> Object {
 }
 
 fn placed(scale: DVec3, turn: DQuat, offset: DVec3) -> Result<Transform> {
-    Transform::new(DAffine3::from_scale_rotation_translation(
-        scale, turn, offset,
-    ))
+    Transform::new(DAffine3::from_scale_rotation_translation(scale, turn, offset))
 }
 
 /// The example's camera.
@@ -113,25 +91,14 @@ pub fn camera(rows: usize, columns: usize) -> Result<Camera> {
         ray_start: RayStart::Viewplane,
         ..Viewplane::with_fov(32.0, FovAxis::Vertical, rows, columns)?
     });
-    let view = View {
-        position,
-        up: DVec3::Z,
-        rows,
-        columns,
-        lens,
-        ..View::default()
-    };
+    let view = View { position, up: DVec3::Z, rows, columns, lens, ..View::default() };
     Camera::new(view.aimed_at(target))
 }
 
 /// The example's sky.
 pub fn background() -> Background {
     let (horizon, zenith) = (Color::new(0.85, 0.8, 0.72), Color::new(0.02, 0.1, 0.45));
-    Background::Gradient {
-        horizon,
-        zenith,
-        up: DVec3::Z,
-    }
+    Background::Gradient { horizon, zenith, up: DVec3::Z }
 }
 
 /// A tube around the trefoil knot, in the colours of the rainbow: `along` rings of `around` corners.
@@ -161,20 +128,9 @@ fn knot(along: u32, around: u32) -> Result<Mesh> {
         }
     }
     let corner = |ring: u32, corner: u32| (ring % along) * around + corner % around;
-    let quad = |(r, c)| {
-        [
-            corner(r, c),
-            corner(r + 1, c),
-            corner(r + 1, c + 1),
-            corner(r, c + 1),
-        ]
-    };
-    let quads = (0..along)
-        .flat_map(|r| (0..around).map(move |c| (r, c)))
-        .map(quad);
-    let triangles = quads
-        .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
-        .collect();
+    let quad = |(r, c)| [corner(r, c), corner(r + 1, c), corner(r + 1, c + 1), corner(r, c + 1)];
+    let quads = (0..along).flat_map(|r| (0..around).map(move |c| (r, c))).map(quad);
+    let triangles = quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     Mesh::new(Positions::compact(points), triangles)?
         .with_normals(Attribute::per_vertex(normals))?
         .with_colors(Attribute::per_vertex(colors))

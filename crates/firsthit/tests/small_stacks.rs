@@ -41,9 +41,8 @@ fn ask_everything(set: InstructionSet) {
     let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Z, 30.0, 40, 60).unwrap();
     let pixel = |k: usize| camera.ray(k / camera.columns(), k % camera.columns());
     let row_by_row: Vec<Ray> = (0..camera.pixels()).map(pixel).collect();
-    let shuffled: Vec<Ray> = (0..camera.pixels())
-        .map(|k| pixel(k * 7919 % camera.pixels()))
-        .collect();
+    let shuffled: Vec<Ray> =
+        (0..camera.pixels()).map(|k| pixel(k * 7919 % camera.pixels())).collect();
     for scene in [alone, beside] {
         let scene = scene.with_lights(vec![sun]);
         let engine = Cpu::with(set);
@@ -51,15 +50,8 @@ fn ask_everything(set: InstructionSet) {
         assert!(engine.first_hit(&scene, &middle).t < 5.0);
         assert!(engine.any_hit(&scene, &middle));
         for rays in [&row_by_row, &shuffled] {
-            assert_eq!(
-                trace_with(&engine, &scene, rays, First, &()).unwrap().len(),
-                rays.len()
-            );
-            assert!(
-                trace_with(&engine, &scene, rays, Any, &())
-                    .unwrap()
-                    .contains(&true)
-            );
+            assert_eq!(trace_with(&engine, &scene, rays, First, &()).unwrap().len(), rays.len());
+            assert!(trace_with(&engine, &scene, rays, Any, &()).unwrap().contains(&true));
         }
         let color = firsthit::channel::kind("color").unwrap();
         for name in ["lambert", "phong", "direct", "path", "ao"] {

@@ -112,19 +112,13 @@ impl BoxSpace {
     }
 
     /// The corners of a box around `bounds`, wide enough for the test of a ray.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "rounding is what this is for"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is what this is for")]
     pub(super) fn outwards(&self, bounds: Bounds) -> [[f32; 3]; 2] {
         // A float32 step more covers the rounding of the difference too.
         let (low, high) = (self.point(bounds.low), self.point(bounds.high));
         let low = (low - BOX_ROUNDING * low.abs()).to_array();
         let high = (high + BOX_ROUNDING * high.abs()).to_array();
-        [
-            arrays::map(low, |x| (x as f32).next_down()),
-            arrays::map(high, |x| (x as f32).next_up()),
-        ]
+        [arrays::map(low, |x| (x as f32).next_down()), arrays::map(high, |x| (x as f32).next_up())]
     }
 }
 
@@ -225,9 +219,8 @@ impl Kernel for Next<'_, '_> {
                 continue;
             }
             if child & LEAF != 0 {
-                if let Some(next) = stack
-                    .last()
-                    .and_then(|&(next, _)| walk.bvh.nodes.get(next as usize))
+                if let Some(next) =
+                    stack.last().and_then(|&(next, _)| walk.bvh.nodes.get(next as usize))
                 {
                     l.prefetch(next);
                 }
@@ -254,18 +247,13 @@ pub(super) fn push_nearest_last(
     let bottom = stack.len();
     for k in set_bits(met) {
         let entry = (name(k), f64::from(depths[k]));
-        let farther = stack[bottom..]
-            .iter()
-            .take_while(|other| other.1 >= entry.1);
+        let farther = stack[bottom..].iter().take_while(|other| other.1 >= entry.1);
         let place = bottom + farther.count();
         stack.insert(place, entry);
     }
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the caller goes a step further"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "the caller goes a step further")]
 #[inline(always)]
 pub(super) fn narrowed(x: f64) -> f32 {
     x as f32

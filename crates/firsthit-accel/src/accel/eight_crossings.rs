@@ -31,10 +31,7 @@ pub struct RayBundle<L: Lanes> {
 }
 
 /// The corners of sixteen triangles in lanes, corner by corner and axis by axis.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "it lives for a block, on the stack"
-)]
+#[expect(clippy::large_enum_variant, reason = "it lives for a block, on the stack")]
 #[doc(hidden)]
 pub enum Corners {
     /// Corners in the tree's space, with the unit of that space, and its origin where that is not
@@ -316,10 +313,7 @@ impl SharedTriangle {
         }
         let is_same = same == u8::MAX;
         let (enough, plain_start) = if is_same {
-            (
-                if self.plain_start.0 { u8::MAX } else { 0 },
-                self.plain_start.1.splat(a),
-            )
+            (if self.plain_start.0 { u8::MAX } else { 0 }, self.plain_start.1.splat(a))
         } else {
             self.plain.splat(a).seen_from(a, &rays.origin)
         };
@@ -329,10 +323,7 @@ impl SharedTriangle {
         }
         let plane = self.plane.splat(a);
         let (of_start, start) = if is_same {
-            (
-                if self.start.0 { u8::MAX } else { 0 },
-                self.start.1.splat(a),
-            )
+            (if self.start.0 { u8::MAX } else { 0 }, self.start.1.splat(a))
         } else {
             plane.seen_from(a, &rays.origin)
         };

@@ -97,9 +97,7 @@ impl EightPairs {
         let at = at % WIDE;
         let rays = |k: usize| self.rays.0[k][at];
         let vector = |k: usize| DVec3::new(rays(k), rays(k + 1), rays(k + 2));
-        let ray = Ray::new(vector(0), vector(3))
-            .beyond(rays(6))
-            .up_to(rays(7));
+        let ray = Ray::new(vector(0), vector(3)).beyond(rays(6)).up_to(rays(7));
         let number = |k: usize| {
             if self.is_scaled >> at & 1 == 0 {
                 self.whole.0[k][at]
@@ -139,10 +137,6 @@ impl EightPairs {
         for k in 0..3 {
             l.store64(crossings[k], &mut numbers.0[k]);
         }
-        Located {
-            sound,
-            held,
-            numbers,
-        }
+        Located { sound, held, numbers }
     }
 }

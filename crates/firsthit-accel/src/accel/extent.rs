@@ -158,19 +158,12 @@ impl MeshTree {
         let node = &self.nodes[node as usize];
         let space = self.space;
         // Where an end is so far from the origin that float64 rounds by more, float32 holds the vertices without rounding.
-        let margin = if self.is_exact {
-            0.0
-        } else {
-            ROUNDED * space.unscale
-        };
+        let margin = if self.is_exact { 0.0 } else { ROUNDED * space.unscale };
         (0..WIDTH).filter_map(move |child| {
             let end = |side: usize| {
                 space.restored(arrays::from_fn(|axis| node.planes[2 * axis + side][child]))
             };
-            let bounds = Bounds {
-                low: end(0) - margin,
-                high: end(1) + margin,
-            };
+            let bounds = Bounds { low: end(0) - margin, high: end(1) + margin };
             (!bounds.is_empty()).then_some((bounds, node.children[child]))
         })
     }

@@ -125,12 +125,7 @@ pub(super) fn filter<L: Lanes>(
     let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);
     // Whether one is left would be hard to predict.
     let possible = possible & l.le(low, l.splat(limit)) & l.le(l.splat(0.0), high);
-    Some(Candidates {
-        possible,
-        certain,
-        low,
-        high,
-    })
+    Some(Candidates { possible, certain, low, high })
 }
 
 /// The rounding errors of the triangles of a leaf, as a ray sees them.

@@ -151,21 +151,14 @@ impl MeshTree {
     #[inline(always)]
     #[doc(hidden)]
     pub fn triangle_at(&self, leaf_lane: u32) -> u32 {
-        self.triangle(
-            &self.leaves[leaf_lane as usize / LANES],
-            leaf_lane as usize % LANES,
-        )
+        self.triangle(&self.leaves[leaf_lane as usize / LANES], leaf_lane as usize % LANES)
     }
 
     /// The corners of that triangle, as the mesh has them.
     #[inline(always)]
     #[doc(hidden)]
     pub fn corners_at(&self, mesh: Meshes<'_>, leaf_lane: u32) -> [DVec3; 3] {
-        self.corners(
-            mesh,
-            &self.leaves[leaf_lane as usize / LANES],
-            leaf_lane as usize % LANES,
-        )
+        self.corners(mesh, &self.leaves[leaf_lane as usize / LANES], leaf_lane as usize % LANES)
     }
 
     /// The corners of a triangle of a leaf, as the mesh has them.
@@ -173,11 +166,7 @@ impl MeshTree {
     pub(super) fn corners(&self, mesh: Meshes<'_>, leaf: &Meshlet, lane: usize) -> [DVec3; 3] {
         if self.is_exact {
             let [a, b, c] = leaf.triangle(lane);
-            [
-                self.space.restored(a),
-                self.space.restored(b),
-                self.space.restored(c),
-            ]
+            [self.space.restored(a), self.space.restored(b), self.space.restored(c)]
         } else {
             mesh.corners(self.triangle(leaf, lane))
         }

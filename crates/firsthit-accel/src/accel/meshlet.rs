@@ -41,11 +41,7 @@ impl Meshlet {
     pub(super) fn triangle(&self, lane: usize) -> [[f32; 3]; 3] {
         let corner = |k: usize| {
             let vertex = self.vertex(lane, k);
-            [
-                self.vertices[0][vertex],
-                self.vertices[1][vertex],
-                self.vertices[2][vertex],
-            ]
+            [self.vertices[0][vertex], self.vertices[1][vertex], self.vertices[2][vertex]]
         };
         [corner(0), corner(1), corner(2)]
     }

@@ -33,10 +33,7 @@ impl Bvh {
             if child & LEAF == 0 {
                 let node = &self.nodes[child as usize];
                 let all = node.children.iter().zip(overlapping(node)).rev();
-                stack.extend(
-                    all.filter(|(_, overlaps)| *overlaps)
-                        .map(|(child, _)| child),
-                );
+                stack.extend(all.filter(|(_, overlaps)| *overlaps).map(|(child, _)| child));
             } else if visit(child & !LEAF) {
                 return true;
             }
@@ -54,11 +51,7 @@ mod tests {
     fn no_box_that_overlaps_is_missed() {
         let corner = |k: u32, step: u32| {
             let along = |prime: u32| f64::from(k.wrapping_mul(prime) % 997) / 10.0;
-            DVec3::new(
-                along(7919 + step),
-                along(104_729 + step),
-                along(1_299_709 + step),
-            )
+            DVec3::new(along(7919 + step), along(104_729 + step), along(1_299_709 + step))
         };
         let bounds = |k: u32| {
             let low = corner(k, 0) + 1e7;

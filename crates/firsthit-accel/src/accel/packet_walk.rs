@@ -130,11 +130,7 @@ impl PacketWalk<'_> {
         stack: &mut WalkStack,
     ) -> Option<(u32, u16)> {
         let walk = self;
-        l.call(Next {
-            walk,
-            limits,
-            stack,
-        })
+        l.call(Next { walk, limits, stack })
     }
 
     /// Which of a node's boxes any ray may meet up to the depth `latest`, and from which depths on.
@@ -185,11 +181,7 @@ impl Kernel for Next<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Self::Output {
-        let Self {
-            walk,
-            limits,
-            stack,
-        } = self;
+        let Self { walk, limits, stack } = self;
         let mut last = Aligned([f32::NEG_INFINITY; RAYS]);
         let mut latest = f32::NEG_INFINITY;
         for (lane, &limit) in limits.iter().enumerate() {

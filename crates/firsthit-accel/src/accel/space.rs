@@ -42,18 +42,12 @@ impl Space {
         } else {
             centre
         };
-        let reach = (bounds.high - origin)
-            .max(origin - bounds.low)
-            .max_element();
+        let reach = (bounds.high - origin).max(origin - bounds.low).max_element();
         if largest.is_nan() || largest > LARGEST {
             return None;
         }
         let scale = 1.0 / power_of_two_above(reach.max(1.0 / LARGEST));
-        Some(Self {
-            origin,
-            scale,
-            unscale: 1.0 / scale,
-        })
+        Some(Self { origin, scale, unscale: 1.0 / scale })
     }
 
     /// The vertices of `mesh`.
@@ -80,17 +74,10 @@ impl Space {
         })
     }
 
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "rounding is what this is for"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is what this is for")]
     pub(super) fn point(&self, point: DVec3) -> [f32; 3] {
         // No difference with zero: it would change the sign of minus zero.
-        let moved = if self.origin == DVec3::ZERO {
-            point
-        } else {
-            point - self.origin
-        };
+        let moved = if self.origin == DVec3::ZERO { point } else { point - self.origin };
         arrays::map((moved * self.scale).to_array(), |x| x as f32)
     }
 

@@ -67,11 +67,7 @@ impl MeshTree {
     /// The facts beside the arrays.
     #[doc(hidden)]
     pub fn facts(&self) -> TreeFacts {
-        TreeFacts {
-            is_exact: self.is_exact,
-            is_welded: self.is_welded,
-            cost: self.cost,
-        }
+        TreeFacts { is_exact: self.is_exact, is_welded: self.is_welded, cost: self.cost }
     }
 
     /// The tree over `mesh` that has these parts; see [the module](self). Checked by all threads of the current rayon pool.
@@ -81,23 +77,13 @@ impl MeshTree {
     /// In words, what is wrong.
     #[doc(hidden)]
     pub fn from_parts(mesh: Meshes<'_>, parts: TreeParts) -> Result<Self, &'static str> {
-        let TreeParts {
-            nodes,
-            leaves,
-            order,
-            copies,
-            facts,
-        } = parts;
+        let TreeParts { nodes, leaves, order, copies, facts } = parts;
         let triangles = mesh.count();
         let space = if nodes.is_empty() {
             if !leaves.is_empty() || order.len() != triangles {
                 return Err("a tree without nodes has leaves, or not all triangles");
             }
-            Space {
-                origin: DVec3::ZERO,
-                scale: 1.0,
-                unscale: 1.0,
-            }
+            Space { origin: DVec3::ZERO, scale: 1.0, unscale: 1.0 }
         } else {
             Space::new(mesh).ok_or("a tree is over a mesh that is out of range")?
         };
@@ -187,20 +173,11 @@ mod tests {
 
     fn mesh() -> Mesh {
         let side = 30_u32;
-        let point = |k: u32| {
-            [
-                f64::from(k % side),
-                f64::from(k / side),
-                f64::from(k * 7 % 5),
-            ]
-        };
+        let point = |k: u32| [f64::from(k % side), f64::from(k / side), f64::from(k * 7 % 5)];
         let squares = (0..side * side).filter(|k| k % side + 1 < side && k / side + 1 < side);
         let cells = squares.flat_map(|a| [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]);
-        Mesh::new(
-            Positions::compact((0..side * side).map(point).collect()),
-            cells.collect(),
-        )
-        .unwrap()
+        Mesh::new(Positions::compact((0..side * side).map(point).collect()), cells.collect())
+            .unwrap()
     }
 
     fn shared<T: bytemuck::Pod>(values: &[T]) -> Storage<T> {
@@ -236,11 +213,8 @@ mod tests {
     fn what_is_no_tree_is_refused() {
         let mesh = mesh();
         let tree = MeshTree::build(&mesh);
-        let (nodes, leaves, order) = (
-            tree.nodes.to_vec(),
-            tree.leaves.to_vec(),
-            tree.order.to_vec(),
-        );
+        let (nodes, leaves, order) =
+            (tree.nodes.to_vec(), tree.leaves.to_vec(), tree.order.to_vec());
         assert!(nodes.len() > 4);
         let refused = |change: Change<'_>| {
             let mut changed = (nodes.clone(), leaves.clone(), order.clone());
@@ -296,10 +270,7 @@ mod tests {
                 node
             };
             let nodes = (0..length).map(node).collect();
-            let parts = TreeParts {
-                nodes,
-                ..parts(&tree)
-            };
+            let parts = TreeParts { nodes, ..parts(&tree) };
             MeshTree::from_parts((&mesh).into(), parts).map(drop)
         };
         let most = u32::try_from(LEVELS).unwrap();

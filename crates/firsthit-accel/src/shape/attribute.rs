@@ -30,10 +30,7 @@ impl<const N: usize> Debug for Attribute<N> {
 impl<const N: usize> Attribute<N> {
     /// A value for each vertex.
     pub fn per_vertex(values: Vec<[f32; N]>) -> Self {
-        Self {
-            values: values.into(),
-            corners: None,
-        }
+        Self { values: values.into(), corners: None }
     }
 
     /// The value between the corners of a triangle, by barycentric weights.
@@ -62,16 +59,9 @@ impl<const N: usize> Attribute<N> {
     /// The values at the corners of a triangle.
     #[inline]
     pub(super) fn at_corners(&self, triangle: usize, vertices: [u32; 3]) -> [[f32; N]; 3] {
-        let corners = self
-            .corners
-            .as_ref()
-            .map_or(vertices, |corners| corners[triangle]);
+        let corners = self.corners.as_ref().map_or(vertices, |corners| corners[triangle]);
         let [a, b, c] = corners;
-        [
-            self.values[a as usize],
-            self.values[b as usize],
-            self.values[c as usize],
-        ]
+        [self.values[a as usize], self.values[b as usize], self.values[c as usize]]
     }
 
     pub(super) fn check(

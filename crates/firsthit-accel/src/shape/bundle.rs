@@ -52,10 +52,7 @@ impl CrossingOf<Scalar> {
 #[inline(always)]
 #[doc(hidden)]
 pub fn crossing(t: f64, primitive: f64) -> Crossing {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "it is a small whole number"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "it is a small whole number")]
     Crossing::at(t, primitive as i32)
 }
 
@@ -278,9 +275,7 @@ mod tests {
                     continue;
                 };
                 for (lane, ray) in [one, other].into_iter().enumerate() {
-                    let expected = shape
-                        .intersect(ray)
-                        .map(|it| (it.t.to_bits(), it.primitive));
+                    let expected = shape.intersect(ray).map(|it| (it.t.to_bits(), it.primitive));
                     let found = found.is_met.0[lane].then(|| {
                         let it = crossing(found.t[lane], found.primitive[lane]);
                         (it.t.to_bits(), it.primitive)

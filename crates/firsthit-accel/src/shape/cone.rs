@@ -50,14 +50,7 @@ impl Cone {
         require("bottom_radius", expected, is_wide, bottom_radius)?;
         require("top", "another point than bottom", top != bottom, top)?;
         let axis = unit(top - bottom);
-        Ok(Self {
-            bottom,
-            top,
-            axis,
-            height: (top - bottom).dot(axis),
-            bottom_radius,
-            top_radius,
-        })
+        Ok(Self { bottom, top, axis, height: (top - bottom).dot(axis), bottom_radius, top_radius })
     }
 
     /// The lower end of its axis.
@@ -143,11 +136,7 @@ impl Surface for Cone {
             _ => {
                 let z = z.clamp(0.0, self.height);
                 let radius = self.bottom_radius + self.slope() * z;
-                let outwards = if across == DVec3::ZERO {
-                    DVec3::ZERO
-                } else {
-                    unit(across)
-                };
+                let outwards = if across == DVec3::ZERO { DVec3::ZERO } else { unit(across) };
                 self.bottom + (z * self.axis + radius * outwards)
             }
         }
@@ -168,20 +157,13 @@ impl Surface for Cone {
         let across = at - z * axis;
         let r = across.length();
         // On the axis all directions are equally far.
-        let outwards = if r == 0.0 {
-            axis.any_orthonormal_vector()
-        } else {
-            unit(across)
-        };
+        let outwards = if r == 0.0 { axis.any_orthonormal_vector() } else { unit(across) };
         let mut show = |to: DVec2, primitive| {
             let squared = (to - DVec2::new(r, z)).length_squared();
             let point = bottom + (to.y * axis + to.x * outwards);
             visit(Nearest::apart(squared, point, primitive));
         };
-        let (low, high) = (
-            DVec2::new(bottom_radius, 0.0),
-            DVec2::new(top_radius, height),
-        );
+        let (low, high) = (DVec2::new(bottom_radius, 0.0), DVec2::new(top_radius, height));
         let side = high - low;
         let share = (DVec2::new(r, z) - low).dot(side) / side.length_squared();
         show(low + share.clamp(0.0, 1.0) * side, 0);
@@ -205,13 +187,7 @@ impl super::conformance::Conforming for Cone {
     fn examples() -> Vec<Self> {
         vec![
             Self::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap(),
-            Self::new(
-                DVec3::new(0.0, 1.0, 0.0),
-                DVec3::new(2.0, 2.0, -1.0),
-                0.2,
-                0.9,
-            )
-            .unwrap(),
+            Self::new(DVec3::new(0.0, 1.0, 0.0), DVec3::new(2.0, 2.0, -1.0), 0.2, 0.9).unwrap(),
             Self::new(DVec3::ZERO, DVec3::new(0.1, 0.0, 0.0), 3.0, 2.0).unwrap(),
         ]
     }
@@ -225,17 +201,11 @@ impl super::conformance::Conforming for Cone {
         let to = |(r0, z0): (f64, f64), (r1, z1): (f64, f64)| {
             let along = ((r - r0) * (r1 - r0) + (z - z0) * (z1 - z0))
                 / ((r1 - r0) * (r1 - r0) + (z1 - z0) * (z1 - z0));
-            let along = if along.is_nan() {
-                0.0
-            } else {
-                along.clamp(0.0, 1.0)
-            };
+            let along = if along.is_nan() { 0.0 } else { along.clamp(0.0, 1.0) };
             (r - r0 - along * (r1 - r0)).hypot(z - z0 - along * (z1 - z0))
         };
         let (bottom, top) = ((self.bottom_radius, 0.0), (self.top_radius, self.height));
-        let distance = to(bottom, top)
-            .min(to((0.0, 0.0), bottom))
-            .min(to((0.0, self.height), top));
+        let distance = to(bottom, top).min(to((0.0, 0.0), bottom)).min(to((0.0, self.height), top));
         let inside = z > 0.0 && z < self.height && r < self.bottom_radius + self.slope() * z;
         if inside { -distance } else { distance }
     }
@@ -275,11 +245,7 @@ mod tests {
             assert!(wire.intersect(&at(1.001 * radius)).is_none(), "{radius}");
             let hit = wire.intersect(&at(0.6 * radius)).unwrap();
             let t = 300.0 - 0.8 * radius;
-            assert!(
-                (hit.t - t).abs() <= 2.0 * t * f64::EPSILON,
-                "{radius} {}",
-                hit.t
-            );
+            assert!((hit.t - t).abs() <= 2.0 * t * f64::EPSILON, "{radius} {}", hit.t);
         }
     }
 

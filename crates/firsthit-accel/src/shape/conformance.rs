@@ -23,10 +23,8 @@ struct RandomNumbers(u64);
 
 impl RandomNumbers {
     fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
@@ -46,11 +44,7 @@ fn rays(shape: &Shape) -> Vec<Ray> {
     let mut rays = Vec::new();
     for k in 0..4000 {
         let target = bounds.centre() + 0.55 * bounds.size() * numbers.point(1.0);
-        let origin = if k % 3 == 0 {
-            target
-        } else {
-            numbers.point(6.0)
-        };
+        let origin = if k % 3 == 0 { target } else { numbers.point(6.0) };
         let axis = [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z][k / 4 % 4];
         rays.push(match k % 4 {
             0 => Ray::new(target - 3.0 * axis, axis),
@@ -95,11 +89,7 @@ fn walk(shape: &Shape, ray: &Ray) -> Walk {
         }
         grazing |= distance < 1e-6;
         if t * length > FAR {
-            return if grazing {
-                Walk::TooCloseToCall
-            } else {
-                Walk::Nothing
-            };
+            return if grazing { Walk::TooCloseToCall } else { Walk::Nothing };
         }
         t += distance / length;
     }
@@ -118,18 +108,9 @@ fn hits_lie_on_the_surface_and_in_the_bounds() {
             let point = ray.at(hit.t);
             hits += 1;
             let scale = 1.0 + ray.origin.length() + point.length();
-            assert!(
-                shape.distance(point).abs() < TOLERANCE * scale,
-                "{shape:?} {ray:?} {hit:?}"
-            );
-            assert!(
-                bounds.low.cmple(point + TOLERANCE * scale).all(),
-                "{shape:?} {ray:?}"
-            );
-            assert!(
-                bounds.high.cmpge(point - TOLERANCE * scale).all(),
-                "{shape:?} {ray:?}"
-            );
+            assert!(shape.distance(point).abs() < TOLERANCE * scale, "{shape:?} {ray:?} {hit:?}");
+            assert!(bounds.low.cmple(point + TOLERANCE * scale).all(), "{shape:?} {ray:?}");
+            assert!(bounds.high.cmpge(point - TOLERANCE * scale).all(), "{shape:?} {ray:?}");
         }
         assert!(hits > 100, "{shape:?} was hit {hits} times");
     }
@@ -189,10 +170,7 @@ fn the_first_crossing_is_the_one_that_walking_finds() {
                 }
                 (Walk::Nothing, Some(hit)) => {
                     let beyond = hit * ray.direction.length() > 0.99 * FAR;
-                    assert!(
-                        beyond,
-                        "{shape:?} {ray:?}: {hit}, but walking found nothing"
-                    );
+                    assert!(beyond, "{shape:?} {ray:?}: {hit}, but walking found nothing");
                 }
                 (Walk::Nothing, None) | (Walk::TooCloseToCall, _) => {}
             }
@@ -206,16 +184,11 @@ fn normals_have_length_one_and_point_away_from_the_inside() {
     each_hit(|shape, ray, hit| {
         let point = ray.at(hit.t);
         let normal = shape.normal(point, hit.primitive);
-        assert!(
-            (normal.length() - 1.0).abs() < TOLERANCE,
-            "{shape:?} {ray:?}"
-        );
+        assert!((normal.length() - 1.0).abs() < TOLERANCE, "{shape:?} {ray:?}");
         let front = ray.direction.dot(normal) < 0.0;
         let step = 1e-6 / ray.direction.length();
-        let (before, after) = (
-            shape.distance(ray.at(hit.t - step)),
-            shape.distance(ray.at(hit.t + step)),
-        );
+        let (before, after) =
+            (shape.distance(ray.at(hit.t - step)), shape.distance(ray.at(hit.t + step)));
         // Grazing rays and thin edges are on neither side for long enough to tell.
         if before * after < 0.0 {
             assert_eq!(front, before > after, "{shape:?} {ray:?} {hit:?}");
@@ -233,40 +206,24 @@ fn closed_shapes_are_left_through_the_other_side() {
         {
             return;
         }
-        let second = shape
-            .intersect(&inside)
-            .unwrap_or_else(|| panic!("{shape:?} {ray:?} leaks"));
+        let second = shape.intersect(&inside).unwrap_or_else(|| panic!("{shape:?} {ray:?} leaks"));
         let back = Ray::new(inside.at(second.t + 10.0), -ray.direction);
-        let again = shape
-            .intersect(&back)
-            .unwrap_or_else(|| panic!("{shape:?} {ray:?} from behind"));
+        let again =
+            shape.intersect(&back).unwrap_or_else(|| panic!("{shape:?} {ray:?} from behind"));
         let rounding =
             TOLERANCE * 1e3 * (1.0 + ray.origin.length()) / ray.direction.length().min(1.0);
-        let grazing = ray
-            .direction
-            .dot(shape.normal(back.at(again.t), again.primitive))
-            .abs()
-            < 1e-3;
-        assert!(
-            grazing || (again.t - 10.0).abs() < rounding,
-            "{shape:?} {ray:?} {again:?}"
-        );
+        let grazing =
+            ray.direction.dot(shape.normal(back.at(again.t), again.primitive)).abs() < 1e-3;
+        assert!(grazing || (again.t - 10.0).abs() < rounding, "{shape:?} {ray:?} {again:?}");
     });
 }
 
 #[test]
 fn t_counts_in_lengths_of_the_direction_and_t_max_is_included() {
     each_hit(|shape, ray, hit| {
-        let fast = shape
-            .intersect(&Ray::new(ray.origin, 4.0 * ray.direction))
-            .unwrap();
-        assert!(
-            (4.0 * fast.t - hit.t).abs() <= 1e-12 * hit.t.max(1.0),
-            "{shape:?} {ray:?}"
-        );
-        let included = shape
-            .intersect(&ray.up_to(hit.t))
-            .map(|hit| (hit.t, hit.primitive));
+        let fast = shape.intersect(&Ray::new(ray.origin, 4.0 * ray.direction)).unwrap();
+        assert!((4.0 * fast.t - hit.t).abs() <= 1e-12 * hit.t.max(1.0), "{shape:?} {ray:?}");
+        let included = shape.intersect(&ray.up_to(hit.t)).map(|hit| (hit.t, hit.primitive));
         assert_eq!(included, Some((hit.t, hit.primitive)), "{shape:?} {ray:?}");
         let before = shape.intersect(&ray.up_to(hit.t.next_down()));
         assert!(before.is_none(), "{shape:?} {ray:?} {before:?}");
@@ -280,12 +237,7 @@ fn all_crossings_are_those_met_one_after_another() {
         if matches!(shape, Shape::Mesh(_)) {
             return;
         }
-        let all: Vec<f64> = shape
-            .crossings(ray)
-            .iter()
-            .flatten()
-            .map(|at| at.t)
-            .collect();
+        let all: Vec<f64> = shape.crossings(ray).iter().flatten().map(|at| at.t).collect();
         let next = shape.intersect(&ray.beyond(hit.t)).map(|next| next.t);
         // Both ends of a solid in one place are both there.
         let last = next.or((all.len() == 2).then_some(hit.t));
@@ -310,14 +262,9 @@ fn t_min_is_not_included_and_lets_the_next_crossing_through() {
         };
         assert!(next.t > hit.t, "{shape:?} {ray:?}");
         let back = Ray::new(ray.at(2.0 * next.t), -ray.direction);
-        let last = shape
-            .intersect(&back)
-            .map_or(0.0, |hit| 2.0 * next.t - hit.t);
+        let last = shape.intersect(&back).map_or(0.0, |hit| 2.0 * next.t - hit.t);
         let rounding = 1e-7 * next.t.max(1.0);
-        assert!(
-            (last - next.t).abs() <= rounding,
-            "{shape:?} {ray:?} {next:?} {last}"
-        );
+        assert!((last - next.t).abs() <= rounding, "{shape:?} {ray:?} {next:?} {last}");
         passed += 1;
     });
     assert!(passed > 100, "{passed}");
@@ -346,9 +293,7 @@ fn shapes_are_met_from_ten_million_units_away() {
             return;
         }
         let far = Ray::new(ray.at(hit.t) - 1e7 * direction, direction);
-        let Some(hit) = shape.intersect(&far) else {
-            panic!("{shape:?} {ray:?}")
-        };
+        let Some(hit) = shape.intersect(&far) else { panic!("{shape:?} {ray:?}") };
         let off = shape.distance(far.at(hit.t)).abs();
         assert!(off < 1e-7, "{shape:?} {ray:?} {off}");
     });
@@ -388,11 +333,7 @@ fn the_nearest_point_is_at_the_distance() {
             let found = nearest(from, &Transform::IDENTITY);
             let what = || format!("{shape:?} {from}: {found:?}");
             let (distance, expected) = (found.squared.sqrt(), shape.distance(from).abs());
-            assert!(
-                (distance - expected).abs() < TOLERANCE * scale,
-                "{}",
-                what()
-            );
+            assert!((distance - expected).abs() < TOLERANCE * scale, "{}", what());
             let on = shape.distance(found.point).abs();
             assert!(on < TOLERANCE * scale, "{}: {on}", what());
             let apart = found.point.distance(from);
@@ -402,11 +343,7 @@ fn the_nearest_point_is_at_the_distance() {
 
             let elsewhere = nearest(turned.point_in_world(from), &turned);
             let off = elsewhere.squared.sqrt() - 2.5 * distance;
-            assert!(
-                off.abs() < 4.0 * TOLERANCE * scale,
-                "{}: {elsewhere:?}",
-                what()
-            );
+            assert!(off.abs() < 4.0 * TOLERANCE * scale, "{}: {elsewhere:?}", what());
         }
     }
 }
@@ -439,17 +376,11 @@ fn stretched_shapes_are_measured_in_the_world() {
             let distance = found.squared.sqrt();
             let seen = surface.iter().map(|point| point.distance(from));
             let seen = seen.fold(f64::INFINITY, f64::min);
-            assert!(
-                distance <= seen + TOLERANCE,
-                "{shape:?} {from}: {seen} {found:?}"
-            );
+            assert!(distance <= seen + TOLERANCE, "{shape:?} {from}: {seen} {found:?}");
             smallest = smallest.min(seen - distance);
             // And it is a point of the surface.
             let back = place.object_from_world().transform_point3(found.point);
-            assert!(
-                shape.distance(back).abs() < 10.0 * TOLERANCE,
-                "{shape:?} {from}: {found:?}"
-            );
+            assert!(shape.distance(back).abs() < 10.0 * TOLERANCE, "{shape:?} {from}: {found:?}");
             assert!((found.point.distance(from) - distance).abs() < 10.0 * TOLERANCE);
         }
         // Some of the many points are about as near.

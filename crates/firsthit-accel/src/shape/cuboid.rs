@@ -33,15 +33,8 @@ impl Cuboid {
         require_finite("low", low)?;
         require_finite("high", high)?;
         let both = format!("{high} (low is {low})");
-        require(
-            "high",
-            "above low along every axis",
-            low.cmplt(high).all(),
-            both,
-        )?;
-        Ok(Self {
-            bounds: Bounds { low, high },
-        })
+        require("high", "above low along every axis", low.cmplt(high).all(), both)?;
+        Ok(Self { bounds: Bounds { low, high } })
     }
 
     /// The lowest corner.
@@ -58,9 +51,7 @@ impl Cuboid {
     #[inline(always)]
     fn inside<A: Arithmetic>(&self, of: A, ray: &RayOf<A::Number>) -> Interval<A> {
         let Bounds { low, high } = self.bounds;
-        let RayOf {
-            origin, direction, ..
-        } = ray;
+        let RayOf { origin, direction, .. } = ray;
         let x = [(low.x, 0), (high.x, 1)];
         let y = [(low.y, 2), (high.y, 3)];
         let z = [(low.z, 4), (high.z, 5)];
@@ -99,14 +90,7 @@ impl Surface for Cuboid {
 
     #[inline(always)]
     fn normal(&self, _point: DVec3, primitive: i32) -> DVec3 {
-        let faces = [
-            DVec3::NEG_X,
-            DVec3::X,
-            DVec3::NEG_Y,
-            DVec3::Y,
-            DVec3::NEG_Z,
-            DVec3::Z,
-        ];
+        let faces = [DVec3::NEG_X, DVec3::X, DVec3::NEG_Y, DVec3::Y, DVec3::NEG_Z, DVec3::Z];
         usize::try_from(primitive)
             .ok()
             .and_then(|face| faces.get(face))

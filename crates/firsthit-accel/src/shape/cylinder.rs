@@ -28,9 +28,7 @@ impl Cylinder {
     /// positive, and numbers that are not finite.
     pub fn new(bottom: DVec3, top: DVec3, radius: f64) -> Result<Self> {
         require_positive("radius", radius)?;
-        Ok(Self {
-            cone: Cone::new(bottom, top, radius, radius)?,
-        })
+        Ok(Self { cone: Cone::new(bottom, top, radius, radius)? })
     }
 
     /// The lower end of its axis.

@@ -63,20 +63,14 @@ impl Disc {
         let from_center = minus(of, ray.at(of, crossing.t), splat(of, self.center));
         let radius_squared = of.number(self.radius * self.radius);
         let is_inside = of.le(squared(of, from_center), radius_squared);
-        CrossingOf {
-            is_met: crossing.is_met & is_inside,
-            ..crossing
-        }
+        CrossingOf { is_met: crossing.is_met & is_inside, ..crossing }
     }
 }
 
 impl Surface for Disc {
     fn bounds(&self) -> Bounds {
         let reach = self.radius * sines(self.plane.normal(self.center, 0));
-        Bounds {
-            low: self.center - reach,
-            high: self.center + reach,
-        }
+        Bounds { low: self.center - reach, high: self.center + reach }
     }
 
     fn support(&self, direction: DVec3) -> f64 {
@@ -113,10 +107,7 @@ impl Surface for Disc {
         } else {
             let (x, y) = self.facing().any_orthonormal_pair();
             let spanned = [x, y, DVec3::ZERO].map(|v| *map * (self.radius * v));
-            let Principal {
-                directions: [x, y, _],
-                lengths: [a, b, _],
-            } = Principal::new(spanned);
+            let Principal { directions: [x, y, _], lengths: [a, b, _] } = Principal::new(spanned);
             let at = [x.dot(across), y.dot(across)];
             let is_beyond = (at[0] / a) * (at[0] / a) + (at[1] / b) * (at[1] / b) > 1.0;
             is_beyond.then(|| {

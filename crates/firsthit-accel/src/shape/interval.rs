@@ -19,10 +19,7 @@ pub(super) struct End<N> {
 impl<N: Copy> End<N> {
     #[inline(always)]
     fn select<A: Arithmetic<Number = N>>(of: A, mask: A::Mask, a: Self, b: Self) -> Self {
-        Self {
-            t: of.select(mask, a.t, b.t),
-            primitive: of.select(mask, a.primitive, b.primitive),
-        }
+        Self { t: of.select(mask, a.t, b.t), primitive: of.select(mask, a.primitive, b.primitive) }
     }
 }
 
@@ -43,26 +40,15 @@ impl<A: Arithmetic> Interval<A> {
     pub(super) fn line(of: A) -> Self {
         let primitive = of.number(f64::from(i32::MAX));
         let is_there = of.lt(of.number(0.0), of.number(1.0));
-        let enter = End {
-            t: of.number(f64::NEG_INFINITY),
-            primitive,
-        };
-        let exit = End {
-            t: of.number(f64::INFINITY),
-            primitive,
-        };
+        let enter = End { t: of.number(f64::NEG_INFINITY), primitive };
+        let exit = End { t: of.number(f64::INFINITY), primitive };
         Self::new(of, is_there, [enter, exit])
     }
 
     /// The interval from one end to the other, in the lanes of the mask.
     #[inline(always)]
     pub(super) fn new(of: A, is_there: A::Mask, [enter, exit]: [End<A::Number>; 2]) -> Self {
-        Self {
-            of,
-            is_there,
-            enter,
-            exit,
-        }
+        Self { of, is_there, enter, exit }
     }
 
     /// The rest of the interval from `t` on in the lanes of a mask, `primitive` being the surface
@@ -101,10 +87,8 @@ impl<A: Arithmetic> Interval<A> {
         let is_beside = equal(of, speed, zero);
         let planes = [of.number(low.0), of.number(high.0)];
         let is_within = of.le(planes[0], at) & of.le(at, planes[1]);
-        let low = End {
-            t: of.div(of.sub(planes[0], at), speed),
-            primitive: of.number(f64::from(low.1)),
-        };
+        let low =
+            End { t: of.div(of.sub(planes[0], at), speed), primitive: of.number(f64::from(low.1)) };
         let high = End {
             t: of.div(of.sub(planes[1], at), speed),
             primitive: of.number(f64::from(high.1)),
@@ -113,8 +97,7 @@ impl<A: Arithmetic> Interval<A> {
         let near = End::select(of, is_upwards, low, high);
         let far = End::select(of, is_upwards, high, low);
         let left =
-            self.from(!is_beside, near.t, near.primitive)
-                .until(!is_beside, far.t, far.primitive);
+            self.from(!is_beside, near.t, near.primitive).until(!is_beside, far.t, far.primitive);
         left.only(!is_beside | is_within)
     }
 
@@ -128,9 +111,7 @@ impl<A: Arithmetic> Interval<A> {
     /// Whether anything may be inside anywhere.
     #[inline(always)]
     pub(super) fn is_anywhere(&self) -> bool {
-        let Self {
-            of, enter, exit, ..
-        } = self;
+        let Self { of, enter, exit, .. } = self;
         of.is_anywhere(self.is_there & !of.lt(exit.t, enter.t))
     }
 
@@ -175,22 +156,13 @@ impl<A: Arithmetic> Interval<A> {
     /// The first end that the ray holds. Where both are at the same `t` (the ray touches an edge), that with the lower primitive.
     #[inline(always)]
     pub(super) fn first(self, ray: &RayOf<A::Number>) -> CrossingOf<A> {
-        let Self {
-            of,
-            is_there,
-            enter,
-            exit,
-        } = self;
+        let Self { of, is_there, enter, exit } = self;
         let is_touched = equal(of, enter.t, exit.t) & of.lt(exit.primitive, enter.primitive);
         let enter = End::select(of, is_touched, exit, enter);
         let is_first = ray.holds(of, enter.t) & is_finite(of, enter.t);
         let is_second = ray.holds(of, exit.t) & is_finite(of, exit.t);
         let End { t, primitive } = End::select(of, is_first, enter, exit);
-        CrossingOf {
-            is_met: is_there & (is_first | is_second),
-            t,
-            primitive,
-        }
+        CrossingOf { is_met: is_there & (is_first | is_second), t, primitive }
     }
 }
 

@@ -93,13 +93,7 @@ impl<'a> Meshes<'a> {
     pub fn nearest_t(self, ray: &Ray, crossing: &Crossing) -> f64 {
         let (mesh, triangle) = self.locate(crossing.primitive.cast_unsigned());
         let primitive = triangle.cast_signed();
-        mesh.nearest_t(
-            ray,
-            &Crossing {
-                primitive,
-                ..*crossing
-            },
-        )
+        mesh.nearest_t(ray, &Crossing { primitive, ..*crossing })
     }
 
     /// See [`Mesh::is_flat`]. What is known of the planes of joined meshes is known of each alone.
@@ -249,11 +243,7 @@ impl JoinedMeshes {
             }
             left = after;
         }
-        Ok(Mesh::of_others(
-            Positions::concatenated(&distinct)?,
-            triangles,
-            self.bounds,
-        ))
+        Ok(Mesh::of_others(Positions::concatenated(&distinct)?, triangles, self.bounds))
     }
 }
 

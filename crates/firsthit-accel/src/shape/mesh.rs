@@ -107,17 +107,12 @@ fn checked_bounds(positions: &Positions, triangles: &[[u32; 3]]) -> Result<Bound
     };
     if let Some(Bounds { low, high }) = bounds {
         // Of zeros with two signs `min` and `max` may return either, from machine to machine.
-        return Ok(Bounds {
-            low: low + 0.0,
-            high: high + 0.0,
-        });
+        return Ok(Bounds { low: low + 0.0, high: high + 0.0 });
     }
     check_indices("triangles", triangles, positions.len())?;
     let mut corners = triangles.iter().flatten();
     let bad = corners.find(|&&k| !positions.get(k).is_finite());
-    let got = bad.map_or_else(String::new, |&bad| {
-        format!("{} at index {bad}", positions.get(bad))
-    });
+    let got = bad.map_or_else(String::new, |&bad| format!("{} at index {bad}", positions.get(bad)));
     Err(Error::argument("vertices", "finite", got))
 }
 
@@ -146,11 +141,7 @@ impl Mesh {
         let positions = positions.into();
         if i32::try_from(triangles.len()).is_err() {
             let (got, limit) = (triangles.len().to_string(), i32::MAX.to_string());
-            return Err(Error::Limit {
-                what: "triangles in a mesh",
-                got,
-                limit,
-            });
+            return Err(Error::Limit { what: "triangles in a mesh", got, limit });
         }
         let bounds = checked_bounds(&positions, &triangles)?;
         Ok(Self::of_others(positions, triangles, bounds))

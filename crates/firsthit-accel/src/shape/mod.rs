@@ -1,9 +1,6 @@
 //! Shapes that rays can meet: a file per shape, each in its own object space.
 
-#![allow(
-    clippy::inline_always,
-    reason = "inlined into a kernel, it has the kernel's instructions"
-)]
+#![allow(clippy::inline_always, reason = "inlined into a kernel, it has the kernel's instructions")]
 
 mod attribute;
 #[doc(hidden)]
@@ -67,11 +64,7 @@ pub struct Crossing {
 
 impl Crossing {
     fn at(t: f64, primitive: i32) -> Self {
-        Self {
-            t,
-            primitive,
-            barycentric: DVec2::NAN,
-        }
+        Self { t, primitive, barycentric: DVec2::NAN }
     }
 }
 
@@ -248,10 +241,5 @@ impl Shape {
 /// small.)
 fn sines(normal: DVec3) -> DVec3 {
     let squares = normal * normal;
-    DVec3::new(
-        squares.y + squares.z,
-        squares.z + squares.x,
-        squares.x + squares.y,
-    )
-    .map(f64::sqrt)
+    DVec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y).map(f64::sqrt)
 }

@@ -35,21 +35,12 @@ impl Nearest {
 
     /// The point with a square of the distance that is more precise than from the point.
     pub(super) fn apart(squared: f64, point: DVec3, primitive: i32) -> Self {
-        Self {
-            squared,
-            point,
-            primitive,
-            barycentric: DVec2::NAN,
-        }
+        Self { squared, point, primitive, barycentric: DVec2::NAN }
     }
 
     /// The nearer of two, of equally near ones the first.
     pub(super) fn or(self, other: Self) -> Self {
-        if other.squared < self.squared {
-            other
-        } else {
-            self
-        }
+        if other.squared < self.squared { other } else { self }
     }
 }
 

@@ -36,10 +36,7 @@ impl Plane {
         // One that was made here before keeps its bits: to make a normal of length one of one that is can change it.
         let is_unit = (normal.length_squared() - 1.0).abs() <= 8.0 * f64::EPSILON;
         let normal = if is_unit { normal } else { unit(normal) };
-        Ok(Self {
-            point: require_finite("point", point)?,
-            normal,
-        })
+        Ok(Self { point: require_finite("point", point)?, normal })
     }
 
     /// A point of it.

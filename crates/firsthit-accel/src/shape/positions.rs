@@ -33,9 +33,7 @@ impl Debug for Positions {
             Self::Single(_) => "Single",
             Self::Double(_) => "Double",
         };
-        f.debug_tuple(kind)
-            .field(&Count(self.len(), "points"))
-            .finish()
+        f.debug_tuple(kind).field(&Count(self.len(), "points")).finish()
     }
 }
 
@@ -69,9 +67,7 @@ impl Positions {
             return Ok(Self::Single(points.into()));
         }
         let mut points = memory::filled(count, [0.0; 3])?;
-        let of_all = all
-            .iter()
-            .flat_map(|one| (0..).zip(0..one.len()).map(|(k, _)| one.get(k)));
+        let of_all = all.iter().flat_map(|one| (0..).zip(0..one.len()).map(|(k, _)| one.get(k)));
         for (out, point) in points.iter_mut().zip(of_all) {
             *out = point.to_array();
         }

@@ -59,9 +59,7 @@ impl Debug for PropertyValues {
             Self::Single(_) => "Single",
             Self::Double(_) => "Double",
         };
-        f.debug_tuple(kind)
-            .field(&Count(self.len(), "numbers"))
-            .finish()
+        f.debug_tuple(kind).field(&Count(self.len(), "numbers")).finish()
     }
 }
 
@@ -100,31 +98,17 @@ impl PropertyValues {
 impl Property {
     /// A property of one number for each vertex, corner or face, interpolated.
     pub fn new(name: impl Into<String>, of: PropertyOf, values: PropertyValues) -> Self {
-        Self {
-            name: name.into(),
-            of,
-            components: 1,
-            between: Between::Interpolated,
-            values,
-        }
+        Self { name: name.into(), of, components: 1, between: Between::Interpolated, values }
     }
 
     /// Refuses numbers that are not as many as what has them.
     pub(super) fn check(&self, counts: &Counts) -> Result<()> {
         let named = |what: String| format!("{what} of '{}'", self.name);
         let has_some = self.components > 0;
-        require(
-            "properties",
-            "at least one number for each",
-            has_some,
-            named("0".into()),
-        )?;
+        require("properties", "at least one number for each", has_some, named("0".into()))?;
         let (count, expected) = match self.of {
             PropertyOf::Vertices => (counts.vertices, "as many as vertices"),
-            PropertyOf::Corners => (
-                counts.triangles.saturating_mul(3),
-                "three for each triangle",
-            ),
+            PropertyOf::Corners => (counts.triangles.saturating_mul(3), "three for each triangle"),
             PropertyOf::Faces => (counts.faces, "one for each face"),
         };
         let length = self.values.len();

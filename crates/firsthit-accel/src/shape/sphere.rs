@@ -76,14 +76,8 @@ impl Sphere {
         let q = of.select(has_minus(of, b), of.sub(b, root), of.add(b, root));
         let (t0, t1) = (of.div(c, q), of.div(q, a));
         let primitive = of.number(0.0);
-        let enter = End {
-            t: smaller(of, t0, t1),
-            primitive,
-        };
-        let exit = End {
-            t: larger(of, t0, t1),
-            primitive,
-        };
+        let enter = End { t: smaller(of, t0, t1), primitive };
+        let exit = End { t: larger(of, t0, t1), primitive };
         Interval::new(of, is_there, [enter, exit])
     }
 
@@ -96,10 +90,7 @@ impl Sphere {
 
 impl Surface for Sphere {
     fn bounds(&self) -> Bounds {
-        Bounds {
-            low: self.center - self.radius,
-            high: self.center + self.radius,
-        }
+        Bounds { low: self.center - self.radius, high: self.center + self.radius }
     }
 
     fn support(&self, direction: DVec3) -> f64 {
@@ -135,11 +126,7 @@ impl Surface for Sphere {
             // From the middle all points are equally far.
             let outwards = if length == 0.0 { DVec3::X } else { unit(away) };
             let height = length - radius;
-            return visit(Nearest::apart(
-                height * height,
-                center + radius * outwards,
-                0,
-            ));
+            return visit(Nearest::apart(height * height, center + radius * outwards, 0));
         }
         let columns = [map.x_axis, map.y_axis, map.z_axis];
         let ellipsoid = Principal::new(columns.map(|column| self.radius * column));

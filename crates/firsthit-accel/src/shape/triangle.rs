@@ -93,11 +93,7 @@ impl TriangleHit {
     #[inline(always)]
     #[doc(hidden)]
     pub fn crossing(self, primitive: i32) -> Crossing {
-        Crossing {
-            t: self.t,
-            primitive,
-            barycentric: self.barycentric,
-        }
+        Crossing { t: self.t, primitive, barycentric: self.barycentric }
     }
 }
 
@@ -135,10 +131,7 @@ impl Shear {
         let [x, y, z] = self.axes;
         let largest = relative.abs().max_element();
         let (x, y, z) = (relative[x], relative[y], relative[z]);
-        (
-            DVec2::new(x - self.slope.x * z, y - self.slope.y * z),
-            largest,
-        )
+        (DVec2::new(x - self.slope.x * z, y - self.slope.y * z), largest)
     }
 
     /// The sides of a triangle.
@@ -188,11 +181,7 @@ impl Shear {
         if is_met && let Some(place) = meeting.plain() {
             return Some(TriangleHit::new(place));
         }
-        settle(Doubtful {
-            meeting,
-            is_met,
-            edges,
-        })
+        settle(Doubtful { meeting, is_met, edges })
     }
 }
 
@@ -237,11 +226,7 @@ pub(crate) fn locate(
     let meeting = Meeting::new(ray.origin, ray.direction, corners);
     match meeting.plain() {
         Some(place) => Some(TriangleHit::new(place)),
-        None => settle(Doubtful {
-            meeting,
-            is_met: true,
-            edges: EdgeRule::Closed,
-        }),
+        None => settle(Doubtful { meeting, is_met: true, edges: EdgeRule::Closed }),
     }
 }
 
@@ -368,11 +353,7 @@ fn side(p: DVec2, q: DVec2) -> f64 {
     let left = p.x * q.y;
     let right = p.y * q.x;
     let difference = left - right;
-    if difference == 0.0 {
-        side_of_equals(p, q, left, right)
-    } else {
-        difference
-    }
+    if difference == 0.0 { side_of_equals(p, q, left, right) } else { difference }
 }
 
 /// [`side`] where both products round to the same number. What rounding took from each then decides, and a fused
@@ -384,11 +365,7 @@ fn side_of_equals(p: DVec2, q: DVec2, left: f64, right: f64) -> f64 {
     if left.abs() < 1e-270 && p.abs().max(q.abs()).max_element() < 1e140 {
         let (p, q) = (p * HUGE, q * HUGE);
         let (left, right) = (p.x * q.y, p.y * q.x);
-        return if left == right {
-            residuals(p, q, left, right)
-        } else {
-            left - right
-        };
+        return if left == right { residuals(p, q, left, right) } else { left - right };
     }
     residuals(p, q, left, right)
 }
@@ -408,11 +385,7 @@ mod tests {
         for k in 0..1000 {
             let x = f64::from(k) * 1e-3 - 0.5;
             let ray = Ray::new(DVec3::new(x * 0.7, -0.7 + 0.1 * x, 3.0), DVec3::NEG_Z);
-            assert_eq!(
-                Shear::new(&ray).intersect(corners).unwrap().t,
-                3.0,
-                "{ray:?}"
-            );
+            assert_eq!(Shear::new(&ray).intersect(corners).unwrap().t, 3.0, "{ray:?}");
         }
     }
 

@@ -81,11 +81,7 @@ impl Camera {
         } else {
             (camera.pose.perspective(&viewplane, &support)?, viewplane)
         };
-        Self::new(View {
-            position,
-            lens: Lens::Flat(viewplane),
-            ..*camera.view()
-        })
+        Self::new(View { position, lens: Lens::Flat(viewplane), ..*camera.view() })
     }
 }
 
@@ -134,9 +130,6 @@ impl View {
 
     /// The view, aimed at `target`.
     pub fn aimed_at(self, target: DVec3) -> Self {
-        Self {
-            aim: unit(target - self.position),
-            ..self
-        }
+        Self { aim: unit(target - self.position), ..self }
     }
 }

@@ -166,13 +166,7 @@ impl<D: Distortion> Central for Calibrated<D> {
     #[inline(always)]
     fn directions<A: Arithmetic>(&self, of: A, _: [usize; 2], [u, v]: Pair<A>) -> Known<A, 3> {
         // Operation for operation what `PixelMatrix::point` does.
-        let PixelMatrix {
-            fx,
-            fy,
-            cx,
-            cy,
-            skew,
-        } = self.matrix;
+        let PixelMatrix { fx, fy, cx, cy, skew } = self.matrix;
         let y = of.mul(of.sub(v, of.number(cy)), of.number(fy.recip()));
         let across = of.sub(of.sub(u, of.number(cx)), of.mul(of.number(skew), y));
         let x = of.mul(across, of.number(fx.recip()));

@@ -84,8 +84,7 @@ fn direction_at<C: Central>(lens: &C, pose: &Pose, size: [usize; 2], pixel: DVec
     let direction = if is_known {
         Some(quick)
     } else {
-        lens.direction(size, pixel)
-            .map(|direction| direction.to_array())
+        lens.direction(size, pixel).map(|direction| direction.to_array())
     };
     let direction = direction.map(|direction| in_world::<C, _>(Scalar, pose, direction).into());
     direction.unwrap_or(DVec3::NAN)
@@ -196,14 +195,7 @@ impl<C: Central> Model for C {
         offset: DVec2,
         directions: [&mut [f64]; 3],
     ) {
-        let row = RowOfDirections {
-            lens: self,
-            pose,
-            size,
-            first,
-            offset,
-            directions,
-        };
+        let row = RowOfDirections { lens: self, pose, size, first, offset, directions };
         run(set, row);
     }
 
@@ -218,9 +210,6 @@ impl<C: Central> Model for C {
 
     fn reach(&self, pose: &Pose, size: [usize; 2], pixel: [usize; 2]) -> Reach {
         let ray = self.ray(pose, size, pixel, PixelGrid::CENTRE);
-        Reach {
-            offset: 0.0,
-            cosine: ray.direction.dot(pose.aim),
-        }
+        Reach { offset: 0.0, cosine: ray.direction.dot(pose.aim) }
     }
 }

@@ -109,10 +109,7 @@ impl Convention {
         };
         let signs = DMat3::from_diagonal(self.signs());
         let rotation = world_from_camera.matrix3 * signs;
-        Ok(DAffine3::from_mat3_translation(
-            rotation,
-            world_from_camera.translation,
-        ))
+        Ok(DAffine3::from_mat3_translation(rotation, world_from_camera.translation))
     }
 
     /// The matrix, row by row, that this convention writes a pose as, which goes from right, up and backwards to the world.
@@ -139,21 +136,13 @@ impl Convention {
     /// A matrix K of this convention as this library counts pixels.
     pub fn pixel_matrix(self, given: PixelMatrix) -> PixelMatrix {
         let offset = 0.5 - self.first_pixel_center();
-        PixelMatrix {
-            cx: given.cx + offset,
-            cy: given.cy + offset,
-            ..given
-        }
+        PixelMatrix { cx: given.cx + offset, cy: given.cy + offset, ..given }
     }
 
     /// The matrix in the convention's own pixels, from one in ours.
     pub fn own_pixel_matrix(self, matrix: PixelMatrix) -> PixelMatrix {
         let offset = 0.5 - self.first_pixel_center();
-        PixelMatrix {
-            cx: matrix.cx - offset,
-            cy: matrix.cy - offset,
-            ..matrix
-        }
+        PixelMatrix { cx: matrix.cx - offset, cy: matrix.cy - offset, ..matrix }
     }
 }
 
@@ -357,11 +346,8 @@ mod tests {
         let mut made = 0;
         for k in 0..200 {
             let angle = f64::from(k);
-            let vector = DVec3::new(
-                libm::sin(angle),
-                libm::cos(2.0 * angle),
-                libm::sin(0.7 * angle),
-            );
+            let vector =
+                DVec3::new(libm::sin(angle), libm::cos(2.0 * angle), libm::sin(0.7 * angle));
             let pose_of = |m: DMat3| {
                 let row = |k: usize| [m.row(k).x, m.row(k).y, m.row(k).z, 4.0];
                 [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
@@ -381,10 +367,7 @@ mod tests {
             assert!(square.to_cols_array().iter().all(|x| x.abs() < 1e-15));
             assert_eq!(pose.translation, DVec3::splat(4.0));
             for factor in [1.01, -1.0] {
-                assert_eq!(
-                    orthonormalised(given.map(|row| row.map(|x| factor * x))),
-                    None
-                );
+                assert_eq!(orthonormalised(given.map(|row| row.map(|x| factor * x))), None);
             }
         }
         assert!(made > 100, "{made}");
@@ -398,13 +381,9 @@ mod tests {
             [0.0, 0.0, 1.0, 0.0],
             [0.0, 0.0, 0.0, 1.0],
         ];
-        for (row, column, value) in [
-            (0, 0, 2.0),
-            (0, 0, -1.0),
-            (0, 1, 0.1),
-            (3, 0, 1.0),
-            (1, 3, f64::NAN),
-        ] {
+        for (row, column, value) in
+            [(0, 0, 2.0), (0, 0, -1.0), (0, 1, 0.1), (3, 0, 1.0), (1, 3, f64::NAN)]
+        {
             let mut matrix = identity;
             matrix[row][column] = value;
             assert!(Convention::OpenCv.pose(matrix).is_err(), "{matrix:?}");

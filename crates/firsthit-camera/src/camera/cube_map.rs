@@ -32,12 +32,8 @@ const FACES: [(u8, [DVec3; 3]); 6] = [
 ];
 
 /// Rows and columns of faces, and the letters of those, row by row.
-const LAYOUTS: [([usize; 2], &[u8]); 4] = [
-    ([1, 6], b"RLUDFB"),
-    ([6, 1], b"RLUDFB"),
-    ([2, 3], b"RLUDFB"),
-    ([3, 4], b".U..LFRB.D.."),
-];
+const LAYOUTS: [([usize; 2], &[u8]); 4] =
+    [([1, 6], b"RLUDFB"), ([6, 1], b"RLUDFB"), ([2, 3], b"RLUDFB"), ([3, 4], b".U..LFRB.D..")];
 
 /// The layout of a picture, and how many pixels the side of a face has.
 fn layout([rows, columns]: [usize; 2]) -> Option<([usize; 2], &'static [u8], usize)> {
@@ -62,11 +58,7 @@ impl Central for CubeMap {
         // Written so that what is beyond the edges belongs to the nearest face.
         let last = DVec2::new(columns as f64 - 1.0, rows as f64 - 1.0);
         let place = at.floor().clamp(DVec2::ZERO, last);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "clamped"
-        )]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
         let index = place.y as usize * columns + place.x as usize;
         let letter = letters.get(index)?;
         let (_, [right, down, middle]) = FACES.iter().find(|(own, _)| own == letter)?;

@@ -62,10 +62,7 @@ pub enum Focus {
 }
 
 /// The field of view of a camera, or its lens.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "a description is made once for a camera"
-)]
+#[expect(clippy::large_enum_variant, reason = "a description is made once for a camera")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Opening {
     /// Degrees along [`Description::fov_axis`], with square pixels: for perspective cameras. Of fisheyes those of a circle
@@ -108,10 +105,7 @@ impl Description {
         up: DVec3,
     ) -> Result<Camera> {
         if bounds.is_empty() || !bounds.is_finite() {
-            let bounds = Bounds {
-                low: DVec3::NEG_ONE,
-                high: DVec3::ONE,
-            };
+            let bounds = Bounds { low: DVec3::NEG_ONE, high: DVec3::ONE };
             let support = |direction: DVec3| direction.abs().element_sum();
             return self.of_finite(bounds, &support, up);
         }
@@ -127,13 +121,7 @@ impl Description {
         let [rows, columns] = self.size();
         let up = self.up.unwrap_or(up);
         let lens = self.lens([rows, columns])?;
-        let view = View {
-            up,
-            rows,
-            columns,
-            lens,
-            ..View::default()
-        };
+        let view = View { up, rows, columns, lens, ..View::default() };
         let camera = match (self.position, lens) {
             (Some(position), _) => self.at_position(View { position, ..view }, bounds)?,
             (None, lens) if lens.is_panorama() => self.in_the_middle(view, bounds)?,
@@ -183,18 +171,13 @@ impl Description {
                     height: viewplane.height,
                     focal_length: Some(viewplane.focal_length),
                 },
-                _ => Opening::Lens {
-                    lens: view.lens,
-                    size: [view.rows, view.columns],
-                },
+                _ => Opening::Lens { lens: view.lens, size: [view.rows, view.columns] },
             }),
             fov_axis: None,
             projection: Some(view.lens.projection()),
             ray_start: viewplane.map(|viewplane| viewplane.ray_start),
             aperture: Some(view.lens.aperture()).filter(|&aperture| aperture > 0.0),
-            focus: Some(view.lens.focus())
-                .filter(|&focus| focus > 0.0)
-                .map(Focus::Distance),
+            focus: Some(view.lens.focus()).filter(|&focus| focus > 0.0).map(Focus::Distance),
             columns: None,
             rows: None,
         }
@@ -209,10 +192,9 @@ impl Description {
         }
         let aspect = match self.opening {
             Some(Opening::Viewplane { width, height, .. }) => width / height,
-            Some(Opening::Lens {
-                size: [rows, columns],
-                ..
-            }) => columns as f64 / rows.max(1) as f64,
+            Some(Opening::Lens { size: [rows, columns], .. }) => {
+                columns as f64 / rows.max(1) as f64
+            }
             _ => match self.projection {
                 Some(Projection::Equirectangular) => 2.0,
                 Some(Projection::Cylindrical) => 3.0,
@@ -221,11 +203,7 @@ impl Description {
                 _ => 4.0 / 3.0,
             },
         };
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "clamped"
-        )]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
         let pixels = |count: f64| count.round().clamp(1.0, 16_384.0) as usize;
         match (self.columns, self.rows) {
             (Some(columns), Some(rows)) => [rows, columns],
@@ -253,10 +231,8 @@ impl Description {
         let projection = self.projection.unwrap_or_default();
         self.check_fov_axis(projection)?;
         if let Some(Opening::Lens { lens, size }) = self.opening {
-            let factors = [
-                rows as f64 / size[0].max(1) as f64,
-                columns as f64 / size[1].max(1) as f64,
-            ];
+            let factors =
+                [rows as f64 / size[0].max(1) as f64, columns as f64 / size[1].max(1) as f64];
             return Ok(lens.scaled(factors));
         }
         if !projection.has_viewplane() {
@@ -276,11 +252,7 @@ impl Description {
                 square(degrees)?
             }
             Some(Opening::Lens { .. }) => unreachable!("it has returned"),
-            Some(Opening::Viewplane {
-                width,
-                height,
-                focal_length,
-            }) => {
+            Some(Opening::Viewplane { width, height, focal_length }) => {
                 let expected = "given with the viewplane of a perspective camera";
                 let is_known = parallel || focal_length.is_some();
                 require("focal_length", expected, is_known, "none")?;
@@ -298,10 +270,7 @@ impl Description {
                 }
             }
         };
-        Ok(Lens::Flat(Viewplane {
-            parallel,
-            ..viewplane
-        }))
+        Ok(Lens::Flat(Viewplane { parallel, ..viewplane }))
     }
 
     /// A panorama or a fisheye; a calibrated lens is not known without its numbers.
@@ -326,12 +295,7 @@ impl Description {
                 _ => {
                     let lens = Lens::named(projection, &[])?;
                     let expected = "given with a calibrated lens";
-                    require(
-                        "intrinsics",
-                        expected,
-                        lens.is_panorama(),
-                        projection.name(),
-                    )?;
+                    require("intrinsics", expected, lens.is_panorama(), projection.name())?;
                     Ok(lens)
                 }
             },
@@ -385,11 +349,7 @@ impl Description {
             return view;
         }
         // What maps do: north is up, and x goes to the right.
-        let up = if view.up.z == 0.0 {
-            DVec3::NEG_Z
-        } else {
-            DVec3::Y
-        };
+        let up = if view.up.z == 0.0 { DVec3::NEG_Z } else { DVec3::Y };
         View { up, ..view }
     }
 
@@ -407,11 +367,7 @@ impl Description {
         // A lens without a viewplane is placed as a pinhole would be that sees about as much.
         let seen_by = match Camera::new(view)?.pixel_matrix() {
             Some(matrix) if view.lens.viewplane().is_none() => View {
-                lens: Lens::Flat(Viewplane::from_pixel_matrix(
-                    &matrix,
-                    view.rows,
-                    view.columns,
-                )?),
+                lens: Lens::Flat(Viewplane::from_pixel_matrix(&matrix, view.rows, view.columns)?),
                 ..view
             },
             _ => view,
@@ -419,14 +375,12 @@ impl Description {
         let camera = Camera::framing(seen_by, support)?;
         match self.opening {
             // What was asked for stays as it was asked for.
-            Some(Opening::Viewplane { .. } | Opening::Lens { .. }) => Camera::new(View {
-                lens: view.lens,
-                ..*camera.view()
-            }),
-            _ if view.lens.viewplane().is_none() => Camera::new(View {
-                lens: view.lens,
-                ..*camera.view()
-            }),
+            Some(Opening::Viewplane { .. } | Opening::Lens { .. }) => {
+                Camera::new(View { lens: view.lens, ..*camera.view() })
+            }
+            _ if view.lens.viewplane().is_none() => {
+                Camera::new(View { lens: view.lens, ..*camera.view() })
+            }
             _ => Ok(camera),
         }
     }
@@ -445,11 +399,7 @@ fn sized(view: View, viewplane: Viewplane, bounds: Bounds) -> Result<Camera> {
     let smallest = smallest(centre.abs().max_element());
     let height = 2.0 * MARGIN * corners.into_iter().fold(smallest, f64::max);
     Camera::new(View {
-        lens: Lens::Flat(Viewplane {
-            width: height * aspect,
-            height,
-            ..viewplane
-        }),
+        lens: Lens::Flat(Viewplane { width: height * aspect, height, ..viewplane }),
         ..view
     })
 }

@@ -26,10 +26,7 @@ struct Extent {
 
 impl Extent {
     fn of(axis: DVec3, support: &impl Fn(DVec3) -> f64) -> Result<Self> {
-        Ok(Self {
-            low: -finite(-axis, support)?,
-            high: finite(axis, support)?,
-        })
+        Ok(Self { low: -finite(-axis, support)?, high: finite(axis, support)? })
     }
 
     fn middle(self) -> f64 {
@@ -162,11 +159,7 @@ impl Pose {
         let width = height * aspect;
         let depth = deep.low - 0.5 * width.max(height).max(deep.length());
         let eye = wide.middle() * self.right + high.middle() * self.upwards + depth * self.aim;
-        let viewplane = Viewplane {
-            width,
-            height,
-            ..viewplane
-        };
+        let viewplane = Viewplane { width, height, ..viewplane };
         Ok((eye, viewplane))
     }
 }

@@ -264,10 +264,7 @@ impl Lens {
                 Self::OrthographicFisheye(within(OrthographicFisheye { fov }, size)?)
             }
             Projection::OpenCvFisheye => {
-                let without_distortion = OpenCvFisheye {
-                    fov,
-                    ..OpenCvFisheye::default()
-                };
+                let without_distortion = OpenCvFisheye { fov, ..OpenCvFisheye::default() };
                 Self::OpenCvFisheye(within(without_distortion, size)?)
             }
             Projection::Equirectangular | Projection::Cylindrical => {
@@ -321,13 +318,9 @@ mod tests {
     /// A sample of the projection's own parameters.
     fn distortion(projection: Projection) -> &'static [(&'static str, f64)] {
         match projection {
-            Projection::OpenCv => &[
-                ("k1", -0.3),
-                ("k2", 0.05),
-                ("k5", 0.01),
-                ("p1", 0.002),
-                ("s1", 0.001),
-            ],
+            Projection::OpenCv => {
+                &[("k1", -0.3), ("k2", 0.05), ("k5", 0.01), ("p1", 0.002), ("s1", 0.001)]
+            }
             Projection::OpenCvFisheye => &[("k1", 0.05), ("k2", -0.03)],
             Projection::KannalaBrandt => &[("k1", 0.9), ("k2", 0.02)],
             Projection::DoubleSphere => &[("xi", -0.2), ("alpha", 0.6)],
@@ -336,13 +329,9 @@ mod tests {
             Projection::Mei => &[("xi", 1.3), ("k1", -0.1), ("p2", 0.01)],
             Projection::Fov => &[("omega", 0.9)],
             Projection::ThinPrismFisheye => &[("k1", -0.05), ("p1", 0.003), ("sx1", 0.004)],
-            Projection::RadTanThinPrismFisheye => &[
-                ("k0", -0.04),
-                ("k3", 0.002),
-                ("p0", 0.003),
-                ("s0", -0.002),
-                ("s3", 0.001),
-            ],
+            Projection::RadTanThinPrismFisheye => {
+                &[("k0", -0.04), ("k3", 0.002), ("p0", 0.003), ("s0", -0.002), ("s3", 0.001)]
+            }
             _ => &[],
         }
     }
@@ -350,20 +339,10 @@ mod tests {
     /// Every instruction set makes the rays that one by one are made, to the bit.
     #[test]
     fn directions_of_rows_are_those_one_by_one() {
-        let matrix = [
-            ("fx", 30.0),
-            ("fy", 29.0),
-            ("cx", 33.3),
-            ("cy", 21.1),
-            ("skew", 0.3),
-        ];
+        let matrix = [("fx", 30.0), ("fy", 29.0), ("cx", 33.3), ("cy", 21.1), ("skew", 0.3)];
         for &projection in Projection::ALL {
             let own = distortion(projection);
-            let has_matrix = projection
-                .lens()
-                .parameters()
-                .iter()
-                .any(|(name, _)| *name == "fx");
+            let has_matrix = projection.lens().parameters().iter().any(|(name, _)| *name == "fx");
             let numbers = [if has_matrix { &matrix[..] } else { &[] }, own].concat();
             let view = View {
                 aim: DVec3::new(0.3, -0.5, 0.8),

@@ -25,12 +25,7 @@ impl Camera {
             Lens::Flat(viewplane) => viewplane.pixel_matrix(self.size()),
             lens => {
                 let given = lens.parameters();
-                let of = |name| {
-                    given
-                        .iter()
-                        .find(|(own, _)| *own == name)
-                        .map(|&(_, value)| value)
-                };
+                let of = |name| given.iter().find(|(own, _)| *own == name).map(|&(_, value)| value);
                 Some(PixelMatrix {
                     fx: of("fx")?,
                     fy: of("fy")?,
@@ -81,10 +76,7 @@ mod tests {
     #[test]
     fn parallel_rays_have_no_intrinsic_matrix() {
         let view = View {
-            lens: Lens::Flat(Viewplane {
-                parallel: true,
-                ..Viewplane::default()
-            }),
+            lens: Lens::Flat(Viewplane { parallel: true, ..Viewplane::default() }),
             ..View::default()
         };
         assert_eq!(Camera::new(view).unwrap().intrinsic_matrix(), None);

@@ -151,10 +151,7 @@ impl Camera {
         let pose = Pose::new(view.position, view.aim, view.up, unit_aim)?;
         require("rows", "at least 1", view.rows >= 1, view.rows)?;
         require("columns", "at least 1", view.columns >= 1, view.columns)?;
-        let mut view = View {
-            aim: pose.aim,
-            ..view
-        };
+        let mut view = View { aim: pose.aim, ..view };
         view.lens.prepare([view.rows, view.columns])?;
         Ok(Self { view, pose })
     }
@@ -253,24 +250,14 @@ impl Camera {
         let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
         let is_part = fits(&rows, self.rows()) && fits(&columns, self.columns());
         let got = format!("rows {rows:?} and columns {columns:?}");
-        require(
-            "crop",
-            "a part of the picture that is not empty",
-            is_part,
-            got,
-        )?;
+        require("crop", "a part of the picture that is not empty", is_part, got)?;
         let (first, size) = ([rows.start, columns.start], [rows.len(), columns.len()]);
         let Some(lens) = self.view.lens.cropped(self.size(), first, size) else {
             let expected = "one with an intrinsic matrix, to be cropped; or render a region";
             let name = self.view.lens.projection().name();
             return Err(Error::argument("projection", expected, name));
         };
-        Self::from_view_exact(View {
-            rows: size[0],
-            columns: size[1],
-            lens,
-            ..self.view
-        })
+        Self::from_view_exact(View { rows: size[0], columns: size[1], lens, ..self.view })
     }
 
     /// The camera of the same picture with other numbers of pixels, as by binning them. An intrinsic matrix follows.
@@ -279,10 +266,7 @@ impl Camera {
     ///
     /// [`Error::Argument`] for no rows or columns.
     pub fn resize(&self, rows: usize, columns: usize) -> Result<Self> {
-        let factors = [
-            rows as f64 / self.rows() as f64,
-            columns as f64 / self.columns() as f64,
-        ];
+        let factors = [rows as f64 / self.rows() as f64, columns as f64 / self.columns() as f64];
         Self::from_view_exact(View {
             rows,
             columns,
@@ -352,14 +336,7 @@ impl Camera {
         let lens = self.view.lens.model();
         // They are the same with any; who chooses a wrong one is told so where rays are traced.
         let set = InstructionSet::current().unwrap_or(InstructionSet::Portable);
-        lens.directions(
-            set,
-            &self.pose,
-            self.size(),
-            [row, column],
-            offset,
-            directions,
-        );
+        lens.directions(set, &self.pose, self.size(), [row, column], offset, directions);
     }
 
     /// Fills `rays` with those through a point of the pixels of one row, from a column on: what [`ray_within`](Self::ray_within)
@@ -405,11 +382,7 @@ impl Camera {
         let reach = self.view.lens.model().reach(&self.pose, self.size(), pixel);
         let range = t + reach.offset;
         // A miss is infinitely far away in front, also where a panorama looks back.
-        let z = if t == f64::INFINITY {
-            t
-        } else {
-            range * reach.cosine
-        };
+        let z = if t == f64::INFINITY { t } else { range * reach.cosine };
         [range, z]
     }
 }

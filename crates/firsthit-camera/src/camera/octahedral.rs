@@ -13,10 +13,7 @@ settings! {
 /// The point of the square, from -1 to 1 both ways, with the back half folded inwards, or outwards.
 fn folded(point: DVec2) -> DVec2 {
     let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
-    DVec2::new(
-        (1.0 - point.y.abs()) * sign(point.x),
-        (1.0 - point.x.abs()) * sign(point.y),
-    )
+    DVec2::new((1.0 - point.y.abs()) * sign(point.x), (1.0 - point.x.abs()) * sign(point.y))
 }
 
 impl Central for Octahedral {
@@ -30,11 +27,7 @@ impl Central for Octahedral {
     fn pixel(&self, [rows, columns]: [usize; 2], direction: DVec3) -> Option<DVec2> {
         let on_octahedron = direction / direction.abs().element_sum();
         let aside = on_octahedron.truncate();
-        let point = if direction.z < 0.0 {
-            folded(aside)
-        } else {
-            aside
-        };
+        let point = if direction.z < 0.0 { folded(aside) } else { aside };
         Some(0.5 * (point + DVec2::ONE) * DVec2::new(columns as f64, rows as f64))
     }
 

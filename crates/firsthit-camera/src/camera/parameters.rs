@@ -62,11 +62,7 @@ pub(super) fn set(parameters: &mut dyn Parameters, given: &[(&str, f64)]) -> Res
         });
         if !is_known {
             let expected = "a name that the projection has";
-            let known = if names.is_empty() {
-                "none".to_owned()
-            } else {
-                names.join(", ")
-            };
+            let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
             let got = format!("{name:?}; there are {known}");
             return Err(Error::argument("parameter", expected, got));
         }

@@ -34,10 +34,7 @@ settings! {
 impl PixelMatrix {
     /// The pixel coordinates of a point of the normalised image.
     pub fn pixel(&self, point: DVec2) -> DVec2 {
-        DVec2::new(
-            self.fx * point.x + self.skew * point.y + self.cx,
-            self.fy * point.y + self.cy,
-        )
+        DVec2::new(self.fx * point.x + self.skew * point.y + self.cx, self.fy * point.y + self.cy)
     }
 
     /// The point of the normalised image at pixel coordinates.
@@ -63,20 +60,8 @@ impl PixelMatrix {
         if projection == Projection::Perspective && others.is_empty() {
             return Viewplane::from_pixel_matrix(self, rows, columns).map(Lens::Flat);
         }
-        let &Self {
-            fx,
-            fy,
-            cx,
-            cy,
-            skew,
-        } = self;
-        let own = [
-            ("fx", fx),
-            ("fy", fy),
-            ("cx", cx),
-            ("cy", cy),
-            ("skew", skew),
-        ];
+        let &Self { fx, fy, cx, cy, skew } = self;
+        let own = [("fx", fx), ("fy", fy), ("cx", cx), ("cy", cy), ("skew", skew)];
         Lens::named(projection, &[&own, others].concat())
     }
 
@@ -113,11 +98,7 @@ impl PixelMatrix {
 
     /// The matrix for a part of the picture, which begins at a row and a column.
     pub(super) fn cropped(&self, [row, column]: [usize; 2]) -> Self {
-        Self {
-            cx: self.cx - column as f64,
-            cy: self.cy - row as f64,
-            ..*self
-        }
+        Self { cx: self.cx - column as f64, cy: self.cy - row as f64, ..*self }
     }
 
     /// The matrix for the same picture at the given factors times its rows and columns.

@@ -33,11 +33,6 @@ impl Pose {
         let right = unit(across - across.dot(unit_aim) * unit_aim);
         // u_y = u_z x u_x with u_z = -u_c.
         let upwards = (-unit_aim).cross(right);
-        Ok(Self {
-            position,
-            aim: unit_aim,
-            right,
-            upwards,
-        })
+        Ok(Self { position, aim: unit_aim, right, upwards })
     }
 }

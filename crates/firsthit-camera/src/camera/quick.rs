@@ -58,10 +58,8 @@ pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> Pair<A> {
     /// Adding it rounds to a whole number.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     /// pi / 2 in two parts.
-    const PARTS: [f64; 2] = [
-        f64::from_bits(0x3ff9_21fb_5440_0000),
-        f64::from_bits(0x3dd0_b461_1a62_6331),
-    ];
+    const PARTS: [f64; 2] =
+        [f64::from_bits(0x3ff9_21fb_5440_0000), f64::from_bits(0x3dd0_b461_1a62_6331)];
     const SINE: [f64; 8] = [
         -1.0 / 6.0,
         1.0 / 120.0,
@@ -90,10 +88,8 @@ pub(super) fn sincos<A: Arithmetic>(of: A, angle: A::Number) -> Pair<A> {
     let sine = of.add(rest, of.mul(cube, polynomial(of, &SINE, square)));
     let fourth = of.mul(square, square);
     let half = of.mul(of.number(0.5), square);
-    let cosine = of.add(
-        of.sub(of.number(1.0), half),
-        of.mul(fourth, polynomial(of, &COSINE, square)),
-    );
+    let cosine =
+        of.add(of.sub(of.number(1.0), half), of.mul(fourth, polynomial(of, &COSINE, square)));
     // Of -2 to 2 quarters.
     let is_first = of.lt(of.number(0.5), quarters) & of.lt(quarters, of.number(1.5));
     let is_minus_first = of.lt(quarters, of.number(-0.5)) & of.lt(of.number(-1.5), quarters);
@@ -124,11 +120,7 @@ impl Default for Start {
     fn default() -> Self {
         let mut coefficients = [0.0; NODES];
         coefficients[0] = 1.0;
-        Self {
-            middle: 0.0,
-            scale: 0.0,
-            coefficients,
-        }
+        Self { middle: 0.0, scale: 0.0, coefficients }
     }
 }
 
@@ -157,11 +149,7 @@ impl Start {
             }
             coefficients[0] = differences[k] - nodes[k] * coefficients[0];
         }
-        Self {
-            middle: 0.5 * end,
-            scale: 2.0 / end,
-            coefficients,
-        }
+        Self { middle: 0.5 * end, scale: 2.0 / end, coefficients }
     }
 
     #[inline(always)]
@@ -184,10 +172,7 @@ mod tests {
             let [sine, cosine] = sincos(Scalar, angle);
             let (expected_sine, expected_cosine) = libm::sincos(angle);
             assert!((sine - expected_sine).abs() < 3e-16, "{angle}: {sine}");
-            assert!(
-                (cosine - expected_cosine).abs() < 3e-16,
-                "{angle}: {cosine}"
-            );
+            assert!((cosine - expected_cosine).abs() < 3e-16, "{angle}: {cosine}");
         }
     }
 
@@ -196,10 +181,7 @@ mod tests {
         let start = Start::through(2.0, |x| Some(1.0 / (1.0 + 0.3 * x)));
         for k in 0..=20 {
             let x = 0.1 * f64::from(k);
-            assert!(
-                (start.at(Scalar, x) - 1.0 / (1.0 + 0.3 * x)).abs() < 1e-5,
-                "{x}"
-            );
+            assert!((start.at(Scalar, x) - 1.0 / (1.0 + 0.3 * x)).abs() < 1e-5, "{x}");
         }
     }
 }

@@ -45,11 +45,7 @@ impl StandardView {
             // The camera refuses it, by its name.
             return (DVec3::NEG_Z, up);
         }
-        let front = if above.y.abs() < 0.9 {
-            DVec3::NEG_Y
-        } else {
-            DVec3::Z
-        };
+        let front = if above.y.abs() < 0.9 { DVec3::NEG_Y } else { DVec3::Z };
         let front = unit(front.reject_from_normalized(above));
         let right = above.cross(front);
         match self {
@@ -84,11 +80,7 @@ mod tests {
         for up in ups {
             for &standard in StandardView::ALL {
                 let (aim, picture_up) = standard.aim_and_up(up);
-                let view = View {
-                    aim,
-                    up: picture_up,
-                    ..View::default()
-                };
+                let view = View { aim, up: picture_up, ..View::default() };
                 let camera = Camera::new(view).unwrap();
                 let above = camera.upwards().dot(unit(up));
                 match standard {

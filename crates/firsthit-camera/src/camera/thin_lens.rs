@@ -130,9 +130,7 @@ pub const THIN_LENS: &[Setting; 2] = setting_list! {
 /// Refuses numbers that no thin lens has.
 pub(super) fn check_thin_lens(aperture: f64, focus: f64) -> Result<()> {
     for (setting, number) in THIN_LENS.iter().zip([aperture, focus]) {
-        setting
-            .domain
-            .checked(setting.name, Value::Number(number))?;
+        setting.domain.checked(setting.name, Value::Number(number))?;
     }
     let expected = "a positive distance for a camera with an aperture";
     require("focus", expected, aperture == 0.0 || focus > 0.0, focus)

@@ -125,10 +125,7 @@ impl Projection {
     /// Whether it is a panorama. Cameras with one stand in the middle of a scene.
     #[doc(hidden)]
     pub fn is_panorama(self) -> bool {
-        matches!(
-            self,
-            Self::Equirectangular | Self::Cylindrical | Self::CubeMap | Self::Octahedral
-        )
+        matches!(self, Self::Equirectangular | Self::Cylindrical | Self::CubeMap | Self::Octahedral)
     }
 }
 
@@ -179,13 +176,7 @@ impl Viewplane {
     /// [`Error::Argument`](crate::error::Error::Argument) for focal lengths that are not positive, and numbers that are not finite.
     pub fn from_pixel_matrix(matrix: &PixelMatrix, rows: usize, columns: usize) -> Result<Self> {
         matrix.check()?;
-        let PixelMatrix {
-            fx,
-            fy,
-            cx,
-            cy,
-            skew,
-        } = *matrix;
+        let PixelMatrix { fx, fy, cx, cy, skew } = *matrix;
         let (across, down) = (columns.max(1) as f64, rows.max(1) as f64);
         let (skew, up) = (skew / fx, (cy - 0.5 * down) / fy);
         Ok(Self {
@@ -239,10 +230,8 @@ impl Viewplane {
             return None;
         }
         let (across, down) = (columns as f64, rows as f64);
-        let (fx, fy) = (
-            self.focal_length * across / self.width,
-            self.focal_length * down / self.height,
-        );
+        let (fx, fy) =
+            (self.focal_length * across / self.width, self.focal_length * down / self.height);
         let shift = self.shift / self.focal_length;
         Some(PixelMatrix {
             fx,
@@ -277,11 +266,7 @@ impl Viewplane {
     fn placed(&self, [right, upwards, aim]: [DVec3; 3]) -> Placed {
         let ahead = self.focal_length * aim;
         if self.is_centred() {
-            return Placed {
-                middle: ahead,
-                right,
-                upwards,
-            };
+            return Placed { middle: ahead, right, upwards };
         }
         let (sin_x, cos_x) = libm::sincos(self.tilt.x.to_radians());
         let (sin_y, cos_y) = libm::sincos(self.tilt.y.to_radians());
@@ -336,11 +321,7 @@ impl Model for Viewplane {
     }
 
     fn project(&self, [rows, columns]: [usize; 2], point: DVec3) -> Option<DVec2> {
-        let Placed {
-            middle,
-            right,
-            upwards,
-        } = self.placed([DVec3::X, DVec3::NEG_Y, DVec3::Z]);
+        let Placed { middle, right, upwards } = self.placed([DVec3::X, DVec3::NEG_Y, DVec3::Z]);
         let axes = DMat3::from_cols(right, upwards, middle);
         let seen = if self.parallel {
             let from_middle = point - (middle - self.focal_length * DVec3::Z);
@@ -367,18 +348,11 @@ impl Model for Viewplane {
         } else {
             let point = grid.point(row, column);
             let distance = point.length();
-            let ahead = if self.tilt == DVec2::ZERO {
-                self.focal_length
-            } else {
-                point.dot(pose.aim)
-            };
+            let ahead =
+                if self.tilt == DVec2::ZERO { self.focal_length } else { point.dot(pose.aim) };
             (distance, ahead / distance)
         };
-        let offset = if grid.starts_on_viewplane {
-            distance
-        } else {
-            0.0
-        };
+        let offset = if grid.starts_on_viewplane { distance } else { 0.0 };
         Reach { offset, cosine }
     }
 

@@ -237,10 +237,7 @@ impl Trajectory {
         // Slerp (Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH 1985) by the rotation vector, which does not
         // divide by the sine of the angle.
         let rotation = exp(s * turn) * from.rotation;
-        Pose {
-            position: from.position + moved,
-            rotation: rotation / rotation.length(),
-        }
+        Pose { position: from.position + moved, rotation: rotation / rotation.length() }
     }
 
     fn spline_rates(&self) -> Result<Vec<[DVec3; 2]>> {

@@ -33,10 +33,7 @@ pub struct Pose {
 
 impl Pose {
     /// The pose at the world's origin, with the world's axes.
-    pub const IDENTITY: Self = Self {
-        position: DVec3::ZERO,
-        rotation: DQuat::IDENTITY,
-    };
+    pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
 
     /// The pose at `position`, turned by `rotation`, which is brought to length one.
     ///
@@ -102,10 +99,7 @@ impl Pose {
     /// assert_eq!(aim, DVec3::X);
     /// ```
     pub fn camera(&self, axes: BodyAxes) -> Self {
-        Self {
-            position: self.position,
-            rotation: self.rotation * axes.body_from_camera(),
-        }
+        Self { position: self.position, rotation: self.rotation * axes.body_from_camera() }
     }
 }
 

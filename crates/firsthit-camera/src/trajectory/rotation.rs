@@ -53,11 +53,7 @@ pub(super) fn nearest_rotation(matrix: DMat3) -> Result<DQuat, String> {
 pub(super) fn log(q: DQuat) -> DVec3 {
     let q = if q.w < 0.0 { -q } else { q };
     let sine = q.xyz().length();
-    let factor = if sine > 0.0 {
-        libm::atan2(sine, q.w) / sine
-    } else {
-        1.0
-    };
+    let factor = if sine > 0.0 { libm::atan2(sine, q.w) / sine } else { 1.0 };
     2.0 * factor * q.xyz()
 }
 

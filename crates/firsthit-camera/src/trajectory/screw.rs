@@ -32,11 +32,8 @@ mod tests {
 
     /// The rotation about `axis` by Rodrigues' formula.
     fn rotation(axis: DVec3, angle: f64) -> DMat3 {
-        let cross = DMat3::from_cols(
-            axis.cross(DVec3::X),
-            axis.cross(DVec3::Y),
-            axis.cross(DVec3::Z),
-        );
+        let cross =
+            DMat3::from_cols(axis.cross(DVec3::X), axis.cross(DVec3::Y), axis.cross(DVec3::Z));
         let (sine, cosine) = libm::sincos(angle);
         DMat3::IDENTITY + sine * cross + (1.0 - cosine) * (cross * cross)
     }

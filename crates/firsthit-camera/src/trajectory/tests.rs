@@ -107,14 +107,8 @@ fn se3_drives_round_the_circle_that_linear_cuts() {
     for step in 0..=140 {
         let time = 0.05 * f64::from(step);
         let (found, expected) = (se3.at(time).unwrap(), at(time));
-        assert!(
-            (found.position - expected.position).length() < ROUNDING,
-            "{time}"
-        );
-        assert!(
-            turn(found.rotation, expected.rotation).length() < ROUNDING,
-            "{time}"
-        );
+        assert!((found.position - expected.position).length() < ROUNDING, "{time}");
+        assert!(turn(found.rotation, expected.rotation).length() < ROUNDING, "{time}");
         let off = linear.at(time).unwrap().position - expected.position;
         worst = worst.max(off.length());
     }
@@ -127,10 +121,7 @@ fn splines_reproduce_straight_lines_and_steady_turns() {
     let axis = DVec3::new(0.6, 0.0, -0.8);
     let at = |time: f64| {
         let position = [1.0 - 2.0 * time, 3.0 * time, 0.1 * time];
-        pose(
-            position,
-            exp(DVec3::new(1.0, -1.0, 0.3)) * exp(0.5 * time * axis),
-        )
+        pose(position, exp(DVec3::new(1.0, -1.0, 0.3)) * exp(0.5 * time * axis))
     };
     let times = vec![0.0, 0.25, 0.3, 1.0, 2.0];
     let poses = times.iter().map(|&time| at(time)).collect();
@@ -167,12 +158,7 @@ fn around(trajectory: &Trajectory, time: f64, step: f64) -> [DVec3; 4] {
         (a - 2.0 * b + c) / (step * step)
     };
     let rate = |a: f64, b: f64| turn(at(a).rotation, at(b).rotation) / step;
-    [
-        acceleration(-2.0, -1.0, 0.0),
-        acceleration(0.0, 1.0, 2.0),
-        rate(-1.0, 0.0),
-        rate(0.0, 1.0),
-    ]
+    [acceleration(-2.0, -1.0, 0.0), acceleration(0.0, 1.0, 2.0), rate(-1.0, 0.0), rate(0.0, 1.0)]
 }
 
 #[test]
@@ -185,21 +171,11 @@ fn splines_have_a_continuous_acceleration_and_angular_velocity() {
     let inner = |trajectory: &Trajectory| trajectory.times()[1..6].to_vec();
     for time in inner(&spline) {
         let [before, after, turned, turns] = around(&spline, time, step);
-        assert!(
-            (before - after).length() < bounds[0],
-            "{time} {before} {after}"
-        );
-        assert!(
-            (turned - turns).length() < bounds[1],
-            "{time} {turned} {turns}"
-        );
+        assert!((before - after).length() < bounds[0], "{time} {before} {after}");
+        assert!((turned - turns).length() < bounds[1], "{time} {turned} {turns}");
     }
     // The ends do not bend.
-    let [_, start, ..] = around(
-        &spline.clone().extrapolated(Extrapolation::Hold),
-        -3.0,
-        step,
-    );
+    let [_, start, ..] = around(&spline.clone().extrapolated(Extrapolation::Hold), -3.0, step);
     assert!(start.length() < bounds[0], "{start}");
     // The other kinds have corners, which this finds.
     let linear = wild();
@@ -214,11 +190,7 @@ fn rotations_between_poses_have_length_one() {
     for (kind, trajectory) in kinds() {
         for step in 0..=750 {
             let time = -3.0 + 0.01 * f64::from(step);
-            let square = trajectory
-                .at(time.min(4.5))
-                .unwrap()
-                .rotation
-                .length_squared();
+            let square = trajectory.at(time.min(4.5)).unwrap().rotation.length_squared();
             assert!((square - 1.0).abs() < 8.0 * f64::EPSILON, "{kind:?} {time}");
         }
     }
@@ -266,28 +238,13 @@ fn what_is_no_trajectory_is_refused_with_its_index() {
     let error = refused(&[1.0, 2.0], &[fine]);
     assert_eq!(error, "times must be as many as poses, got 2 for 1 poses");
     let error = refused(&[0.0, 2.0, 2.0], &[fine; 3]);
-    assert_eq!(
-        error,
-        "times must be strictly increasing, got 2 at index 2 after 2"
-    );
+    assert_eq!(error, "times must be strictly increasing, got 2 at index 2 after 2");
     let error = refused(&[0.0, f64::NAN], &[fine; 2]);
-    assert_eq!(
-        error,
-        "times must be finite, within 1e150, got NaN at index 1"
-    );
-    let error = refused(
-        &[0.0, 1.0],
-        &[fine, pose([0.0, f64::INFINITY, 0.0], fine.rotation)],
-    );
-    assert_eq!(
-        error,
-        "positions must be finite, within 1e150, got [0, inf, 0] at index 1"
-    );
+    assert_eq!(error, "times must be finite, within 1e150, got NaN at index 1");
+    let error = refused(&[0.0, 1.0], &[fine, pose([0.0, f64::INFINITY, 0.0], fine.rotation)]);
+    assert_eq!(error, "positions must be finite, within 1e150, got [0, inf, 0] at index 1");
     let error = refused(&[0.0], &[pose([0.0; 3], fine.rotation * 1.01)]);
-    assert!(
-        error.starts_with("rotations must be quaternions of length one"),
-        "{error}"
-    );
+    assert!(error.starts_with("rotations must be quaternions of length one"), "{error}");
 }
 
 #[test]

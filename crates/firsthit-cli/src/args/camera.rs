@@ -21,12 +21,7 @@ pub(crate) struct CameraArgs {
     #[arg(long, value_name = "FOLDER", conflicts_with = "camera")]
     pub(crate) colmap: Option<PathBuf>,
     /// The image of the reconstruction, by its name, such as frames/0001.jpg
-    #[arg(
-        long,
-        value_name = "NAME",
-        requires = "colmap",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "NAME", requires = "colmap", allow_hyphen_values = true)]
     pub(crate) image: Option<String>,
     /// Look at the model from a standard side, so that it fills the picture. This replaces the file's camera. The front
     /// is the side that faces -y if z is up, and +z if y is up [default: iso, a three-quarter view from above]

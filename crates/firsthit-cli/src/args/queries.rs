@@ -369,10 +369,6 @@ pub(crate) struct ViewArgs {
 #[derive(Debug, Args)]
 pub(crate) struct InPythonArgs {
     /// The arguments of the command: its help comes with the Python package (pip install . in a clone, see README.md)
-    #[arg(
-        value_name = "ARGUMENTS",
-        trailing_var_arg = true,
-        allow_hyphen_values = true
-    )]
+    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub(crate) _arguments: Vec<std::ffi::OsString>,
 }

@@ -56,10 +56,7 @@ pub(crate) struct TreeArgs {
 impl TreeArgs {
     /// The settings, with the number of rays where it is known.
     pub(crate) fn settings(&self, rays: Option<u64>) -> BuildSettings {
-        BuildSettings {
-            build: self.build,
-            rays,
-        }
+        BuildSettings { build: self.build, rays }
     }
 }
 

@@ -82,9 +82,7 @@ fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, 
     }
     let called = |of: &dyn Fn(&NamedCamera) -> bool| -> Vec<usize> {
         let all = cameras.iter().enumerate();
-        all.filter(|(_, camera)| of(camera))
-            .map(|(k, _)| k)
-            .collect()
+        all.filter(|(_, camera)| of(camera)).map(|(k, _)| k).collect()
     };
     let mut found = called(&|camera| camera.name == name);
     if found.is_empty() {
@@ -101,10 +99,7 @@ fn named<'a>(name: &str, cameras: &'a [NamedCamera]) -> Result<&'a NamedCamera, 
     Err(Failure::usage(match (cameras.len(), found.len()) {
         (0, _) => format!("--camera '{shown}': the file has no cameras"),
         (_, 0) => {
-            let names = cameras
-                .iter()
-                .enumerate()
-                .map(|(k, camera)| labelled(k, camera));
+            let names = cameras.iter().enumerate().map(|(k, camera)| labelled(k, camera));
             let names = in_words(names);
             format!("--camera '{shown}': the file has {names}")
         }
@@ -140,9 +135,7 @@ pub(crate) fn matrix_of_file(path: &Path) -> Result<[[f64; 4]; 4], Failure> {
     let numbers: Option<Vec<f64>> = numbers.map(Result::ok).collect();
     let numbers = numbers.filter(|numbers| [12, 16].contains(&numbers.len()));
     let Some(mut numbers) = numbers else {
-        return Err(wrong(
-            "expected the 12 or 16 numbers of a 3 x 4 or 4 x 4 matrix, row by row",
-        ));
+        return Err(wrong("expected the 12 or 16 numbers of a 3 x 4 or 4 x 4 matrix, row by row"));
     };
     if numbers.len() == 12 {
         numbers.extend([0.0, 0.0, 0.0, 1.0]);

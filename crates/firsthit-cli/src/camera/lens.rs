@@ -17,9 +17,9 @@ pub(super) fn check_lens(described: &Description) -> Result<(), Failure> {
         None if aperture > own => Err(Failure::usage(format!(
             "--aperture {aperture} needs --focus, a distance or a point"
         ))),
-        Some(_) if described.aperture.is_none() && own == 0.0 => Err(Failure::usage(
-            "--focus needs --aperture, the lens' diameter",
-        )),
+        Some(_) if described.aperture.is_none() && own == 0.0 => {
+            Err(Failure::usage("--focus needs --aperture, the lens' diameter"))
+        }
         _ => Ok(()),
     }
 }
@@ -95,11 +95,7 @@ pub(super) fn opening(args: &CameraArgs, base: &Description) -> Result<Option<Op
                 "--viewplane needs --focal-length (or --orthographic), or use --fov",
             ));
         }
-        return Ok(Some(Opening::Viewplane {
-            width,
-            height,
-            focal_length,
-        }));
+        return Ok(Some(Opening::Viewplane { width, height, focal_length }));
     }
     match (args.fov, base.opening) {
         (Some(_), _) if is_parallel => Err(Failure::usage(

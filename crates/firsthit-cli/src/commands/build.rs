@@ -18,23 +18,15 @@ pub(crate) fn run(args: &BuildArgs, progress: &Progress) -> Result<(), Failure> 
     let started = Instant::now();
     let named = PathBuf::from(args.file.file_name().unwrap_or_default()).with_extension("fhs");
     let path = args.output.as_ref().unwrap_or(&named);
-    if !path
-        .extension()
-        .is_some_and(|own| own.eq_ignore_ascii_case("fhs"))
-    {
+    if !path.extension().is_some_and(|own| own.eq_ignore_ascii_case("fhs")) {
         let what = format!("--output: {} must end in .fhs", escaped(path));
         return Err(Failure::usage(what));
     }
     inputs::note(&args.file);
     output::check_other(path, &[])?;
     with_threads(&args.run, || {
-        let loaded = loading::read(
-            &args.file,
-            &args.load,
-            BuildSettings::default(),
-            None,
-            progress,
-        )?;
+        let loaded =
+            loading::read(&args.file, &args.load, BuildSettings::default(), None, progress)?;
         output::check_other(path, &[])?;
         warn(&loaded.warnings);
         let scene = &loaded.scene;

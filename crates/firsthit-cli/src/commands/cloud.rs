@@ -24,10 +24,7 @@ pub(super) struct Summary {
 impl Summary {
     /// `None` where there is no distance.
     pub(super) fn of(distances: &[f64]) -> Option<Self> {
-        let finite = distances
-            .iter()
-            .copied()
-            .filter(|distance| distance.is_finite());
+        let finite = distances.iter().copied().filter(|distance| distance.is_finite());
         let mut sizes: Vec<f64> = finite.clone().map(f64::abs).collect();
         let count = sizes.len();
         let last = count.checked_sub(1)?;
@@ -36,12 +33,7 @@ impl Summary {
         let place = (count * 95).div_ceil(100) - 1;
         let (_, &mut most_are, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
         let (_, &mut all_are, _) = sizes.select_nth_unstable_by(last, f64::total_cmp);
-        Some(Self {
-            count,
-            mean,
-            rms,
-            within: [most_are, all_are],
-        })
+        Some(Self { count, mean, rms, within: [most_are, all_are] })
     }
 
     pub(super) fn in_words(&self) -> String {
@@ -69,9 +61,7 @@ pub(super) fn with_column(
     found: Channel,
     origin: Origin,
 ) -> Result<Frame, Failure> {
-    let Points {
-        positions, columns, ..
-    } = points;
+    let Points { positions, columns, .. } = points;
     let mut frame = Frame::new([positions.len()]).from_origin(origin);
     let mut taken: HashSet<String> = ["position", &found.name].map(str::to_owned).into();
     frame.push(Channel {
@@ -104,12 +94,7 @@ fn plain(name: &str) -> String {
 }
 
 fn column(name: String, array: Array) -> Channel {
-    let Array {
-        components,
-        numbers,
-        is_picture,
-        ..
-    } = array;
+    let Array { components, numbers, is_picture, .. } = array;
     let is_color = is_picture && matches!(components, 3 | 4);
     let data = match numbers {
         ArrayValues::Integer(levels) if is_color => Data::Float64(linear(&levels, components)),
@@ -127,11 +112,7 @@ fn column(name: String, array: Array) -> Channel {
         name: name.into(),
         components,
         data,
-        display: if is_color {
-            Display::Color
-        } else {
-            Display::Quantity
-        },
+        display: if is_color { Display::Color } else { Display::Quantity },
         description: Description {
             about: "a column of the points that were given",
             unit: Unit::None,
@@ -159,9 +140,8 @@ mod tests {
 
     #[test]
     fn ninety_five_of_a_hundred_are_within_the_ninety_fifth() {
-        let distances: Vec<f64> = (1..=100)
-            .map(|k| f64::from(k) * if k % 2 == 0 { 1.0 } else { -1.0 })
-            .collect();
+        let distances: Vec<f64> =
+            (1..=100).map(|k| f64::from(k) * if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
         let summary = Summary::of(&distances).unwrap();
         assert_eq!((summary.mean, summary.within), (0.5, [95.0, 100.0]));
         assert_eq!(summary.rms, (338_350.0_f64 / 100.0).sqrt());

@@ -19,11 +19,7 @@ const DEFAULT_SAMPLES: u32 = 16;
 pub(crate) fn run(args: &DemoArgs, progress: &Progress) -> Result<(), Failure> {
     check_size("--size", args.size)?;
     let default = [PathBuf::from("demo.png")];
-    let outputs = if args.output.is_empty() {
-        &default[..]
-    } else {
-        &args.output
-    };
+    let outputs = if args.output.is_empty() { &default[..] } else { &args.output };
     let with_channels = |path: &PathBuf| (path.clone(), asked::channels(&args.channels, path));
     let outputs: Vec<_> = outputs.iter().map(with_channels).collect();
     let orders = output::orders(&outputs, is_quiet())?;

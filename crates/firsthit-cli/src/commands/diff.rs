@@ -35,11 +35,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         comparison.text(args)
     };
     print(&text)?;
-    if comparison.is_equal() {
-        Ok(())
-    } else {
-        Err(Failure::no())
-    }
+    if comparison.is_equal() { Ok(()) } else { Err(Failure::no()) }
 }
 
 fn load(path: &Path) -> Result<Output, Failure> {
@@ -82,11 +78,7 @@ fn compared(
         let names = these.arrays.iter().map(name_of);
         names.filter(|name| others.array(name).is_none()).collect()
     };
-    Ok(Comparison {
-        only_in_a: alone(a, b),
-        only_in_b: alone(b, a),
-        channels,
-    })
+    Ok(Comparison { only_in_a: alone(a, b), only_in_b: alone(b, a), channels })
 }
 
 /// Pairs of channels: by name, or where one file does not tell the name of its only channel, by
@@ -200,9 +192,9 @@ impl Compared {
             [short_a, short_b] if short_a == short_b => [a, b].map(|x| format!("{x:?}")),
             both => both,
         };
-        let ulps = found.ulps.map_or(String::new(), |ulps| {
-            format!(", {ulps} ulp of {}", found.compared_as)
-        });
+        let ulps = found
+            .ulps
+            .map_or(String::new(), |ulps| format!(", {ulps} ulp of {}", found.compared_as));
         format!(
             "{}: {} of {} differ; largest difference {} ({a} and {b}) at {}{ulps}",
             self.name,
@@ -220,11 +212,7 @@ impl Compared {
         };
         // JSON has neither infinity nor NaN.
         let in_json = |x: f64| {
-            if x.is_finite() {
-                json!(x)
-            } else {
-                json!(format!("{x:?}").to_lowercase())
-            }
+            if x.is_finite() { json!(x) } else { json!(format!("{x:?}").to_lowercase()) }
         };
         let place = found.values.map(|_| match self.shape[..] {
             [_, columns] => vec![found.element / columns, found.element % columns],

@@ -43,10 +43,7 @@ pub(crate) fn text(args: &InfoArgs, progress: &Progress) -> Result<String, Failu
 }
 
 fn of_model(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
-    let settings = LoadSettings {
-        verify: true,
-        ..loading::settings(&args.file, &args.load)
-    };
+    let settings = LoadSettings { verify: true, ..loading::settings(&args.file, &args.load) };
     let read = || loading::read_with(&args.file, &settings, |_| NO_RAYS, None, progress);
     let loaded = with_all_cores(read)?;
     let most = most_listed(args);
@@ -66,12 +63,7 @@ fn of_model(args: &InfoArgs, progress: &Progress) -> Result<String, Failure> {
 }
 
 fn as_json(loaded: &Loaded, most: usize, progress: &Progress) -> Value {
-    let Loaded {
-        scene,
-        warnings,
-        model,
-        ..
-    } = loaded;
+    let Loaded { scene, warnings, model, .. } = loaded;
     // Objects of one mesh have the same properties, so that the lists of all objects count together.
     let (mut room, mut shell_room, mut solids) = (most, most, Solids::default());
     let catalog = scene.catalog();
@@ -130,10 +122,7 @@ fn as_json(loaded: &Loaded, most: usize, progress: &Progress) -> Value {
 /// An identifier and what it stands for, if it stands for anything.
 fn named(identifier: i32, names: &[Arc<str>]) -> Value {
     let name = usize::try_from(identifier).ok().and_then(|k| names.get(k));
-    name.map_or(
-        Value::Null,
-        |name| json!({"id": identifier, "name": &**name}),
-    )
+    name.map_or(Value::Null, |name| json!({"id": identifier, "name": &**name}))
 }
 
 fn corners(bounds: Bounds) -> Value {
@@ -209,8 +198,7 @@ fn origin(object: usize, scene: &Scene) -> String {
     let catalog = scene.catalog();
     let name = |identifier: i32, names: &[Arc<str>]| {
         let name = usize::try_from(identifier).ok().and_then(|k| names.get(k));
-        name.filter(|name| !name.is_empty())
-            .map(|name| escape_controls(name))
+        name.filter(|name| !name.is_empty()).map(|name| escape_controls(name))
     };
     let node = name(catalog.node_of(object), catalog.nodes());
     let identifiers = catalog.materials_of(object);

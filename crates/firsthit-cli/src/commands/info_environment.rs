@@ -18,20 +18,13 @@ pub(super) fn as_json(environment: &Environment, up: DVec3) -> Value {
             "below": below.to_array(),
             "up": up.to_array(),
         }),
-        EnvironmentKind::Gradient {
-            horizon,
-            zenith,
-            up,
-        } => json!({
+        EnvironmentKind::Gradient { horizon, zenith, up } => json!({
             "kind": "gradient",
             "horizon": horizon.to_array(),
             "zenith": zenith.to_array(),
             "up": up.to_array(),
         }),
-        EnvironmentKind::Map {
-            map,
-            world_from_map,
-        } => {
+        EnvironmentKind::Map { map, world_from_map } => {
             let Turn { axis, degrees } = Turn::of(map, world_from_map, up);
             json!({
                 "kind": "map",
@@ -59,21 +52,12 @@ pub(super) fn line(environment: &Environment, up: DVec3) -> String {
     let kind = match &environment.kind {
         EnvironmentKind::Uniform(color) => format!("uniform, {}", triple(*color)),
         EnvironmentKind::Hemispheres { above, below, .. } => {
-            format!(
-                "hemispheres, {}",
-                from_to(("above", above), ("below", below))
-            )
+            format!("hemispheres, {}", from_to(("above", above), ("below", below)))
         }
-        EnvironmentKind::Gradient {
-            horizon, zenith, ..
-        } => format!(
-            "gradient, {}",
-            from_to(("horizon", horizon), ("zenith", zenith))
-        ),
-        EnvironmentKind::Map {
-            map,
-            world_from_map,
-        } => {
+        EnvironmentKind::Gradient { horizon, zenith, .. } => {
+            format!("gradient, {}", from_to(("horizon", horizon), ("zenith", zenith)))
+        }
+        EnvironmentKind::Map { map, world_from_map } => {
             let turned = Turn::of(map, world_from_map, up).in_words(up);
             format!("map, {} x {} texels{turned}", map.columns(), map.rows())
         }
@@ -85,11 +69,7 @@ pub(super) fn line(environment: &Environment, up: DVec3) -> String {
         ),
     };
     let strength = number(environment.strength);
-    let seen = if environment.is_seen {
-        ""
-    } else {
-        ", not seen"
-    };
+    let seen = if environment.is_seen { "" } else { ", not seen" };
     format!("environment {kind}, strength {strength}{seen}")
 }
 
@@ -107,11 +87,7 @@ struct Turn {
 impl Turn {
     fn of(map: &Arc<EnvironmentMap>, world_from_map: &DMat3, up: DVec3) -> Self {
         let lying = EnvironmentKind::of_map(Arc::clone(map), up, &DMat3::IDENTITY);
-        let EnvironmentKind::Map {
-            world_from_map: lying,
-            ..
-        } = lying
-        else {
+        let EnvironmentKind::Map { world_from_map: lying, .. } = lying else {
             unreachable!("it was made of a map");
         };
         let turn = *world_from_map * lying.transpose();
@@ -122,17 +98,10 @@ impl Turn {
         if degrees == 0.0 {
             return Self { axis: up, degrees };
         }
-        let degrees = if degrees > 180.0 {
-            degrees - 360.0
-        } else {
-            degrees
-        };
+        let degrees = if degrees > 180.0 { degrees - 360.0 } else { degrees };
         match axis.dot(up) {
             along if along > ALONG => Self { axis: up, degrees },
-            along if along < -ALONG => Self {
-                axis: up,
-                degrees: -degrees,
-            },
+            along if along < -ALONG => Self { axis: up, degrees: -degrees },
             _ => Self { axis, degrees },
         }
     }

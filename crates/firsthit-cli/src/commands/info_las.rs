@@ -20,9 +20,7 @@ const LONGEST: u64 = 1 << 24;
 
 pub(super) fn is_las(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
-    ["las", "laz"]
-        .iter()
-        .any(|known| extension.eq_ignore_ascii_case(known))
+    ["las", "laz"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
 /// The report as text or as JSON, with a line break at the end.
@@ -48,29 +46,17 @@ pub(super) fn text(args: &InfoArgs) -> Result<String, Failure> {
         });
         return Ok(json_text(&document) + "\n");
     }
-    let notes = las
-        .notes
-        .iter()
-        .map(|note| format!("{}: {note}", escaped(path)));
+    let notes = las.notes.iter().map(|note| format!("{}: {note}", escaped(path)));
     warn(&notes.collect::<Vec<_>>());
-    let mut lines = vec![
-        format!("format         {}", las.format()),
-        format!("points         {}", las.points),
-    ];
+    let mut lines =
+        vec![format!("format         {}", las.format()), format!("points         {}", las.points)];
     if las.points > 0 {
         let (low, high) = (las.low.into(), las.high.into());
-        lines.push(format!(
-            "bounds         {}",
-            span(firsthit::Bounds { low, high })
-        ));
+        lines.push(format!("bounds         {}", span(firsthit::Bounds { low, high })));
         lines.push(format!("step           {}", triple(las.step.into())));
     }
     lines.push(format!("extra          {}", las.columns.len()));
-    lines.extend(listed(
-        most,
-        "  ",
-        las.columns.iter().map(|name| escape_controls(name)),
-    ));
+    lines.extend(listed(most, "  ", las.columns.iter().map(|name| escape_controls(name))));
     match &las.metadata {
         Some(metadata) => describe(metadata, most, &mut lines),
         None => {
@@ -98,15 +84,8 @@ impl Las {
     fn format(&self) -> String {
         let [major, minor] = self.version;
         // The upper bits say that LASzip packed it.
-        let packed = if self.point_format >= 64 {
-            "LAZ"
-        } else {
-            "LAS"
-        };
-        format!(
-            "{packed} {major}.{minor}, points of format {}",
-            self.point_format & 63
-        )
+        let packed = if self.point_format >= 64 { "LAZ" } else { "LAS" };
+        format!("{packed} {major}.{minor}, points of format {}", self.point_format & 63)
     }
 
     fn read(mut file: impl Read + Seek) -> Result<Self, String> {
@@ -130,9 +109,7 @@ impl Las {
         let points = if is_long {
             header.array(247).map(u64::from_le_bytes)
         } else {
-            header
-                .array(107)
-                .map(|count| u32::from_le_bytes(count).into())
+            header.array(107).map(|count| u32::from_le_bytes(count).into())
         };
         let mut las = Self {
             version: versions,
@@ -171,9 +148,7 @@ impl Las {
             }
             let header = Bytes(&header);
             let length = if size == 54 {
-                header
-                    .array(20)
-                    .map_or(0, |length| u16::from_le_bytes(length).into())
+                header.array(20).map_or(0, |length| u16::from_le_bytes(length).into())
             } else {
                 header.array(20).map_or(0, u64::from_le_bytes)
             };
@@ -191,18 +166,12 @@ impl Las {
                 continue;
             }
             let mut content = Vec::new();
-            if file
-                .by_ref()
-                .take(length)
-                .read_to_end(&mut content)
-                .is_err()
-            {
+            if file.by_ref().take(length).read_to_end(&mut content).is_err() {
                 return;
             }
             if is_extra {
                 let (extras, _) = content.as_chunks::<192>();
-                self.columns
-                    .extend(extras.iter().map(|extra| Bytes(extra).word(4, 32)));
+                self.columns.extend(extras.iter().map(|extra| Bytes(extra).word(4, 32)));
             } else {
                 match Metadata::from_json(&String::from_utf8_lossy(&content)) {
                     Ok(metadata) => self.metadata = Some(metadata),

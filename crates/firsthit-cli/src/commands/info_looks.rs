@@ -103,11 +103,7 @@ impl<'a> Looks<'a> {
 
     /// The sizes of the first `most` textures.
     pub(super) fn textures_as_json(&self, most: usize) -> Vec<Value> {
-        self.textures
-            .iter()
-            .take(most)
-            .map(|&one| size(one))
-            .collect()
+        self.textures.iter().take(most).map(|&one| size(one)).collect()
     }
 
     /// The lines of the text, none for what there is none of.
@@ -169,11 +165,7 @@ fn camera_line(number_of: usize, camera: &NamedCamera, extent: f64) -> String {
             let parameters = parameters.filter(|&(_, value)| value != 0.0);
             let parameters = parameters.map(|(name, value)| format!("{name} {}", number(value)));
             let parameters: Vec<String> = parameters.collect();
-            if parameters.is_empty() {
-                "all directions".to_owned()
-            } else {
-                parameters.join(" ")
-            }
+            if parameters.is_empty() { "all directions".to_owned() } else { parameters.join(" ") }
         }
     };
     let (label, kind) = (labelled(number_of, camera), view.lens.projection().name());
@@ -235,7 +227,5 @@ fn textures<'a>(materials: &[&'a Material]) -> Vec<&'a Arc<Texture>> {
     let maps = materials.iter();
     let maps = maps.flat_map(|material| material.maps.iter());
     let textures = maps.map(|map| &map.texture);
-    textures
-        .filter(|texture| known.insert(Arc::as_ptr(texture)))
-        .collect()
+    textures.filter(|texture| known.insert(Arc::as_ptr(texture))).collect()
 }

@@ -109,14 +109,11 @@ pub(super) fn describe(metadata: &Metadata, most: usize, lines: &mut Vec<String>
     lines.extend(listed(most, "  ", channels));
     let names = metadata.names.as_ref();
     let left_out = names.iter().flat_map(|names| &names.left_out);
-    let left_out: Vec<String> = left_out
-        .map(|(of, count)| format!("{count} of {}", escape_controls(of)))
-        .collect();
+    let left_out: Vec<String> =
+        left_out.map(|(of, count)| format!("{count} of {}", escape_controls(of))).collect();
     if !left_out.is_empty() {
         let what = left_out.join(", ");
-        lines.push(format!(
-            "names          without {what}: there is room for 256 KiB"
-        ));
+        lines.push(format!("names          without {what}: there is room for 256 KiB"));
     }
 }
 
@@ -132,10 +129,7 @@ fn setting(value: &Value) -> String {
 
 fn describe_sensor(sensor: &SensorRecord, say: &mut impl FnMut(&str, String)) {
     let (columns, rows) = (sensor.columns, sensor.rows);
-    say(
-        "sensor",
-        format!("{}, {columns} x {rows} rays", sensor.kind),
-    );
+    say("sensor", format!("{}, {columns} x {rows} rays", sensor.kind));
     for (name, word) in &sensor.words {
         say(&format!("  {name}"), word.clone());
     }
@@ -146,24 +140,12 @@ fn describe_sensor(sensor: &SensorRecord, say: &mut impl FnMut(&str, String)) {
         let [start, end] = [body.start, body.end].map(|time| coordinate(time, EXTENT));
         let poses = body.poses;
         let between = &body.interpolation;
-        say(
-            "  trajectory",
-            format!("{poses} poses from {start} to {end} s, {between}"),
-        );
+        say("  trajectory", format!("{poses} poses from {start} to {end} s, {between}"));
     }
 }
 
 /// Parameters of lenses that the viewplane and K tell.
-const TOLD: [&str; 8] = [
-    "focal_length",
-    "width",
-    "height",
-    "fx",
-    "fy",
-    "cx",
-    "cy",
-    "skew",
-];
+const TOLD: [&str; 8] = ["focal_length", "width", "height", "fx", "fy", "cx", "cy", "skew"];
 
 /// The extent of a scene that is not here, and the length of a drive, where neither is known.
 const EXTENT: f64 = 1000.0;
@@ -175,13 +157,7 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
         format!("[{}]", row.join(", "))
     };
     let matrix = |rows: Vec<String>| format!("[{}]", rows.join(", "));
-    say(
-        "camera",
-        format!(
-            "{}, rays start at the {}",
-            camera.projection, camera.ray_start
-        ),
-    );
+    say("camera", format!("{}, rays start at the {}", camera.projection, camera.ray_start));
     say("  position", place(camera.position.into(), EXTENT));
     say("  aim", triple(camera.aim));
     say("  up", triple(camera.up));
@@ -189,10 +165,7 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
         say("  focal_length", number(focal_length));
     }
     if let (Some(width), Some(height)) = (camera.width, camera.height) {
-        say(
-            "  viewplane",
-            format!("{}x{}", number(width), number(height)),
-        );
+        say("  viewplane", format!("{}x{}", number(width), number(height)));
     }
     if let Some(intrinsics) = &camera.intrinsics {
         let center = intrinsics.first_pixel_center;
@@ -208,9 +181,7 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
     // Those that are zero change nothing.
     let parameters = camera.parameters.iter();
     let own = parameters.filter(|(name, value)| **value != 0.0 && !TOLD.contains(&name.as_str()));
-    let own: Vec<String> = own
-        .map(|(name, &x)| format!("{name} {}", number(x)))
-        .collect();
+    let own: Vec<String> = own.map(|(name, &x)| format!("{name} {}", number(x))).collect();
     if !own.is_empty() {
         say("  lens", own.join(", "));
     }
@@ -218,11 +189,7 @@ fn describe_camera(camera: &CameraRecord, say: &mut impl FnMut(&str, String)) {
         "  pose",
         format!(
             "{} (world from camera, axes {})",
-            matrix(
-                (camera.pose.world_from_camera.iter())
-                    .map(|r| row(r))
-                    .collect()
-            ),
+            matrix((camera.pose.world_from_camera.iter()).map(|r| row(r)).collect()),
             camera.pose.axes
         ),
     );
@@ -232,35 +199,16 @@ fn channel(channel: &ChannelRecord) -> String {
     let components = (channel.components > 1).then(|| format!(" x {}", channel.components));
     let details = [
         channel.unit.as_ref().map(|unit| format!(", in {unit}")),
-        channel
-            .frame
-            .as_ref()
-            .map(|frame| format!(", {frame} frame")),
+        channel.frame.as_ref().map(|frame| format!(", {frame} frame")),
         Some(format!(", a miss is {}", channel.miss)),
-        channel
-            .stored
-            .as_ref()
-            .map(|own| format!(", {}", stored(own))),
+        channel.stored.as_ref().map(|own| format!(", {}", stored(own))),
     ];
-    let rest: String = components
-        .into_iter()
-        .chain(details.into_iter().flatten())
-        .collect();
+    let rest: String = components.into_iter().chain(details.into_iter().flatten()).collect();
     format!("{}  {}{rest}", channel.name, channel.dtype)
 }
 
 fn stored(stored: &Stored) -> String {
-    let Stored {
-        names,
-        dtype,
-        encoding,
-        miss,
-        scale,
-        far,
-        legend,
-        exposure,
-        tone_map,
-    } = stored;
+    let Stored { names, dtype, encoding, miss, scale, far, legend, exposure, tone_map } = stored;
     let names = names.join(" ");
     let meaning = match scale {
         Some(scale) => format!("steps of {scale}"),
@@ -269,10 +217,7 @@ fn stored(stored: &Stored) -> String {
     let far = (far.as_ref()).map_or_else(String::new, |far| format!(", what is beyond is {far}"));
     let exposure = exposure.map_or_else(String::new, |stops| format!(", exposure {stops}"));
     let tone_map = (tone_map.as_ref()).map_or_else(String::new, |map| format!(", tone map {map}"));
-    let legend = legend
-        .as_ref()
-        .map(|legend| format!(": {legend}"))
-        .unwrap_or_default();
+    let legend = legend.as_ref().map(|legend| format!(": {legend}")).unwrap_or_default();
     format!(
         "stored as {names} ({dtype}, {meaning}{far}{exposure}{tone_map}, a miss is {miss}){legend}"
     )

@@ -111,21 +111,14 @@ impl Solid {
             value.map_or_else(String::new, |value| format!(", {name} {}", number(value)))
         };
         let area = named("area", self.area_in(transform));
-        format!(
-            "{is_closed}{area}{}",
-            named("volume", self.volume_in(transform))
-        )
+        format!("{is_closed}{area}{}", named("volume", self.volume_in(transform)))
     }
 
     fn bounds_in(&self, transform: &Transform) -> Bounds {
         if transform.is_identity() {
             return self.bounds;
         }
-        Bounds::of(
-            self.bounds
-                .corners()
-                .map(|corner| transform.point_in_world(corner)),
-        )
+        Bounds::of(self.bounds.corners().map(|corner| transform.point_in_world(corner)))
     }
 
     /// The area in the world; `None` where the transform does not stretch equally in all

@@ -26,26 +26,13 @@ pub(crate) fn run(args: &SolidArgs, progress: &Progress) -> Result<(), Failure> 
             warnings: warning(scene, &found.rules).into_iter().collect(),
         })
     };
-    list::run(
-        &args.list,
-        (INSIDE, "point"),
-        rays::read_positions,
-        ask,
-        progress,
-    )
+    list::run(&args.list, (INSIDE, "point"), rays::read_positions, ask, progress)
 }
 
 /// The warning that some objects are open.
 fn warning(scene: &Scene, rules: &[Rule]) -> Option<String> {
-    let open = rules
-        .iter()
-        .filter(|&&rule| rule == Rule::WindingNumber)
-        .count();
-    let of_all = format!(
-        "{} of {}",
-        counted(open as u64, "object"),
-        scene.objects().len()
-    );
+    let open = rules.iter().filter(|&&rule| rule == Rule::WindingNumber).count();
+    let of_all = format!("{} of {}", counted(open as u64, "object"), scene.objects().len());
     let are = if open == 1 { "is" } else { "are" };
     (open > 0).then(|| {
         format!("{of_all} {are} open: what is inside is decided by the winding number, not exactly")

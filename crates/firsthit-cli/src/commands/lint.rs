@@ -44,10 +44,7 @@ pub(crate) fn run(args: &LintArgs, progress: &Progress) -> Result<(), Failure> {
                         failed = Some((code, message));
                         break;
                     }
-                    say(format_args!(
-                        "firsthit: error: {}",
-                        escape_controls(&message)
-                    ));
+                    say(format_args!("firsthit: error: {}", escape_controls(&message)));
                     files.push(json!({ "file": file.to_string_lossy(), "error": message }));
                     failed.get_or_insert((code, message));
                 }
@@ -112,11 +109,7 @@ fn check(
 }
 
 fn settings(args: &LintArgs) -> Result<LintSettings, Failure> {
-    let default = if args.json {
-        PLACES_IN_JSON
-    } else {
-        PLACES_IN_TEXT
-    };
+    let default = if args.json { PLACES_IN_JSON } else { PLACES_IN_TEXT };
     let ignore = args.ignore.iter().map(|name| FindingKind::named(name));
     Ok(LintSettings {
         ignore: ignore.collect::<Result<_, _>>()?,
@@ -145,20 +138,12 @@ fn as_text(scene: &Scene, report: &Report) -> String {
     if report.is_clean() {
         return "clean: nothing was found\n".to_owned();
     }
-    let lines = report
-        .findings()
-        .iter()
-        .flat_map(|finding| of_finding(scene, finding));
+    let lines = report.findings().iter().flat_map(|finding| of_finding(scene, finding));
     lines.map(|line| escape_controls(&line) + "\n").collect()
 }
 
 fn of_finding(scene: &Scene, finding: &Finding) -> Vec<String> {
-    let Finding {
-        kind,
-        count,
-        places,
-        note,
-    } = finding;
+    let Finding { kind, count, places, note } = finding;
     let counted = match kind.counted {
         "vertex" if *count != 1 => format!("{count} vertices"),
         "mesh" if *count != 1 => format!("{count} meshes"),
@@ -180,10 +165,7 @@ fn of_finding(scene: &Scene, finding: &Finding) -> Vec<String> {
 
 fn as_json(file: &Path, scene: &Scene, report: &Report) -> Value {
     let place = |place: &Place| {
-        let position = place
-            .position
-            .is_finite()
-            .then(|| place.position.to_array());
+        let position = place.position.is_finite().then(|| place.position.to_array());
         json!({
             "object": place.object,
             "name": name(scene, place),

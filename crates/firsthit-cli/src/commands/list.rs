@@ -48,9 +48,8 @@ pub(super) fn run<const COLUMNS: usize>(
     with_threads(&args.run, || {
         let list = read(&args.points)?;
         let trees = args.trees.settings(Some(list.len() as u64 * RAYS));
-        let Loaded {
-            scene, warnings, ..
-        } = loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
+        let Loaded { scene, warnings, .. } =
+            loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
         sinks.check()?;
         warn(&warnings);
         let points = list.as_flattened().chunks_exact(3);

@@ -37,9 +37,7 @@ pub(crate) mod visible;
 fn ends(t_min: Option<f64>, t_max: Option<f64>) -> Result<(f64, f64), Failure> {
     let (t_min, t_max) = (t_min.unwrap_or(0.0), t_max.unwrap_or(f64::INFINITY));
     if t_min >= t_max {
-        return Err(Failure::usage(
-            "--t-max must be above --t-min, which is 0 if not given",
-        ));
+        return Err(Failure::usage("--t-max must be above --t-min, which is 0 if not given"));
     }
     Ok((t_min, t_max))
 }

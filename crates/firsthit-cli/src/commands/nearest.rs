@@ -39,9 +39,8 @@ pub(crate) fn run(args: &NearestArgs, progress: &Progress) -> Result<(), Failure
         let cloud = rays::read_cloud(&args.points)?;
         let points = &cloud.positions;
         let trees = args.trees.settings(Some(points.len() as u64 * RAYS));
-        let Loaded {
-            scene, warnings, ..
-        } = loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
+        let Loaded { scene, warnings, .. } =
+            loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
         sinks.check()?;
         warn(&warnings);
         progress.begin("measuring", work(args, points.len()), "points");
@@ -76,9 +75,7 @@ pub(crate) fn run(args: &NearestArgs, progress: &Progress) -> Result<(), Failure
             let (names, asked) = (sinks.names(), counted(count as u64, "point"));
             let summary =
                 summary.map_or(String::new(), |summary| format!(", {}", summary.in_words()));
-            say(format_args!(
-                "{names}: {asked}, {is_found} found{summary}, {seconds:.2} s"
-            ));
+            say(format_args!("{names}: {asked}, {is_found} found{summary}, {seconds:.2} s"));
         }
         Ok(())
     })
@@ -88,11 +85,7 @@ pub(crate) fn run(args: &NearestArgs, progress: &Progress) -> Result<(), Failure
 fn kinds(args: &NearestArgs) -> Result<Vec<&'static ChannelKind>, Failure> {
     let mut kinds = Vec::new();
     kinds.extend(args.count.is_some().then_some(POINT));
-    kinds.push(if args.signed {
-        SIGNED_DISTANCE
-    } else {
-        DISTANCE
-    });
+    kinds.push(if args.signed { SIGNED_DISTANCE } else { DISTANCE });
     for name in ["object", "primitive", "position", "barycentric"] {
         kinds.push(kind(name)?);
     }

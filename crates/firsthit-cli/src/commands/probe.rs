@@ -18,14 +18,9 @@ pub(crate) fn run(args: &ProbeArgs, progress: &Progress) -> Result<(), Failure> 
     check(&args.camera)?;
     let ends = ends(args.t_min, args.t_max)?;
     with_count(args.threads, || {
-        let loaded = loading::read(
-            &args.file,
-            &args.load,
-            args.trees.settings(Some(FEW)),
-            None,
-            progress,
-        )?
-        .picked(&args.pick)?;
+        let loaded =
+            loading::read(&args.file, &args.load, args.trees.settings(Some(FEW)), None, progress)?
+                .picked(&args.pick)?;
         warn(&loaded.warnings);
         let (explained, guessed) = probe(args, ends, &loaded, progress)?;
         if args.json {
@@ -51,10 +46,7 @@ fn probe<'a>(
     progress: &Progress,
 ) -> Result<(Explanation<'a>, Vec<String>), Failure> {
     let Loaded { scene, model, .. } = loaded;
-    let filter = RayFilter {
-        cull: args.cull.map(From::from),
-        ..RayFilter::NONE
-    };
+    let filter = RayFilter { cull: args.cull.map(From::from), ..RayFilter::NONE };
     let mut settings = ExplainSettings {
         t_min: Some(t_min),
         t_max: Some(t_max),

@@ -29,10 +29,7 @@ pub(crate) fn run(args: &ScanArgs, progress: &Progress) -> Result<(), Failure> {
         let columns = columns * scanner.turns;
         let lines = (rows * columns) as u64;
         let lines = lines.saturating_mul(settings.lines() as u64);
-        let build = BuildSettings {
-            build: Build::Auto,
-            rays: Some(lines),
-        };
+        let build = BuildSettings { build: Build::Auto, rays: Some(lines) };
         let loaded = loading::read(&args.file, &args.load, build, None, progress)?;
         warn(&loaded.warnings);
         let up = loaded.model.up_in(&loaded.scene);
@@ -136,9 +133,7 @@ fn turns(
 ) -> Result<(Scan, DVec3), Failure> {
     let last = scanner.turns - 1;
     if let Some(seed) = settings.seed
-        && seed
-            .checked_add(last as u64)
-            .is_none_or(|seed| seed >= 1 << 63)
+        && seed.checked_add(last as u64).is_none_or(|seed| seed >= 1 << 63)
     {
         return Err(Failure::usage(format!(
             "--seed must leave a number below 2^63 to each turn, got {seed}"
@@ -151,10 +146,8 @@ fn turns(
     scanner.at(last, pose)?;
     warn(settings.warning().as_slice());
     let scans = (0..scanner.turns).map(|turn| {
-        let settings = ScanSettings {
-            seed: settings.seed.map(|seed| seed + turn as u64),
-            ..*settings
-        };
+        let settings =
+            ScanSettings { seed: settings.seed.map(|seed| seed + turn as u64), ..*settings };
         let scan = scan(&scanner.at(turn, pose)?, &loaded.scene, &settings, progress)?;
         match &classes {
             Some(classes) => Ok(scan.classified(classes)?),

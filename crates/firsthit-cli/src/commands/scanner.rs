@@ -30,18 +30,9 @@ const TAKERS: [(&str, &[&str]); 16] = [
     ("share", &["rosette"]),
     ("phase", &["lissajous"]),
     // A table of beams has times of its own.
-    (
-        "start",
-        &["lidar", "elevations", "raster", "rosette", "lissajous"],
-    ),
-    (
-        "turns",
-        &["lidar", "elevations", "raster", "rosette", "lissajous"],
-    ),
-    (
-        "duration",
-        &["lidar", "elevations", "raster", "rosette", "lissajous"],
-    ),
+    ("start", &["lidar", "elevations", "raster", "rosette", "lissajous"]),
+    ("turns", &["lidar", "elevations", "raster", "rosette", "lissajous"]),
+    ("duration", &["lidar", "elevations", "raster", "rosette", "lissajous"]),
 ];
 
 /// A scanner: of a head, a picture of a raster, or all points of a curve in each turn.
@@ -69,10 +60,7 @@ impl<'a> Scanner<'a> {
         let mut scanner = Self {
             args,
             table: table.transpose()?,
-            start: args
-                .start
-                .or(drive.as_ref().map(Trajectory::start))
-                .unwrap_or_default(),
+            start: args.start.or(drive.as_ref().map(Trajectory::start)).unwrap_or_default(),
             drive,
             shape: [0; 2],
             name: String::new(),
@@ -121,17 +109,11 @@ impl<'a> Scanner<'a> {
             let turn = Pose::new(DVec3::ZERO, body.body_from_camera() * ahead)?;
             let axes = turn.world_from_body().matrix3;
             // Axes go to axes: what is not -1, 0 or 1 is rounding.
-            DMat3::from_cols(
-                axes.x_axis.round(),
-                axes.y_axis.round(),
-                axes.z_axis.round(),
-            )
+            DMat3::from_cols(axes.x_axis.round(), axes.y_axis.round(), axes.z_axis.round())
         } else {
             axes(place.aim, place.up.unwrap_or(up))?
         };
-        Ok(Pose::from_matrix(&DAffine3::from_mat3_translation(
-            axes, position,
-        ))?)
+        Ok(Pose::from_matrix(&DAffine3::from_mat3_translation(axes, position))?)
     }
 
     /// The beams of a turn.
@@ -179,14 +161,8 @@ impl<'a> Scanner<'a> {
     /// The points of a turn, whose curve continues from turn to turn.
     fn curve(&self, turn: usize) -> Result<Pattern, Failure> {
         let args = self.args;
-        let kind = if args.rosette.is_some() {
-            "rosette"
-        } else {
-            "lissajous"
-        };
-        let frequencies = args
-            .frequencies
-            .ok_or_else(|| needed(kind, "frequencies"))?;
+        let kind = if args.rosette.is_some() { "rosette" } else { "lissajous" };
+        let frequencies = args.frequencies.ok_or_else(|| needed(kind, "frequencies"))?;
         let points = args.points.ok_or_else(|| needed(kind, "points"))?;
         let point_rate = args.point_rate.ok_or_else(|| needed(kind, "point-rate"))?;
         let start = self.start + turn as f64 * points as f64 / point_rate;
@@ -230,10 +206,7 @@ impl<'a> Scanner<'a> {
         } else {
             let noun = args.raster.map_or("turn", |_| "picture");
             let turn = number(1.0 / rate);
-            (
-                rate,
-                format!("a {noun} of {turn} s: say --turns or another --rate"),
-            )
+            (rate, format!("a {noun} of {turn} s: say --turns or another --rate"))
         };
         // A turn that is longer by rounding alone fits.
         let turns = (seconds * rate + 1e-6).floor();
@@ -266,10 +239,7 @@ fn check(args: &ScannerArgs) -> Result<(), Failure> {
         ("rosette", args.rosette.is_some()),
         ("lissajous", args.lissajous.is_some()),
     ];
-    let kind = kinds
-        .iter()
-        .find(|kind| kind.1)
-        .map_or("pattern", |kind| kind.0);
+    let kind = kinds.iter().find(|kind| kind.1).map_or("pattern", |kind| kind.0);
     let given = [
         args.columns.is_some(),
         args.rate.is_some(),
@@ -306,9 +276,8 @@ fn drive(place: &PlaceArgs) -> Result<Option<Trajectory>, Failure> {
         return Ok(None);
     };
     if place.pose.is_none()
-        && let Some(option) = [("aim", place.aim), ("up", place.up)]
-            .iter()
-            .find(|option| option.1.is_some())
+        && let Some(option) =
+            [("aim", place.aim), ("up", place.up)].iter().find(|option| option.1.is_some())
     {
         return Err(Failure::usage(format!(
             "--{} must be left out with --trajectory: give a --pose",
@@ -324,9 +293,7 @@ fn drive(place: &PlaceArgs) -> Result<Option<Trajectory>, Failure> {
     }
     let drive = format.read(&read_regular(path, MOST_BYTES)?, path)?;
     let drive = drive.interpolated(place.interpolation.unwrap_or_default())?;
-    Ok(Some(
-        drive.extrapolated(place.extrapolation.unwrap_or_default()),
-    ))
+    Ok(Some(drive.extrapolated(place.extrapolation.unwrap_or_default())))
 }
 
 /// The axes forwards, left and up of a scanner that stands still.
@@ -341,11 +308,7 @@ fn axes(aim: Option<DVec3>, up: DVec3) -> Result<DMat3, Failure> {
         return Err(Failure::usage(what));
     }
     // Without an aim the world's forwards, as far as up allows.
-    let forwards = if aim.is_some() {
-        forwards
-    } else {
-        left.cross(up)
-    };
+    let forwards = if aim.is_some() { forwards } else { left.cross(up) };
     let (left, forwards) = (left / left.length(), forwards / forwards.length());
     Ok(DMat3::from_cols(forwards, left, forwards.cross(left)))
 }

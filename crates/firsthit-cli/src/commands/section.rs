@@ -51,11 +51,7 @@ pub(crate) fn run(args: &SectionArgs, progress: &Progress) -> Result<(), Failure
 fn plane(args: &SectionArgs, loaded: &Loaded) -> Result<SectionPlane, Failure> {
     let Loaded { scene, model, .. } = loaded;
     let bounds = scene.bounds();
-    let middle = if bounds.is_empty() {
-        firsthit::DVec3::ZERO
-    } else {
-        bounds.centre()
-    };
+    let middle = if bounds.is_empty() { firsthit::DVec3::ZERO } else { bounds.centre() };
     let origin = args.origin.unwrap_or(middle);
     let normal = args.normal.unwrap_or_else(|| model.up_in(scene));
     Ok(SectionPlane::new(origin, normal)?)
@@ -63,10 +59,7 @@ fn plane(args: &SectionArgs, loaded: &Loaded) -> Result<SectionPlane, Failure> {
 
 /// The numbers of closed and of open polylines.
 fn counts(cut: &Section) -> [usize; 2] {
-    let closed = cut
-        .polylines()
-        .filter(|polyline| polyline.is_closed)
-        .count();
+    let closed = cut.polylines().filter(|polyline| polyline.is_closed).count();
     [closed, cut.len() - closed]
 }
 
@@ -78,10 +71,7 @@ fn as_text(args: &SectionArgs, cut: &Section, reach: f64) -> String {
             place(plane.origin(), reach),
             triple(plane.normal())
         ),
-        format!(
-            "curves     {closed} closed, {open} open, {}",
-            counted(segments(cut), "segment")
-        ),
+        format!("curves     {closed} closed, {open} open, {}", counted(segments(cut), "segment")),
         format!("area       {}", number(cut.area())),
         format!("perimeter  {}", number(cut.perimeter())),
     ];
@@ -91,16 +81,13 @@ fn as_text(args: &SectionArgs, cut: &Section, reach: f64) -> String {
 }
 
 fn segments(cut: &Section) -> u64 {
-    cut.polylines()
-        .map(|polyline| polyline.primitives.len() as u64)
-        .sum()
+    cut.polylines().map(|polyline| polyline.primitives.len() as u64).sum()
 }
 
 fn as_json(args: &SectionArgs, cut: &Section, seconds: f64) -> Value {
     let (plane, [closed, open]) = (cut.plane(), counts(cut));
-    let outputs: Vec<Value> = (args.output.iter())
-        .map(|path| json!({ "file": path.to_string_lossy() }))
-        .collect();
+    let outputs: Vec<Value> =
+        (args.output.iter()).map(|path| json!({ "file": path.to_string_lossy() })).collect();
     json!({
         "outputs": outputs,
         "origin": plane.origin().to_array(),

@@ -65,11 +65,7 @@ enum RayInput {
 /// The limits of the rays.
 fn limits(args: &ShootArgs) -> Result<Limits, Failure> {
     let (t_min, t_max) = ends(args.t_min, args.t_max)?;
-    Ok(Limits {
-        t_min,
-        t_max,
-        cull: args.cull.map(From::from),
-    })
+    Ok(Limits { t_min, t_max, cull: args.cull.map(From::from) })
 }
 
 pub(crate) fn run(args: &ShootArgs, progress: &Progress) -> Result<(), Failure> {
@@ -84,9 +80,8 @@ pub(crate) fn run(args: &ShootArgs, progress: &Progress) -> Result<(), Failure> 
         let limits = limits(args)?;
         let source = source(args, &sinks, limits)?;
         let trees = args.trees.settings(source.count());
-        let Loaded {
-            scene, warnings, ..
-        } = loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
+        let Loaded { scene, warnings, .. } =
+            loading::read(&args.file, &args.load, trees, None, progress)?.picked(&args.pick)?;
         sinks.check()?;
         kinds.iter().try_for_each(|kind| kind.check(&scene))?;
         warn(&warnings);

@@ -37,21 +37,12 @@ pub(super) fn shot(
     progress: &Progress,
 ) -> Result<(Frame, Counts), Failure> {
     let hits = trace(scene, rays, First, progress)?;
-    let shots = ChannelInput {
-        scene,
-        rays,
-        hits: &hits,
-        sensor: None,
-    };
+    let shots = ChannelInput { scene, rays, hits: &hits, sensor: None };
     let mut frame = Frame::new([rays.len()]).from_origin(origin(scene, None, None, kinds));
     for channel in make(kinds, &shots, progress)? {
         frame.push(channel)?;
     }
-    let counts = Counts {
-        rays: rays.len() as u64,
-        hits: hits.count_hit() as u64,
-        crossings: 0,
-    };
+    let counts = Counts { rays: rays.len() as u64, hits: hits.count_hit() as u64, crossings: 0 };
     Ok((frame, counts))
 }
 
@@ -66,18 +57,12 @@ pub(super) fn shot_all(
     let all = trace(scene, rays, query, progress)?;
     let numbers = all.ray_numbers()?;
     let AllHits { offsets, hits } = all;
-    let shots = ChannelInput {
-        scene,
-        rays: &RaysOfHits::new(rays, &numbers),
-        hits: &hits,
-        sensor: None,
-    };
+    let shots =
+        ChannelInput { scene, rays: &RaysOfHits::new(rays, &numbers), hits: &hits, sensor: None };
     let made = make(&kinds[1..], &shots, progress)?;
     let counts = Counts {
         rays: rays.len() as u64,
-        hits: (offsets.windows(2))
-            .filter(|ends| ends[0] < ends[1])
-            .count() as u64,
+        hits: (offsets.windows(2)).filter(|ends| ends[0] < ends[1]).count() as u64,
         crossings: hits.len() as u64,
     };
     let mut frame = Frame::new([hits.len()]).from_origin(origin(scene, None, None, kinds));

@@ -41,9 +41,7 @@ impl Sinks {
             1 => true,
             _ => return Err(Failure::usage("- is named twice as an output")),
         };
-        let files: Vec<PathBuf> = (outputs.iter().filter(|path| !stdout(path)))
-            .cloned()
-            .collect();
+        let files: Vec<PathBuf> = (outputs.iter().filter(|path| !stdout(path))).cloned().collect();
         for path in inputs {
             firsthit::inputs::note(path);
         }
@@ -63,11 +61,7 @@ impl Sinks {
             ));
         }
         let stdout = streams.then_some(format);
-        Ok(Self {
-            files,
-            clouds: Vec::new(),
-            stdout,
-        })
+        Ok(Self { files, clouds: Vec::new(), stdout })
     }
 
     /// Adds files beside, `more`, which replace a standard output that was not asked for.

@@ -31,11 +31,5 @@ pub(crate) fn run(args: &SolidArgs, progress: &Progress) -> Result<(), Failure> 
             warnings: Vec::new(),
         })
     };
-    list::run(
-        &args.list,
-        (THICKNESS, "point"),
-        rays::read_positions,
-        ask,
-        progress,
-    )
+    list::run(&args.list, (THICKNESS, "point"), rays::read_positions, ask, progress)
 }

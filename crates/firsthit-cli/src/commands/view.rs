@@ -22,12 +22,8 @@ use crate::output;
 use crate::progress::Progress;
 
 pub(crate) fn run(args: &ViewArgs, progress: &Progress) -> Result<(), Failure> {
-    let asked = Asked {
-        camera: &args.camera,
-        light: &args.light,
-        colors: &args.colors,
-        load: &args.load,
-    };
+    let asked =
+        Asked { camera: &args.camera, light: &args.light, colors: &args.colors, load: &args.load };
     asked.check()?;
     let report = args.output.as_deref().map(|path| Report::new(path, args));
     let report = report.transpose()?;
@@ -41,12 +37,7 @@ pub(crate) fn run(args: &ViewArgs, progress: &Progress) -> Result<(), Failure> {
         progress,
     )?
     .picked(&args.pick)?;
-    let Loaded {
-        scene,
-        warnings,
-        model,
-        ..
-    } = loaded;
+    let Loaded { scene, warnings, model, .. } = loaded;
     warn(&warnings);
     let base = of_file(&args.camera, &model)?;
     let chosen = camera(&args.camera, (&args.file, &base), &scene, &model)?;
@@ -74,11 +65,7 @@ pub(crate) fn run(args: &ViewArgs, progress: &Progress) -> Result<(), Failure> {
         open(&address);
     }
     let is_stopped = || progress.is_stopped();
-    let server = if args.keep {
-        server.lingering(None)
-    } else {
-        server
-    };
+    let server = if args.keep { server.lingering(None) } else { server };
     server.run(&is_stopped);
     Ok(())
 }
@@ -90,11 +77,7 @@ struct Report<'a> {
 
 impl<'a> Report<'a> {
     fn new(path: &'a Path, args: &ViewArgs) -> Result<Self, Failure> {
-        let is_html = |own: &OsStr| {
-            ["html", "htm"]
-                .iter()
-                .any(|one| own.eq_ignore_ascii_case(one))
-        };
+        let is_html = |own: &OsStr| ["html", "htm"].iter().any(|one| own.eq_ignore_ascii_case(one));
         if !path.extension().is_some_and(is_html) {
             let what = format!("--output: {} must end in .html", escaped(path));
             return Err(Failure::usage(what));
@@ -130,10 +113,7 @@ fn open(address: &str) {
     };
     let mut command = Command::new(program);
     command.args(before).arg(address);
-    command
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     std::thread::spawn(move || {
         let status = command.status();
         if !status.is_ok_and(|status| status.success()) {

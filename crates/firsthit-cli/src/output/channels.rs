@@ -88,27 +88,21 @@ pub(crate) fn has(kinds: &[&ChannelKind], kind: &ChannelKind) -> Result<bool, Fa
         Some(_) => "attributes",
         None => "channels",
     };
-    Err(Failure::usage(format!(
-        "--channels: two {what} would both be called {}",
-        kind.name
-    )))
+    Err(Failure::usage(format!("--channels: two {what} would both be called {}", kind.name)))
 }
 
 /// The channel of that name.
 fn named(wanted: &str, source: ChannelSource) -> Result<&'static ChannelKind, Failure> {
-    KINDS
-        .iter()
-        .find(|kind| kind.name == wanted)
-        .ok_or_else(|| {
-            let known: Vec<&str> = source.channels().map(|kind| &*kind.name).collect();
-            let meant = nearest_word(wanted, known.iter().copied());
-            let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
-            Failure::usage(format!(
-                "--channels: there is no channel \"{}\", only {}, and attribute:NAME{meant}",
-                escape_controls(wanted),
-                known.join(", ")
-            ))
-        })
+    KINDS.iter().find(|kind| kind.name == wanted).ok_or_else(|| {
+        let known: Vec<&str> = source.channels().map(|kind| &*kind.name).collect();
+        let meant = nearest_word(wanted, known.iter().copied());
+        let meant = meant.map_or(String::new(), |meant| format!("; did you mean {meant}?"));
+        Failure::usage(format!(
+            "--channels: there is no channel \"{}\", only {}, and attribute:NAME{meant}",
+            escape_controls(wanted),
+            known.join(", ")
+        ))
+    })
 }
 
 /// A channel that says more after a colon, if that is what is asked for: an attribute by its name, whether any mesh has it being known

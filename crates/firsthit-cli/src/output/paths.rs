@@ -40,10 +40,7 @@ pub(crate) fn check_paths<'a>(
         let path = &path;
         let place = place(path)?;
         if seen.contains(&place) {
-            return Err(Failure::usage(format!(
-                "{} is named twice as an output",
-                escaped(path)
-            )));
+            return Err(Failure::usage(format!("{} is named twice as an output", escaped(path))));
         }
         if inputs::is_input(path) {
             return Err(Failure::usage(format!(

@@ -24,11 +24,7 @@ pub(crate) struct Target {
 impl Target {
     /// A file of another kind than channels.
     pub(super) fn other(path: &Path) -> Self {
-        Self {
-            path: path.to_owned(),
-            format: None,
-            channel: None,
-        }
+        Self { path: path.to_owned(), format: None, channel: None }
     }
 }
 
@@ -48,11 +44,7 @@ pub(crate) fn orders(
     let mut orders: Vec<Order> = Vec::new();
     for (path, channels) in outputs {
         let channels = with_required(channels, [path]);
-        let kinds = kinds(
-            &channels,
-            ChannelSource::Camera,
-            quiet || !orders.is_empty(),
-        )?;
+        let kinds = kinds(&channels, ChannelSource::Camera, quiet || !orders.is_empty())?;
         let made = targets(std::slice::from_ref(path), &kinds, ChannelSource::Camera)?;
         // A picture has one channel of a name.
         for order in &orders {
@@ -66,10 +58,7 @@ pub(crate) fn orders(
         };
         match orders.iter_mut().find(is_same) {
             Some(order) => order.targets.extend(made),
-            None => orders.push(Order {
-                kinds,
-                targets: made,
-            }),
+            None => orders.push(Order { kinds, targets: made }),
         }
     }
     check_orders(&orders)?;
@@ -93,11 +82,7 @@ pub(crate) fn clouds(paths: &[PathBuf]) -> Result<Vec<Target>, Failure> {
             return Err(Failure::usage(what));
         }
         let path = path.clone();
-        Ok(Target {
-            path,
-            format,
-            channel: None,
-        })
+        Ok(Target { path, format, channel: None })
     };
     paths.iter().map(target).collect()
 }
@@ -122,21 +107,13 @@ pub(crate) fn targets(
                     )));
                 }
                 let channel = Some(&*kind.name);
-                targets.push(Target {
-                    path,
-                    format,
-                    channel,
-                });
+                targets.push(Target { path, format, channel });
             }
         } else {
             let format = format(path, source)?;
             let channel = only_channel(path, format, kinds)?;
             let path = path.clone();
-            targets.push(Target {
-                path,
-                format,
-                channel,
-            });
+            targets.push(Target { path, format, channel });
         }
     }
     check_paths(&targets)?;
@@ -220,10 +197,7 @@ pub(crate) fn check_all_go_somewhere(
 impl Order {
     /// The channels in files, each with the name of the file's format.
     pub(crate) fn files(&self) -> impl Iterator<Item = (&'static str, &'static ChannelKind)> {
-        let formats = self
-            .targets
-            .iter()
-            .filter_map(|target| Some((target.format?, target)));
+        let formats = self.targets.iter().filter_map(|target| Some((target.format?, target)));
         formats.flat_map(|(format, target)| {
             let kinds = self.kinds.iter().copied();
             let in_it = kinds.filter(|kind| target.channel.is_none_or(|name| kind.name == name));

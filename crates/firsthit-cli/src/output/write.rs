@@ -50,11 +50,7 @@ pub(crate) fn write(
         }
     }
     for target in targets {
-        let Target {
-            path,
-            format,
-            channel,
-        } = target;
+        let Target { path, format, channel } = target;
         match format {
             Some(format) => format.write(frame, *channel, settings, path, progress)?,
             None => write_whole(path, progress, |out| write_csv(frame, out))?,
@@ -75,9 +71,7 @@ fn legend(channel: &image::Channel, settings: WriteSettings) -> Option<String> {
                 Far::Saturate => "; what is beyond 65535 steps is 65535",
                 Far::Zero => "; what is beyond 65535 steps is 0",
             });
-            Some(format!(
-                "{name} in steps of {scale}, 16 bits; misses 0{far}"
-            ))
+            Some(format!("{name} in steps of {scale}, 16 bits; misses 0{far}"))
         }
         _ if settings.png_labels && channel.display == Display::Identifier => {
             let name = &channel.name;

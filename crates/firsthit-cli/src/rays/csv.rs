@@ -6,10 +6,8 @@ use super::Table;
 pub(crate) type Names = &'static [&'static [&'static str]];
 
 /// The names of the columns of pairs of points.
-pub(super) const OF_PAIRS: Names = &[
-    &["ax", "ay", "az", "bx", "by", "bz"],
-    &["x1", "y1", "z1", "x2", "y2", "z2"],
-];
+pub(super) const OF_PAIRS: Names =
+    &[&["ax", "ay", "az", "bx", "by", "bz"], &["x1", "y1", "z1", "x2", "y2", "z2"]];
 
 /// The names of the columns of rays, or of their origins.
 pub(super) const OF_RAYS: Names = &[
@@ -21,11 +19,8 @@ pub(super) const OF_RAYS: Names = &[
 ];
 
 /// The names of the columns of directions.
-pub(super) const OF_DIRECTIONS: Names = &[
-    &["dx", "dy", "dz"],
-    &["x", "y", "z"],
-    &["normal_x", "normal_y", "normal_z"],
-];
+pub(super) const OF_DIRECTIONS: Names =
+    &[&["dx", "dy", "dz"], &["x", "y", "z"], &["normal_x", "normal_y", "normal_z"]];
 
 /// Lines of numbers; the first one may be a header, lines with # are comments.
 pub(super) fn csv(bytes: &[u8], names: Names) -> Result<Table, String> {
@@ -55,13 +50,7 @@ pub(super) struct Lines {
 
 impl Lines {
     pub(super) fn new(names: Names) -> Self {
-        Self {
-            names,
-            columns: None,
-            wanted: None,
-            before: 0,
-            doubt: None,
-        }
+        Self { names, columns: None, wanted: None, before: 0, doubt: None }
     }
 
     /// The number of numbers of each line. No lines are rays too.
@@ -79,10 +68,7 @@ impl Lines {
             .flexible(true)
             .from_reader(bytes);
         let mut record = csv::ByteRecord::new();
-        while reader
-            .read_byte_record(&mut record)
-            .map_err(|error| error.to_string())?
-        {
+        while reader.read_byte_record(&mut record).map_err(|error| error.to_string())? {
             let before = self.before;
             let at_line = |what| {
                 // A record's own position is before the blank lines and the comments that were skipped.
@@ -127,9 +113,7 @@ impl Lines {
             let Some(number) = number(field) else {
                 values.truncate(start);
                 let got = shortened(field);
-                return Err(format!(
-                    "expected numbers with commas between them, got {got}"
-                ));
+                return Err(format!("expected numbers with commas between them, got {got}"));
             };
             values.push(number);
         }
@@ -156,11 +140,7 @@ impl Lines {
         let unknown = || {
             let sets: Vec<String> = names.iter().map(|set| set.join(",")).collect();
             let fields: Vec<String> = record.iter().map(shortened).collect();
-            format!(
-                "the columns must be named {}, got {}",
-                sets.join(" or "),
-                fields.join(",")
-            )
+            format!("the columns must be named {}, got {}", sets.join(" or "), fields.join(","))
         };
         if known.is_empty() && is_as_wide {
             self.doubt = Some(unknown());
@@ -189,11 +169,7 @@ fn shortened(field: &[u8]) -> String {
     const MOST: usize = 40;
     let text = String::from_utf8_lossy(field);
     let start: String = text.chars().take(MOST).collect();
-    let rest = if text.chars().nth(MOST).is_some() {
-        "..."
-    } else {
-        ""
-    };
+    let rest = if text.chars().nth(MOST).is_some() { "..." } else { "" };
     format!("{start:?}{rest}")
 }
 

@@ -45,10 +45,7 @@ pub(crate) struct RayLines {
 
 impl RayLines {
     pub(crate) fn new(limits: Limits) -> Self {
-        Self {
-            lines: csv::Lines::new(csv::OF_RAYS),
-            limits,
-        }
+        Self { lines: csv::Lines::new(csv::OF_RAYS), limits }
     }
 
     /// The rays of some more lines; and, where a line is wrong, why: the rays are then those before it.
@@ -57,11 +54,8 @@ impl RayLines {
         let read = self.lines.read(bytes, &mut values);
         let columns = self.lines.numbers();
         let table = Table { columns, values };
-        let mut rays = RayArrays {
-            origins: Vec::new(),
-            directions: Vec::new(),
-            limits: self.limits,
-        };
+        let mut rays =
+            RayArrays { origins: Vec::new(), directions: Vec::new(), limits: self.limits };
         let of_table = origins_and_directions(std::slice::from_ref(&table));
         let read = match of_table {
             Ok((origins, directions)) => {
@@ -88,12 +82,9 @@ impl Rays for RayArrays {
     }
 
     fn ray(&self, index: usize) -> Ray {
-        Ray::new(
-            DVec3::from(self.origins[index]),
-            DVec3::from(self.directions[index]),
-        )
-        .beyond(self.limits.t_min)
-        .up_to(self.limits.t_max)
+        Ray::new(DVec3::from(self.origins[index]), DVec3::from(self.directions[index]))
+            .beyond(self.limits.t_min)
+            .up_to(self.limits.t_max)
     }
 
     fn is_filtered(&self) -> bool {
@@ -101,10 +92,7 @@ impl Rays for RayArrays {
     }
 
     fn filter(&self, _index: usize) -> RayFilter {
-        RayFilter {
-            cull: self.limits.cull,
-            ..RayFilter::NONE
-        }
+        RayFilter { cull: self.limits.cull, ..RayFilter::NONE }
     }
 }
 
@@ -154,16 +142,9 @@ pub(crate) fn read_from(path: &Path, from: DVec3, limits: Limits) -> Result<RayA
 pub(crate) fn read_cloud(path: &Path) -> Result<Points, Failure> {
     let bytes = bytes(path).map_err(|error| bad(path, &error))?;
     let is_stdin = path == Path::new("-");
-    let name = if is_stdin {
-        Path::new("standard input")
-    } else {
-        path
-    };
+    let name = if is_stdin { Path::new("standard input") } else { path };
     let points = points_of(name, &bytes)?;
-    let notes = points
-        .notes
-        .iter()
-        .map(|note| format!("{}: {note}", escaped(name)));
+    let notes = points.notes.iter().map(|note| format!("{}: {note}", escaped(name)));
     warn(&notes.collect::<Vec<_>>());
     Ok(points)
 }
@@ -212,11 +193,7 @@ fn arrays(
         tables.extend(load(path, "rays", csv::OF_DIRECTIONS)?);
     }
     let (origins, directions) = origins_and_directions(&tables).map_err(|what| bad(rays, &what))?;
-    Ok(RayArrays {
-        origins,
-        directions,
-        limits,
-    })
+    Ok(RayArrays { origins, directions, limits })
 }
 
 fn origins_and_directions(tables: &[Table]) -> Result<(Triples, Triples), String> {

@@ -14,18 +14,14 @@ const MOST_BYTES: u64 = 1 << 32;
 pub(super) fn npz(bytes: Vec<u8>, alone: &str) -> Result<Vec<Table>, String> {
     let mut archive =
         zip::ZipArchive::new(Cursor::new(bytes)).map_err(|error| error.to_string())?;
-    let names: Vec<String> = archive
-        .file_names()
-        .filter_map(|name| Some(name.ok()?.into_owned()))
-        .collect();
+    let names: Vec<String> =
+        archive.file_names().filter_map(|name| Some(name.ok()?.into_owned())).collect();
     let pick = |wanted: &[&str]| {
         let entries = wanted.iter().map(|wanted| format!("{wanted}.npy"));
         entries.into_iter().find(|entry| names.contains(entry))
     };
     let mut table = |name: &str| {
-        let mut entry = archive
-            .by_name(name)
-            .map_err(|error| format!("{name}: {error}"))?;
+        let mut entry = archive.by_name(name).map_err(|error| format!("{name}: {error}"))?;
         let mut bytes = Vec::new();
         let read = entry.by_ref().take(MOST_BYTES + 1).read_to_end(&mut bytes);
         read.map_err(|error| format!("{name}: {error}"))?;
@@ -59,9 +55,7 @@ pub(super) fn npy(bytes: &[u8]) -> Result<Table, String> {
     let (header, data) = NpyHeader::parse(bytes)?;
     let &[_, columns] = header.shape() else {
         let shape = header.shape();
-        return Err(format!(
-            "expected an array of shape (n, 6) or (n, 3), got {shape:?}"
-        ));
+        return Err(format!("expected an array of shape (n, 6) or (n, 3), got {shape:?}"));
     };
     let Some(columns) = usize::try_from(columns).ok().filter(|&columns| columns > 0) else {
         return Err("expected an array of shape (n, 6) or (n, 3)".to_owned());

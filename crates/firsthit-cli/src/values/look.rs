@@ -63,13 +63,8 @@ pub(crate) fn background(text: &str) -> Result<Background, String> {
 
 pub(crate) fn sky(text: &str) -> Result<Sky, String> {
     let form = "the colours of the horizon and the zenith, such as 0.8,0.85,0.9:0.1,0.3,0.6";
-    let (horizon, zenith) = text
-        .split_once(':')
-        .ok_or_else(|| format!("expected {form}"))?;
-    Ok(Sky {
-        horizon: color(horizon)?,
-        zenith: color(zenith)?,
-    })
+    let (horizon, zenith) = text.split_once(':').ok_or_else(|| format!("expected {form}"))?;
+    Ok(Sky { horizon: color(horizon)?, zenith: color(zenith)? })
 }
 
 /// The name of a rig, or a light: its kind, and after a colon each its settings, but for its colour.
@@ -109,9 +104,7 @@ pub(crate) fn light(text: &str) -> Result<LightArg, String> {
         {
             return Err("expected a point no farther away than 1e150".into());
         }
-        light
-            .set(setting.name, value)
-            .map_err(|error| error.to_string())?;
+        light.set(setting.name, value).map_err(|error| error.to_string())?;
     }
     light.check().map_err(|error| error.to_string())?;
     Ok(LightArg::Light(light))
@@ -129,52 +122,26 @@ mod tests {
         assert_eq!(color("1,0.5,0"), Ok(Color::new(1.0, 0.5, 0.0)));
         assert_eq!(color("#ff0000"), Ok(Color::new(1.0, 0.0, 0.0)));
         assert_eq!(color("Blue"), Ok(Color::new(0.0, 0.0, 1.0)));
-        assert!(
-            color("stelblue")
-                .unwrap_err()
-                .ends_with("did you mean steelblue?")
-        );
+        assert!(color("stelblue").unwrap_err().ends_with("did you mean steelblue?"));
         assert_eq!(background("transparent"), Ok(Background::Transparent));
-        for wrong in [
-            "",
-            "#ff00",
-            "1,0",
-            "nothing at all",
-            "transparent",
-            "-1,0,0",
-        ] {
+        for wrong in ["", "#ff00", "1,0", "nothing at all", "transparent", "-1,0,0"] {
             assert!(color(wrong).is_err(), "{wrong}");
         }
     }
 
     #[test]
     fn lights_name_their_kind() {
-        let point = PointLight {
-            position: DVec3::new(1.0, 2.0, -3.0),
-            ..PointLight::default()
-        };
+        let point = PointLight { position: DVec3::new(1.0, 2.0, -3.0), ..PointLight::default() };
         assert_eq!(light("point:1,2,-3"), Ok(LightArg::Light(point.into())));
         let sun = DirectionalLight {
             direction: DVec3::NEG_Z,
             angle_degrees: 0.5,
             ..DirectionalLight::default()
         };
-        assert_eq!(
-            light("directional:0,0,-1@0.5"),
-            Ok(LightArg::Light(sun.into()))
-        );
-        assert_eq!(
-            light("overcast"),
-            Ok(LightArg::LightRig(LightRig::Overcast))
-        );
+        assert_eq!(light("directional:0,0,-1@0.5"), Ok(LightArg::Light(sun.into())));
+        assert_eq!(light("overcast"), Ok(LightArg::LightRig(LightRig::Overcast)));
         assert!(light("sphere:0,0,5:2").is_ok());
-        for wrong in [
-            "directional:0,0,0",
-            "sphere:1,2,3:-1",
-            "point:1,2",
-            "point",
-            "lamp:1,2,3",
-        ] {
+        for wrong in ["directional:0,0,0", "sphere:1,2,3:-1", "point:1,2", "point", "lamp:1,2,3"] {
             assert!(light(wrong).is_err(), "{wrong}");
         }
         assert!(light("1,2,3").is_err());

@@ -132,9 +132,7 @@ pub(crate) fn elevations(text: &str) -> Result<Elevations, String> {
     let step = (high - low) / f64::from(last);
     let angles = (1..last).map(|k| low + f64::from(k) * step);
     let ends = (last > 0).then_some(high);
-    Ok(Elevations(
-        std::iter::once(low).chain(angles).chain(ends).collect(),
-    ))
+    Ok(Elevations(std::iter::once(low).chain(angles).chain(ends).collect()))
 }
 
 /// A standard deviation: a length, and a share of the range.
@@ -202,9 +200,7 @@ pub(crate) fn pixels(text: &str) -> Result<[usize; 2], String> {
 /// `WIDTHxHEIGHT` in scene units.
 pub(crate) fn lengths(text: &str) -> Result<(f64, f64), String> {
     let form = "a width and a height, both positive, such as 36x24";
-    let size = numbers(text, 'x', form, |[width, height]| {
-        width > 0.0 && height > 0.0
-    });
+    let size = numbers(text, 'x', form, |[width, height]| width > 0.0 && height > 0.0);
     size.map(<(f64, f64)>::from)
 }
 
@@ -228,16 +224,13 @@ pub(crate) fn line_width(text: &str) -> Result<f64, String> {
 /// An angle between two normals.
 pub(crate) fn edge_angle(text: &str) -> Result<f64, String> {
     let range = 0.0..=180.0;
-    number(text, "a number of degrees from 0 to 180", |angle| {
-        range.contains(&angle)
-    })
+    number(text, "a number of degrees from 0 to 180", |angle| range.contains(&angle))
 }
 
 /// Names of kinds of edges.
 pub(crate) fn edge_kinds(text: &str) -> Result<EdgeKinds, String> {
     let known = || EdgeKind::NAMES.join(", ");
-    text.parse()
-        .map_err(|_| format!("expected some of {}, with commas between", known()))
+    text.parse().map_err(|_| format!("expected some of {}, with commas between", known()))
 }
 
 /// The lengths of dashes and gaps.
@@ -280,16 +273,8 @@ pub(crate) fn intrinsics(text: &str) -> Result<PixelMatrix, String> {
         3 => &format!("{text},0"),
         _ => text,
     };
-    let numbers = numbers(with_skew, ',', form, |[fx, fy, ..]: [f64; 5]| {
-        fx.min(fy) > 0.0
-    });
-    numbers.map(|[fx, fy, cx, cy, skew]| PixelMatrix {
-        fx,
-        fy,
-        cx,
-        cy,
-        skew,
-    })
+    let numbers = numbers(with_skew, ',', form, |[fx, fy, ..]: [f64; 5]| fx.min(fy) > 0.0);
+    numbers.map(|[fx, fy, cx, cy, skew]| PixelMatrix { fx, fy, cx, cy, skew })
 }
 
 /// Numbers with names.
@@ -303,15 +288,12 @@ pub(crate) fn parameters(text: &str) -> Result<Parameters, String> {
         Some((name.trim().to_owned(), finite(value).ok()?))
     };
     let all: Option<Vec<(String, f64)>> = text.split(',').map(one).collect();
-    all.map(Parameters)
-        .ok_or_else(|| "expected names and numbers, such as k1=-0.2,k2=0.05".into())
+    all.map(Parameters).ok_or_else(|| "expected names and numbers, such as k1=-0.2,k2=0.05".into())
 }
 
 /// A field of view in degrees.
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
-    number(text, "degrees above 0 and up to 360", |degrees| {
-        degrees > 0.0 && degrees <= 360.0
-    })
+    number(text, "degrees above 0 and up to 360", |degrees| degrees > 0.0 && degrees <= 360.0)
 }
 
 #[cfg(test)]
@@ -330,10 +312,7 @@ mod tests {
             assert!(intrinsics(bad).is_err(), "{bad}");
         }
         let given = parameters("k1=-0.2, k2=1e-3").unwrap();
-        assert_eq!(
-            given,
-            Parameters(vec![("k1".into(), -0.2), ("k2".into(), 1e-3)])
-        );
+        assert_eq!(given, Parameters(vec![("k1".into(), -0.2), ("k2".into(), 1e-3)]));
         for bad in ["", "k1", "k1=", "k1=x", "k1=nan", "k1=1,"] {
             assert!(parameters(bad).is_err(), "{bad}");
         }

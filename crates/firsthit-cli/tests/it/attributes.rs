@@ -22,20 +22,13 @@ fn rays_get_attributes_by_name() {
     let shot = lab.ok("shoot a.ply rays.csv --channels t,attribute:quality");
     // 1 + 2/4 + 8/4 at (1, 1).
     assert_eq!(shot.text(), "t,attribute:quality\n5,3.5\ninf,nan\n");
-    let piped = lab.pipe(
-        "shoot a.ply - --channels attribute:quality",
-        b"2,1,5,0,0,-1\n",
-    );
+    let piped = lab.pipe("shoot a.ply - --channels attribute:quality", b"2,1,5,0,0,-1\n");
     assert_eq!(piped.text(), "attribute:quality\n4\n");
     let all = lab.ok("shoot a.ply rays.csv --all --channels attribute:quality");
     assert_eq!(all.text(), "ray,attribute:quality\n0,3.5\n");
     let unknown = "there are quality";
     lab.fails("shoot a.ply rays.csv --channels attribute:heat", 2, unknown);
-    lab.fails(
-        "shoot a.ply rays.csv --channels attribute:",
-        2,
-        "the name of an attribute",
-    );
+    lab.fails("shoot a.ply rays.csv --channels attribute:", 2, "the name of an attribute");
 }
 
 #[test]
@@ -50,11 +43,7 @@ fn pictures_get_attributes_by_name() {
         assert!((value - expected).abs() < 1e-12 || (place[0].is_nan() && value.is_nan()));
     }
     assert!(lab.names().contains(&"attribute-quality.npy".to_owned()));
-    lab.fails(
-        "render a.ply --channels attribute:heat -o a.npz",
-        2,
-        "there are quality",
-    );
+    lab.fails("render a.ply --channels attribute:heat -o a.npz", 2, "there are quality");
     lab.write(
         "a.toml",
         "[[objects]]\nfile = \"a.ply\"\n[[outputs]]\nfile = \"of.npz\"\nchannels = [\"t\", \"attribute:quality\"]\n",
@@ -100,8 +89,5 @@ fn info_says_what_identifiers_stand_for() {
     assert_eq!(said["materials"][0]["name"], "rubber");
     lab.ok("render a.gltf --size 9x6 --channels node -o a.npz");
     let said: Value = serde_json::from_str(lab.ok("info a.npz --json").text()).unwrap();
-    assert_eq!(
-        said["metadata"]["names"]["node"],
-        json!(["truck/wheel", "truck/wheel"])
-    );
+    assert_eq!(said["metadata"]["names"]["node"], json!(["truck/wheel", "truck/wheel"]));
 }

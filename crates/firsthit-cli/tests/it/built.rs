@@ -16,16 +16,11 @@ rotate = { axis = [1, 0, 0], degrees = 60 }\n[[objects]]\nshape = \"sphere\"\nce
 fn a_built_scene_is_taken_wherever_a_model_is() {
     let lab = Lab::with_square();
     lab.write("scene.toml", SCENE);
-    lab.write(
-        "rays.csv",
-        "0.25,0.25,9,0,0,-1\n0.5,0,9,0,0,-1\n9,9,9,0,0,-1\n",
-    );
+    lab.write("rays.csv", "0.25,0.25,9,0,0,-1\n0.5,0,9,0,0,-1\n9,9,9,0,0,-1\n");
     let said = lab.ok("build scene.toml -o city.fhs").stderr;
     assert!(said.starts_with("city.fhs: 2 triangles, "), "{said}");
     for file in ["scene.toml", "city.fhs"] {
-        lab.ok(&format!(
-            "render {file} --channels color,t,object,normal -o {file}.npz -q"
-        ));
+        lab.ok(&format!("render {file} --channels color,t,object,normal -o {file}.npz -q"));
         let shot = lab.ok(&format!("shoot {file} rays.csv -q"));
         lab.write(&format!("{file}.csv"), shot.text());
         let colored = format!("render {file} --color red --view iso --size 20x20 -q");
@@ -67,32 +62,20 @@ fn hills(side: u32) -> String {
 fn results_are_the_same_however_trees_are_built() {
     let lab = Lab::new();
     lab.write("hills.ply", hills(60));
-    lab.write(
-        "rays.csv",
-        "3.2,4.1,9,0,0,-1\n30,30,9,0.1,0.2,-1\n-9,9,9,0,0,-1\n",
-    );
+    lab.write("rays.csv", "3.2,4.1,9,0,0,-1\n30,30,9,0.1,0.2,-1\n-9,9,9,0,0,-1\n");
     lab.write("points.csv", "3,4,9\n30,30,-5\n");
     for how in ["auto", "fast", "best"] {
         let build = format!("--build {how}");
         let asked = "--size 60x40 --channels color,t,primitive,ao --samples 2 -q";
         lab.ok(&format!("render hills.ply {build} {asked} -o {how}.npz"));
-        lab.ok(&format!(
-            "render hills.ply {build} --size 60x40 -q -o {how}.png"
-        ));
+        lab.ok(&format!("render hills.ply {build} --size 60x40 -q -o {how}.png"));
         // Few rays for so many triangles: `auto` builds fast.
         lab.ok(&format!(
             "render hills.ply {build} --size 20x10 --shader lambert --samples 1 -q -o {how}.npy"
         ));
-        let mut said = lab
-            .ok(&format!("shoot hills.ply rays.csv {build} -q"))
-            .text()
-            .to_owned();
-        said += lab
-            .ok(&format!("nearest hills.ply points.csv {build} -q"))
-            .text();
-        said += lab
-            .ok(&format!("probe hills.ply --ray 3,4,9,0,0,-1 {build}"))
-            .text();
+        let mut said = lab.ok(&format!("shoot hills.ply rays.csv {build} -q")).text().to_owned();
+        said += lab.ok(&format!("nearest hills.ply points.csv {build} -q")).text();
+        said += lab.ok(&format!("probe hills.ply --ray 3,4,9,0,0,-1 {build}")).text();
         lab.write(&format!("{how}.txt"), said);
     }
     for other in ["fast", "auto"] {
@@ -112,21 +95,12 @@ fn what_info_says_of_a_built_scene_is_what_it_says_of_its_source() {
     let lab = Lab::with("cube_quads_le.ply", "cube.ply");
     lab.ok("build cube.ply");
     assert_eq!(lab.names(), ["cube.fhs", "cube.ply"]);
-    assert_eq!(
-        lab.ok("info cube.fhs").text(),
-        lab.ok("info cube.ply").text()
-    );
+    assert_eq!(lab.ok("info cube.fhs").text(), lab.ok("info cube.ply").text());
     // A scene may name it.
-    lab.write(
-        "scene.toml",
-        "[[objects]]\nfile = \"cube.fhs\"\n[[objects]]\nfile = \"cube.ply\"\n",
-    );
+    lab.write("scene.toml", "[[objects]]\nfile = \"cube.fhs\"\n[[objects]]\nfile = \"cube.ply\"\n");
     let said = lab.ok("info scene.toml --json");
     let said: Value = serde_json::from_str(said.text()).unwrap();
-    assert_eq!(
-        said["objects"][0]["triangles"],
-        said["objects"][1]["triangles"]
-    );
+    assert_eq!(said["objects"][0]["triangles"], said["objects"][1]["triangles"]);
     // Built again, it is the same file.
     lab.ok("build cube.fhs -o again.fhs");
     assert_eq!(lab.read("again.fhs"), lab.read("cube.fhs"));
@@ -143,11 +117,7 @@ fn info_finds_damage_that_render_does_not_look_for() {
     bytes[found] ^= 1;
     lab.write("a.fhs", &bytes);
     lab.ok("render a.fhs --size 8x8 -q");
-    lab.fails(
-        "info a.fhs",
-        3,
-        "the file is damaged: the checksum of this section does not match",
-    );
+    lab.fails("info a.fhs", 3, "the file is damaged: the checksum of this section does not match");
     lab.write("a.fhs", &bytes[..bytes.len() - 9]);
     lab.fails("render a.fhs", 3, "it is truncated, or has grown");
     lab.write("a.fhs", "solid");
@@ -160,24 +130,13 @@ fn build_writes_a_file_of_its_own_or_nothing() {
     let lab = Lab::with_square();
     lab.fails("build square.ply -o square.npz", 2, "must end in .fhs");
     lab.ok("build square.ply -q");
-    lab.fails(
-        "build square.fhs",
-        2,
-        "is an input; it will not be overwritten",
-    );
-    lab.fails(
-        "build square.ply -o none/a.fhs",
-        4,
-        "the folder does not exist",
-    );
+    lab.fails("build square.fhs", 2, "is an input; it will not be overwritten");
+    lab.fails("build square.ply -o none/a.fhs", 4, "the folder does not exist");
     lab.fails("build missing.ply", 3, "missing.ply");
     assert_eq!(lab.names(), ["square.fhs", "square.ply"]);
     let said = lab.ok("build square.ply --json");
     let said: Value = serde_json::from_str(said.text()).unwrap();
     assert_eq!(said["outputs"][0]["file"], "square.fhs");
-    assert_eq!(
-        (&said["objects"], &said["triangles"]),
-        (&1.into(), &2.into())
-    );
+    assert_eq!((&said["objects"], &said["triangles"]), (&1.into(), &2.into()));
     assert_eq!(said["bytes"], lab.read("square.fhs").len());
 }

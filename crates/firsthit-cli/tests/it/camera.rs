@@ -6,20 +6,14 @@ use crate::support::{ABOVE, Lab, array};
 
 /// The z channel of the pixel in the middle of a picture of 5 x 3 pixels.
 fn middle(lab: &Lab, channel: &str, options: &str) -> f64 {
-    lab.ok(&format!(
-        "render square.ply --size 5x3 --channels {channel} -o middle.npy {options}"
-    ));
+    lab.ok(&format!("render square.ply --size 5x3 --channels {channel} -o middle.npy {options}"));
     array(&lab.read("middle.npy")).values[7]
 }
 
 #[test]
 fn vectors_may_be_negative() {
     let lab = Lab::with_square();
-    let z = middle(
-        &lab,
-        "z",
-        "--position -1,-2,-3 --look-at -0.5,-0.5,0 --up -1,0,0",
-    );
+    let z = middle(&lab, "z", "--position -1,-2,-3 --look-at -0.5,-0.5,0 --up -1,0,0");
     let expected = (0.25_f64 + 2.25 + 9.0).sqrt();
     assert!((z - expected).abs() < 1e-14, "{z} {expected}");
 }
@@ -27,20 +21,12 @@ fn vectors_may_be_negative() {
 #[test]
 fn the_default_camera_sees_all_of_it() {
     let lab = Lab::with("cube_binary.stl", "part.stl");
-    for more in [
-        "",
-        "--orthographic",
-        "--aim 1,2,-3",
-        "--look-at auto",
-        "--size 24x64",
-        "--fov 5",
-    ] {
-        lab.ok(
-            &format!("render part.stl --size 64x48 --channels object -o o.npy {more}").replace(
-                "--size 64x48 --channels object -o o.npy --size",
-                "--channels object -o o.npy --size",
-            ),
-        );
+    for more in ["", "--orthographic", "--aim 1,2,-3", "--look-at auto", "--size 24x64", "--fov 5"]
+    {
+        lab.ok(&format!("render part.stl --size 64x48 --channels object -o o.npy {more}").replace(
+            "--size 64x48 --channels object -o o.npy --size",
+            "--channels object -o o.npy --size",
+        ));
         let object = array(&lab.read("o.npy"));
         let (rows, columns) = (object.shape[0], object.shape[1]);
         let mut hits = 0;
@@ -76,11 +62,7 @@ fn the_field_of_view_is_vertical() {
              --channels object -o o.npy"
         ));
         let object = array(&lab.read("o.npy"));
-        object
-            .values
-            .iter()
-            .filter(|&&object| object == 0.0)
-            .count()
+        object.values.iter().filter(|&&object| object == 0.0).count()
     };
     assert_eq!(hits(90.0), 1001);
     // tan 60 is 1.732: the square has 1001 / 1.732 rows.
@@ -95,15 +77,9 @@ fn rays_start_on_the_viewplane_only_where_there_is_one() {
     assert_eq!(t(""), 5.0);
     assert_eq!(t("--focal-length 2 --viewplane 4x3"), 3.0);
     assert_eq!(t("--focal-length 2 --viewplane 4x3 --ray-start eye"), 5.0);
-    assert_eq!(
-        t("--focal-length 2 --viewplane 4x3 --ray-start viewplane"),
-        3.0
-    );
+    assert_eq!(t("--focal-length 2 --viewplane 4x3 --ray-start viewplane"), 3.0);
     assert_eq!(t("--orthographic --focal-length 2 --viewplane 4x3"), 3.0);
-    assert_eq!(
-        t("--orthographic --focal-length 2 --viewplane 4x3 --ray-start eye"),
-        5.0
-    );
+    assert_eq!(t("--orthographic --focal-length 2 --viewplane 4x3 --ray-start eye"), 5.0);
     assert_eq!(t("--orthographic --viewplane 4x3"), 5.0);
 }
 
@@ -126,9 +102,7 @@ fn parallel_rays_have_one_direction() {
 fn straight_from_above_y_is_up_unless_said_otherwise() {
     let lab = Lab::with("cube_binary.stl", "part.stl");
     let picture = |options: &str| {
-        lab.ok(&format!(
-            "render part.stl --size 16x12 {options} --channels primitive -o p.npy"
-        ));
+        lab.ok(&format!("render part.stl --size 16x12 {options} --channels primitive -o p.npy"));
         lab.read("p.npy")
     };
     let given = picture("--position 0,0,10 --up 0,1,0 --look-at 0,0,0");
@@ -149,57 +123,30 @@ const IMPOSSIBLE: &[(&str, &str)] = &[
     ("--aim 0,0,0", "aim must be"),
     ("--position 0,0,5 --aim 0,0,0", "aim must be"),
     ("--up 0,0,0", "up must be"),
-    (
-        "--position 0,0,5 --aim 0,0,-1 --up 0,0,3",
-        "up must be in another direction than aim",
-    ),
+    ("--position 0,0,5 --aim 0,0,-1 --up 0,0,3", "up must be in another direction than aim"),
     (
         "--position 1,2,3 --look-at 1,2,3",
         "--look-at must be another point than --position, got 1,2,3",
     ),
     ("--look-at 1,2,3", "--look-at 1,2,3 needs --position"),
-    (
-        "--position 1,2",
-        "'--position <X,Y,Z>': expected three finite numbers",
-    ),
+    ("--position 1,2", "'--position <X,Y,Z>': expected three finite numbers"),
     ("--position 1,2,inf", "--position"),
-    (
-        "--aim 1,0,0 --look-at 0,0,0",
-        "'--aim <X,Y,Z>' cannot be used with '--look-at",
-    ),
-    (
-        "--fov 45 --orthographic",
-        "'--fov <DEGREES>' cannot be used with '--orthographic'",
-    ),
+    ("--aim 1,0,0 --look-at 0,0,0", "'--aim <X,Y,Z>' cannot be used with '--look-at"),
+    ("--fov 45 --orthographic", "'--fov <DEGREES>' cannot be used with '--orthographic'"),
     ("--fov 45 --viewplane 3x2", "cannot be used with"),
-    (
-        "--fov 45 --focal-length 3 --viewplane 3x2",
-        "cannot be used with",
-    ),
+    ("--fov 45 --focal-length 3 --viewplane 3x2", "cannot be used with"),
     ("--fov 180", "degrees between 0 and 180"),
-    (
-        "--fov-axis across",
-        "possible values: vertical, horizontal, diagonal",
-    ),
+    ("--fov-axis across", "possible values: vertical, horizontal, diagonal"),
     ("--fov-axis diagonal --viewplane 3x2", "cannot be used with"),
     (
         "--fov-axis diagonal --projection equidistant",
         "fov_axis must be left out of a camera that is not perspective",
     ),
-    (
-        "--projection equirectangular --fov 90 --parameters vertical_fov=60",
-        "cannot be used with",
-    ),
+    ("--projection equirectangular --fov 90 --parameters vertical_fov=60", "cannot be used with"),
     ("--convention ros", "--intrinsics <FX,FY,CX,CY[,SKEW]>"),
     ("--focal-length 3", "--viewplane <WIDTHxHEIGHT>"),
-    (
-        "--focal-length 0 --viewplane 3x2",
-        "expected a positive number",
-    ),
-    (
-        "--focal-length -1 --viewplane 3x2",
-        "expected a positive number",
-    ),
+    ("--focal-length 0 --viewplane 3x2", "expected a positive number"),
+    ("--focal-length -1 --viewplane 3x2", "expected a positive number"),
     ("--viewplane 3x2", "--viewplane needs --focal-length"),
     ("--viewplane 3x-2 --focal-length 1", "both positive"),
     ("--ray-start nose", "[possible values: viewplane, eye]"),
@@ -224,11 +171,7 @@ fn a_camera_that_looks_away_says_so() {
         bounds -1,-1,0 to 1,1,0, try --look-at auto\n";
     assert_eq!(outcome.stderr, expected);
     let past = lab.ok("render square.ply --size 32x24 --position 0,0,5 --aim 1,0,-0.1 --quiet");
-    assert!(
-        past.stderr.contains("the camera looks past the scene"),
-        "{}",
-        past.stderr
-    );
+    assert!(past.stderr.contains("the camera looks past the scene"), "{}", past.stderr);
 }
 
 #[test]
@@ -237,22 +180,9 @@ fn what_is_before_the_viewplane_is_not_seen_and_that_is_said() {
     let near = "render square.ply --size 32x24 --position 0,0,5 --aim 0,0,-1 --up 0,1,0 \
         --focal-length 7 --viewplane 4x3 --channels object -o o.npy";
     let outcome = lab.ok(near);
-    assert!(
-        outcome.stderr.contains("between the eye and the viewplane"),
-        "{}",
-        outcome.stderr
-    );
-    assert!(
-        outcome.stderr.contains("use --ray-start eye"),
-        "{}",
-        outcome.stderr
-    );
-    assert!(
-        array(&lab.read("o.npy"))
-            .values
-            .iter()
-            .all(|&object| object == -1.0)
-    );
+    assert!(outcome.stderr.contains("between the eye and the viewplane"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("use --ray-start eye"), "{}", outcome.stderr);
+    assert!(array(&lab.read("o.npy")).values.iter().all(|&object| object == -1.0));
     let outcome = lab.ok(&format!("{near} --ray-start eye"));
     assert!(!outcome.stderr.contains("warning"), "{}", outcome.stderr);
     assert!(array(&lab.read("o.npy")).values.contains(&0.0));
@@ -270,10 +200,7 @@ fn a_panorama_sees_all_around_from_the_middle() {
     let [nearest, farthest] = [f64::min as fn(f64, f64) -> f64, f64::max]
         .map(|choose| range.values.iter().copied().reduce(choose).unwrap());
     assert!((0.73..0.7301).contains(&nearest), "{nearest}");
-    assert!(
-        (0.995 * corner..corner).contains(&farthest),
-        "{farthest} {corner}"
-    );
+    assert!((0.995 * corner..corner).contains(&farthest), "{farthest} {corner}");
     // From inside nothing is in the light from outside, so that shadows would hide everything.
     let outcome = lab.ok("render part.stl --projection equirectangular --samples 1 -o seen.npz");
     assert!(outcome.stderr.contains("no shadows"), "{}", outcome.stderr);
@@ -307,11 +234,7 @@ fn a_panorama_has_no_viewplane() {
         2,
         "--viewplane is for perspective and orthographic cameras",
     );
-    lab.fails(
-        &format!("{render} --ray-start viewplane"),
-        2,
-        "rays start at the eye",
-    );
+    lab.fails(&format!("{render} --ray-start viewplane"), 2, "rays start at the eye");
     lab.fails(
         "render square.ply -o x.png --projection fisheye",
         2,
@@ -335,10 +258,7 @@ fn an_intrinsic_matrix_and_a_pose_make_the_camera() {
     let expected = 5.0 * (1.0_f64 + 2.0 * 0.125 * 0.125).sqrt();
     assert!((range - expected).abs() < 1e-14, "{range}");
     // The inverse pose, as ROS has it.
-    lab.write(
-        "pose.txt",
-        "[[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 5], [0, 0, 0, 1]]",
-    );
+    lab.write("pose.txt", "[[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 5], [0, 0, 0, 1]]");
     assert_eq!(middle(&lab, "z", &given.replace("opencv", "ros")), 5.0);
     // A lens with distortion.
     let distorted = "--intrinsics 4,4,2.5,1.5 --pose pose.txt --convention gltf --projection opencv --parameters k1=-0.1";
@@ -354,14 +274,8 @@ fn what_makes_no_camera_is_told() {
     for (options, words) in [
         ("--intrinsics 4,4,2,1", "--convention"),
         ("--intrinsics 4,4,2 --convention ros", "fx,fy,cx,cy"),
-        (
-            "--pose pose.txt --convention ros --aim 1,0,0",
-            "cannot be used with",
-        ),
-        (
-            "--projection opencv",
-            "intrinsics must be given with a calibrated lens",
-        ),
+        ("--pose pose.txt --convention ros --aim 1,0,0", "cannot be used with"),
+        ("--projection opencv", "intrinsics must be given with a calibrated lens"),
         (
             "--projection eucm --intrinsics 4,4,2,1 --convention ros --parameters k1=1",
             "there are fx, fy, cx, cy, skew, alpha, beta",
@@ -436,10 +350,7 @@ fn an_image_of_a_colmap_reconstruction_is_a_camera() {
     assert_eq!(of("from above.png", "--position 0,0,7")["z"].values[7], 7.0);
     let probed = lab.ok("probe square.ply --pixel 1,2 --colmap sparse --image near/by.png --json");
     let probed = String::from_utf8_lossy(&probed.stdout).into_owned();
-    assert!(
-        probed.contains("\"z\": 3") || probed.contains("\"z\":3"),
-        "{probed}"
-    );
+    assert!(probed.contains("\"z\": 3") || probed.contains("\"z\":3"), "{probed}");
 }
 
 #[test]
@@ -485,25 +396,13 @@ fn what_is_no_image_of_a_reconstruction_is_told() {
             "1 0 1 0 0 0 0 5 1 a\n\n2 0 1 0 0 0 0 3 1 a\n",
             "twice/images.txt:3: image 'a': the name is there twice",
         ),
-        (
-            "nan",
-            "1 0 1 0 0 nan 0 5 1 a\n",
-            "nan/images.txt:1: a pose must be",
-        ),
-        (
-            "none",
-            "1 0 1 0 0 0 0 5 9 a\n",
-            "none/images.txt:1: image 'a': there is no camera 9",
-        ),
+        ("nan", "1 0 1 0 0 nan 0 5 1 a\n", "nan/images.txt:1: a pose must be"),
+        ("none", "1 0 1 0 0 0 0 5 9 a\n", "none/images.txt:1: image 'a': there is no camera 9"),
         ("empty", "", "--image 'a': empty/images.txt has no images"),
     ] {
         reconstruction(&lab, folder, images);
         let code = if folder == "empty" { 2 } else { 3 };
-        lab.fails(
-            &format!("{render} --colmap {folder} --image a"),
-            code,
-            words,
-        );
+        lab.fails(&format!("{render} --colmap {folder} --image a"), code, words);
     }
 }
 
@@ -538,15 +437,8 @@ fn an_output_is_a_camera() {
     // Half the size: a matrix of half the numbers.
     lab.ok("render part.stl --camera first.npz --size 20x15 --channels range -o third.npz -q");
     assert_eq!(lab.npz("third.npz")["range"].shape, [15, 20]);
-    lab.write(
-        "none.npy",
-        crate::support::npy("<f8", false, "(2, 2)", &[0; 32]),
-    );
-    lab.fails(
-        "render part.stl --camera none.npy -o x.png",
-        3,
-        "does not say which camera",
-    );
+    lab.write("none.npy", crate::support::npy("<f8", false, "(2, 2)", &[0; 32]));
+    lab.fails("render part.stl --camera none.npy -o x.png", 3, "does not say which camera");
 }
 
 #[test]
@@ -570,19 +462,13 @@ fn a_scene_file_has_calibrated_cameras() {
         );
         lab.write("scene.toml", &toml);
         lab.ok("render scene.toml --channels range -o file.npz -q");
-        lab.ok(&format!(
-            "render square.ply --size 5x3 --channels range -o words.npz -q {options}"
-        ));
+        lab.ok(&format!("render square.ply --size 5x3 --channels range -o words.npz -q {options}"));
         let (file, words) = (lab.npz("file.npz"), lab.npz("words.npz"));
         assert_eq!(file["range"].values, words["range"].values, "{options}");
         // It stands in a built scene too.
         lab.ok("build scene.toml -o built.fhs -q");
         lab.ok("render built.fhs --channels range -o built.npz -q");
-        assert_eq!(
-            file["range"].values,
-            lab.npz("built.npz")["range"].values,
-            "{options}"
-        );
+        assert_eq!(file["range"].values, lab.npz("built.npz")["range"].values, "{options}");
     }
 }
 
@@ -590,11 +476,7 @@ fn a_scene_file_has_calibrated_cameras() {
 fn an_aperture_blurs_colours_and_nothing_else() {
     let lab = Lab::with_square();
     let made = |name: &str, options: &str| {
-        let size = if options.contains("--camera") {
-            ""
-        } else {
-            "--size 24x18"
-        };
+        let size = if options.contains("--camera") { "" } else { "--size 24x18" };
         lab.ok(&format!(
             "render square.ply {size} --channels color,z --samples 16 -o {name} {options}"
         ));
@@ -622,19 +504,14 @@ fn a_distorted_camera_has_an_aperture_on_the_command_line_and_in_scene_files() {
     let render = "--channels color,z --samples 16 -q";
     let given =
         "--intrinsics 20,20,12,9 --pose pose.txt --convention gltf --size 24x18 --projection";
-    for (projection, parameters, keys) in [
-        ("opencv", "k1=-0.1", "k1 = -0.1"),
-        ("fov", "omega=0.8", "omega = 0.8"),
-    ] {
+    for (projection, parameters, keys) in
+        [("opencv", "k1=-0.1", "k1 = -0.1"), ("fov", "omega=0.8", "omega = 0.8")]
+    {
         let given = format!("{given} {projection} --parameters {parameters}");
         lab.ok(&format!("render square.ply {render} -o sharp.npz {given}"));
         let lens = "--aperture 1 --focus 2";
-        lab.ok(&format!(
-            "render square.ply {render} -o a.npz {given} {lens}"
-        ));
-        lab.ok(&format!(
-            "render square.ply {render} -o b.npz --camera a.npz"
-        ));
+        lab.ok(&format!("render square.ply {render} -o a.npz {given} {lens}"));
+        lab.ok(&format!("render square.ply {render} -o b.npz --camera a.npz"));
         lab.write(
             "scene.toml",
             format!(
@@ -671,14 +548,8 @@ fn a_distorted_camera_has_an_aperture_on_the_command_line_and_in_scene_files() {
 fn half_a_lens_is_refused() {
     let lab = Lab::with_square();
     for (options, error) in [
-        (
-            "--aperture 0.5",
-            "--aperture 0.5 needs --focus, a distance or a point",
-        ),
-        (
-            "--focus 0.5",
-            "--focus needs --aperture, the lens' diameter",
-        ),
+        ("--aperture 0.5", "--aperture 0.5 needs --focus, a distance or a point"),
+        ("--focus 0.5", "--focus needs --aperture, the lens' diameter"),
         (
             "--aperture 0.5 --focus 3 --samples 1",
             "samples must be at least 2 for colours and mattes of a camera with an aperture, got 1",
@@ -691,22 +562,12 @@ fn half_a_lens_is_refused() {
             "--aperture 0.5 --focus 3 --projection equidistant",
             "aperture must be left out: only perspective cameras, opencv and fov have a thin lens, got equidistant",
         ),
-        (
-            "--aperture 0.5 --focus 0",
-            "expected a positive distance, or a point such as 1,2,3",
-        ),
-        (
-            "--aperture -1 --focus 2",
-            "expected zero or a positive number",
-        ),
+        ("--aperture 0.5 --focus 0", "expected a positive distance, or a point such as 1,2,3"),
+        ("--aperture -1 --focus 2", "expected zero or a positive number"),
     ] {
         let outcome = lab.run(&format!("render square.ply --size 8x6 -o a.png {options}"));
         assert_ne!(outcome.code, 0, "{options}");
-        assert!(
-            outcome.stderr.contains(error),
-            "{options}: {}",
-            outcome.stderr
-        );
+        assert!(outcome.stderr.contains(error), "{options}: {}", outcome.stderr);
     }
     let idle =
         lab.run("render square.ply --size 8x6 -o z.npy --channels z --aperture 0.5 --focus 3");

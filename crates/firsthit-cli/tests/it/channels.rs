@@ -16,19 +16,14 @@ fn place(row: usize, column: usize) -> (f64, f64) {
 
 fn near(array: &Array, index: usize, expected: f64) {
     let got = array.values[index];
-    assert!(
-        (got - expected).abs() <= ROUNDING,
-        "{index}: {got} {expected}"
-    );
+    assert!((got - expected).abs() <= ROUNDING, "{index}: {got} {expected}");
 }
 
 #[test]
 fn every_pixel_has_the_distances_of_the_formula() {
     let lab = Lab::with_square();
     let channels = "t,range,z,object,primitive,face,normal,incidence,position,front";
-    lab.ok(&format!(
-        "render square.ply {ABOVE} --channels {channels} -o all.npz"
-    ));
+    lab.ok(&format!("render square.ply {ABOVE} --channels {channels} -o all.npz"));
     let all = lab.npz("all.npz");
     for row in 0..ROWS {
         for column in 0..COLUMNS {
@@ -76,9 +71,7 @@ fn every_pixel_has_the_distances_of_the_formula() {
 fn arrays_have_the_types_and_shapes_that_are_documented() {
     let lab = Lab::with_square();
     let names = "color,t,range,z,object,primitive,face,normal,incidence,position,barycentric,uv,base_color,front";
-    lab.ok(&format!(
-        "render square.ply --size 32x24 --channels {names} -o all.npz"
-    ));
+    lab.ok(&format!("render square.ply --size 32x24 --channels {names} -o all.npz"));
     let all = lab.npz("all.npz");
     assert_eq!(all.len(), 14);
     for (name, array) in &all {
@@ -94,11 +87,7 @@ fn arrays_have_the_types_and_shapes_that_are_documented() {
             1 => &[24, 32],
             n => &[24, 32, n],
         };
-        assert_eq!(
-            (array.dtype.as_str(), &array.shape[..]),
-            (dtype, shape),
-            "{name}"
-        );
+        assert_eq!((array.dtype.as_str(), &array.shape[..]), (dtype, shape), "{name}");
     }
 }
 
@@ -134,21 +123,14 @@ fn a_picture_of_distances_comes_with_its_legend() {
     let outcome = lab.ok(&format!("render square.ply {ABOVE} --channels t"));
     let lines: Vec<&str> = outcome.stderr.lines().collect();
     assert_eq!(lines.len(), 2, "{lines:?}");
-    assert!(
-        lines[1].starts_with("square.png: t from 3.0 (yellow) to "),
-        "{lines:?}"
-    );
+    assert!(lines[1].starts_with("square.png: t from 3.0 (yellow) to "), "{lines:?}");
 }
 
 #[test]
 fn depth_is_z_and_says_so() {
     let lab = Lab::with_square();
     let outcome = lab.ok("render square.ply --size 32x24 --channels depth -o d.npz");
-    assert!(
-        outcome.stderr.contains("depth is written as z"),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.stderr.contains("depth is written as z"), "{}", outcome.stderr);
     assert!(lab.npz("d.npz").contains_key("z"));
     let quiet = lab.ok("render square.ply --size 32x24 --channels depth -o d.npz --quiet");
     assert_eq!(quiet.stderr, "");
@@ -166,15 +148,11 @@ fn a_channel_asked_for_twice_is_there_once() {
 fn ambient_occlusion_has_a_length() {
     let lab = Lab::with_square();
     let wall = "-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n-1 1 1\n1 1 1\n4 0 1 2 3\n4 3 2 5 4\n";
-    let corner = SQUARE
-        .replace("vertex 4", "vertex 6")
-        .replace("face 1", "face 2");
+    let corner = SQUARE.replace("vertex 4", "vertex 6").replace("face 1", "face 2");
     let (head, _) = corner.split_once("end_header\n").unwrap();
     lab.write("corner.ply", format!("{head}end_header\n{wall}"));
     let mean = |channel: &str| {
-        lab.ok(&format!(
-            "render corner.ply {ABOVE} --samples 16 --channels {channel} -o a.npz"
-        ));
+        lab.ok(&format!("render corner.ply {ABOVE} --samples 16 --channels {channel} -o a.npz"));
         let values = lab.npz("a.npz").remove("ao").unwrap().values;
         values.iter().sum::<f64>() / values.len() as f64
     };
@@ -193,10 +171,7 @@ fn two_outputs_of_a_file_cannot_have_other_channels_of_one_name() {
         format!("[[outputs]]\nfile = \"{name}.npz\"\nchannels = [\"{channel}\"]\n")
     };
     let outputs = output("c", "attribute:a b") + &output("d", "attribute:a_b");
-    lab.write(
-        "a.toml",
-        format!("[[objects]]\nfile = \"square.ply\"\n{outputs}"),
-    );
+    lab.write("a.toml", format!("[[objects]]\nfile = \"square.ply\"\n{outputs}"));
     let words = "two attributes would both be called attribute:a_b";
     lab.fails("render a.toml", 3, words);
 }
@@ -204,21 +179,9 @@ fn two_outputs_of_a_file_cannot_have_other_channels_of_one_name() {
 #[test]
 fn a_channel_that_would_be_lost_is_refused() {
     let lab = Lab::with_square();
-    lab.fails(
-        "render square.ply --channels color,t",
-        2,
-        "the channel t goes to no file",
-    );
-    lab.fails(
-        "render square.ply --channels t,z",
-        2,
-        "holds one channel of several",
-    );
-    lab.fails(
-        "demo --channels color,object",
-        2,
-        "the channel object goes to no file",
-    );
+    lab.fails("render square.ply --channels color,t", 2, "the channel t goes to no file");
+    lab.fails("render square.ply --channels t,z", 2, "holds one channel of several");
+    lab.fails("demo --channels color,object", 2, "the channel object goes to no file");
     lab.fails(
         "render square.ply --channels foo",
         2,
@@ -264,31 +227,18 @@ fn a_misspelt_channel_is_told_which_is_meant() {
     let lab = Lab::with_square();
     for (arguments, meant) in [
         ("render square.ply --channels normals", "normal"),
-        (
-            "render square.ply --channels color,objects -o a.npz",
-            "object",
-        ),
+        ("render square.ply --channels color,objects -o a.npz", "object"),
         ("shoot square.ply rays.npy --channels t,postion", "position"),
         ("demo --channels rnage", "range"),
     ] {
         lab.fails(arguments, 2, &format!("did you mean {meant}?"));
     }
     lab.ok("render square.ply --size 8x8 --channels t,object -o a.npz");
-    lab.fails(
-        "diff a.npz a.npz --channels objct",
-        2,
-        "did you mean object?",
-    );
-    lab.fails(
-        "render square.ply --channels xyzzy",
-        2,
-        "only color, t, range",
-    );
+    lab.fails("diff a.npz a.npz --channels objct", 2, "did you mean object?");
+    lab.fails("render square.ply --channels xyzzy", 2, "only color, t, range");
     // Blanks around names are nobody's mistake.
-    let spaced = lab
-        .command("render square.ply --size 8x8 -o b.npz --channels")
-        .arg("t, object")
-        .output();
+    let spaced =
+        lab.command("render square.ply --size 8x8 -o b.npz --channels").arg("t, object").output();
     assert!(spaced.unwrap().status.success());
 }
 
@@ -300,11 +250,7 @@ fn numbers_in_sentences_have_few_digits() {
     let longest = |text: &str| -> usize {
         let pieces = text.split(|c: char| !c.is_ascii_digit() && c != '.');
         let digits = |piece: &str| {
-            piece
-                .trim_start_matches(['0', '.'])
-                .chars()
-                .filter(char::is_ascii_digit)
-                .count()
+            piece.trim_start_matches(['0', '.']).chars().filter(char::is_ascii_digit).count()
         };
         pieces.map(digits).max().unwrap_or(0)
     };
@@ -321,10 +267,7 @@ fn numbers_in_sentences_have_few_digits() {
     }
     // The fingerprint is no number.
     let info = lab.ok("info a.exr");
-    let lines = info
-        .text()
-        .lines()
-        .filter(|line| !line.starts_with("scene"));
+    let lines = info.text().lines().filter(|line| !line.starts_with("scene"));
     for line in lines {
         assert!(longest(line) <= 6 || line.contains("4294967295"), "{line}");
     }
@@ -339,11 +282,7 @@ fn cryptomattes_go_to_files_that_hold_them() {
         "render square.ply {ABOVE} --samples 16 --channels color,crypto_object -o a.exr -o a.npz"
     ));
     let exr = String::from_utf8_lossy(&lab.read("a.exr")).into_owned();
-    for words in [
-        "CryptoObject02.A",
-        "cryptomatte/3ae39a5/manifest",
-        "MurmurHash3_32",
-    ] {
+    for words in ["CryptoObject02.A", "cryptomatte/3ae39a5/manifest", "MurmurHash3_32"] {
         assert!(exr.contains(words), "{words}");
     }
     let first = lab.npz("a.npz");
@@ -353,27 +292,13 @@ fn cryptomattes_go_to_files_that_hold_them() {
     assert_eq!(middle[1], 1.0);
     assert_eq!(middle[2..], [0.0; 10]);
     assert_eq!(pairs[..12], [0.0; 12]);
-    lab.ok(&format!(
-        "render square.ply {ABOVE} --channels crypto_object:2 -o two.npy"
-    ));
+    lab.ok(&format!("render square.ply {ABOVE} --channels crypto_object:2 -o two.npy"));
     assert_eq!(array(&lab.read("two.npy")).shape, [25, 33, 4]);
     for (output, channels, words) in [
-        (
-            "a.png",
-            "crypto_object",
-            "a.png holds no Cryptomatte (crypto_object); use .exr or .npz",
-        ),
+        ("a.png", "crypto_object", "a.png holds no Cryptomatte (crypto_object); use .exr or .npz"),
         ("a.ply", "crypto_object", "a.ply holds no Cryptomatte"),
-        (
-            "{channel}.png",
-            "z,crypto_material",
-            "holds no Cryptomatte (crypto_material)",
-        ),
-        (
-            "a.exr",
-            "crypto_object:7",
-            "an even number of pairs from 2 to 64, got crypto_object:7",
-        ),
+        ("{channel}.png", "z,crypto_material", "holds no Cryptomatte (crypto_material)"),
+        ("a.exr", "crypto_object:7", "an even number of pairs from 2 to 64, got crypto_object:7"),
     ] {
         let arguments = format!("render square.ply {ABOVE} --channels {channels} -o {output}");
         lab.fails(&arguments, 2, words);
@@ -398,12 +323,7 @@ fn names_beyond_256_kib_that_a_picture_lacks_are_counted_by_info() {
     let lacking = 1500 - fit.count();
     assert!(lacking > 100, "{lacking}");
     let info = lab.ok("info a.exr");
-    let line = info
-        .text()
-        .lines()
-        .find(|line| line.starts_with("names"))
-        .unwrap()
-        .to_owned();
+    let line = info.text().lines().find(|line| line.starts_with("names")).unwrap().to_owned();
     let wanted = format!("{lacking} of object: there is room for 256 KiB");
     assert!(line.contains(&wanted), "{line}");
     lab.ok("render many.obj --size 4x3 --channels z -o b.exr");

@@ -40,15 +40,8 @@ fn a_scene_file_says_which_lines_and_options_say_otherwise() {
         "[edges]\nwidth = 2\nkinds = [\"crease\"]\n[[objects]]\nfile = \"square.ply\"\n",
     );
     let sum = |file: &str, options: &str| {
-        lab.ok(&format!(
-            "render {file} {ABOVE} -o a.npz --channels edge {options}"
-        ));
-        lab.npz("a.npz")
-            .remove("edge")
-            .unwrap()
-            .values
-            .iter()
-            .sum::<f64>()
+        lab.ok(&format!("render {file} {ABOVE} -o a.npz --channels edge {options}"));
+        lab.npz("a.npz").remove("edge").unwrap().values.iter().sum::<f64>()
     };
     assert_eq!(sum("a.toml", ""), 0.0);
     let boundary = sum("a.toml", "--edge-kinds boundary");
@@ -62,15 +55,8 @@ fn a_scene_file_says_which_lines_and_options_say_otherwise() {
 fn a_line_behind_something_is_dashed_on_request() {
     let lab = Lab::with("cube_quads_ascii.ply", "cube.ply");
     let sum = |options: &str| {
-        lab.ok(&format!(
-            "render cube.ply --size 100x100 -o a.npz --channels edge {options}"
-        ));
-        lab.npz("a.npz")
-            .remove("edge")
-            .unwrap()
-            .values
-            .iter()
-            .sum::<f64>()
+        lab.ok(&format!("render cube.ply --size 100x100 -o a.npz --channels edge {options}"));
+        lab.npz("a.npz").remove("edge").unwrap().values.iter().sum::<f64>()
     };
     let [seen, few, many] = ["", "--hidden-edges=1,9", "--hidden-edges"].map(sum);
     assert!(seen + 5.0 < few && few + 5.0 < many, "{seen} {few} {many}");
@@ -84,25 +70,15 @@ fn options_that_do_nothing_are_told() {
             "--channels z --edges 1",
             "--edges does nothing without color or edge among the --channels",
         ),
-        (
-            "--channels z --wireframe",
-            "--wireframe does nothing without color or edge",
-        ),
-        (
-            "--channels edge --edge-color red",
-            "--edge-color does nothing without color among",
-        ),
+        ("--channels z --wireframe", "--wireframe does nothing without color or edge"),
+        ("--channels edge --edge-color red", "--edge-color does nothing without color among"),
         (
             "--edge-kinds object --edge-angle 3",
             "--edge-angle does nothing without crease among the --edge-kinds",
         ),
     ] {
         let outcome = lab.ok(&format!("render square.ply --size 8x8 {options}"));
-        assert!(
-            outcome.stderr.contains(words),
-            "{options}: {}",
-            outcome.stderr
-        );
+        assert!(outcome.stderr.contains(words), "{options}: {}", outcome.stderr);
     }
     let fine = lab.ok("render square.ply --size 8x8 --edges 1.5 --edge-angle 3 --hidden-edges");
     assert!(!fine.stderr.contains("does nothing"), "{}", fine.stderr);
@@ -122,15 +98,10 @@ fn the_file_s_lines_can_be_left_out() {
     let plain = colors("plain.toml", "");
     assert!(colors("lines.toml", "") != plain);
     assert!(colors("lines.toml", "--no-edges") == plain);
-    lab.fails(
-        "render lines.toml --no-edges --edge-color red",
-        2,
-        "cannot be used with",
-    );
+    lab.fails("render lines.toml --no-edges --edge-color red", 2, "cannot be used with");
     let idle = lab.ok("render lines.toml --size 8x8 --channels t --no-edges");
     assert!(
-        idle.stderr
-            .contains("--no-edges does nothing without color or edge"),
+        idle.stderr.contains("--no-edges does nothing without color or edge"),
         "{}",
         idle.stderr
     );
@@ -143,18 +114,9 @@ fn what_cannot_be_drawn_is_refused() {
         ("--edges 0", "a number of pixels above 0, up to 1000"),
         ("--edges 1001", "a number of pixels above 0, up to 1000"),
         ("--edge-angle 181", "a number of degrees from 0 to 180"),
-        (
-            "--edge-kinds ridge",
-            "some of silhouette, crease, boundary, object, material, wireframe",
-        ),
-        (
-            "--hidden-edges=3",
-            "two numbers of pixels, 0.1 at least, such as 6,4",
-        ),
-        (
-            "--hidden-edges=3,0",
-            "two numbers of pixels, 0.1 at least, such as 6,4",
-        ),
+        ("--edge-kinds ridge", "some of silhouette, crease, boundary, object, material, wireframe"),
+        ("--hidden-edges=3", "two numbers of pixels, 0.1 at least, such as 6,4"),
+        ("--hidden-edges=3,0", "two numbers of pixels, 0.1 at least, such as 6,4"),
     ] {
         lab.fails(&format!("render square.ply {options}"), 2, words);
     }

@@ -43,16 +43,10 @@ fn degrees_turn_it_about_up() {
         lab.npz("a.npz").remove("color").unwrap().values[0]
     };
     let mean = |a: f64, b: f64| 0.5 * (a + b) / 256.0;
-    for (turn, expected) in [
-        ("", mean(64.0, 96.0)),
-        ("@90", mean(96.0, 128.0)),
-        ("@-90", mean(32.0, 64.0)),
-    ] {
-        assert!(
-            (seen(turn) - expected).abs() < 1e-6,
-            "{turn} {}",
-            seen(turn)
-        );
+    for (turn, expected) in
+        [("", mean(64.0, 96.0)), ("@90", mean(96.0, 128.0)), ("@-90", mean(32.0, 64.0))]
+    {
+        assert!((seen(turn) - expected).abs() < 1e-6, "{turn} {}", seen(turn));
     }
 }
 
@@ -69,22 +63,14 @@ fn what_makes_no_sense_is_refused() {
     lab.write("short.hdr", b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80");
     for (options, code, part) in [
         ("--environment daylight:95", 2, "from 0 to 90"),
-        (
-            "--environment a.hdr --light studio",
-            2,
-            "exclude each other",
-        ),
+        ("--environment a.hdr --light studio", 2, "exclude each other"),
         ("--environment-strength 2", 2, "--environment"),
         ("--environment gone.hdr", 3, "gone.hdr"),
         ("--environment short.hdr", 3, "short.hdr @ byte"),
     ] {
         let outcome = lab.run(&format!("render square.ply -o a.npz {options}"));
         assert_eq!(outcome.code, code, "{options}: {}", outcome.stderr);
-        assert!(
-            outcome.stderr.contains(part),
-            "{options}: {}",
-            outcome.stderr
-        );
+        assert!(outcome.stderr.contains(part), "{options}: {}", outcome.stderr);
     }
     // An input is not written over.
     lab.write("a.exr", lab.read("a.hdr"));

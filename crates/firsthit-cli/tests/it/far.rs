@@ -15,15 +15,9 @@ fn places_are_told_to_a_millionth_of_the_scene() {
         let said = format!("{}{}", outcome.text(), outcome.stderr);
         assert!(said.contains(words), "{arguments}: {said}");
     };
-    has(
-        "info far.obj",
-        "bounds     500000.125,4649776.25,100 to 500020.125,4649796.25,100",
-    );
+    has("info far.obj", "bounds     500000.125,4649776.25,100 to 500020.125,4649796.25,100");
     let ray = "probe far.obj --ray 500003.8765432,4649777.5,107,0,0,-1";
-    has(
-        ray,
-        "ray        from 500003.87654,4649777.5,107 along 0,0,-1",
-    );
+    has(ray, "ray        from 500003.87654,4649777.5,107 along 0,0,-1");
     has(ray, "position 500003.87654,4649777.5,100");
     has(
         "section far.obj --normal 1,0,0 --origin 500003.8765432,4649777.5,100",

@@ -12,14 +12,7 @@ fn what_cannot_be_read_is_bad_input() {
     lab.write("notes.txt", "hello");
     fs::create_dir(lab.path("folder.ply")).unwrap();
     for command in ["info", "render"] {
-        for file in [
-            "missing.ply",
-            "broken.ply",
-            "truncated.ply",
-            "notes.txt",
-            "folder.ply",
-            ".",
-        ] {
+        for file in ["missing.ply", "broken.ply", "truncated.ply", "notes.txt", "folder.ply", "."] {
             lab.fails(&format!("{command} {file}"), 3, file);
         }
     }
@@ -32,11 +25,7 @@ fn control_characters_in_names_do_not_reach_the_terminal() {
     let lab = Lab::new();
     lab.fails("info \u{1b}[31mred.ply", 3, "\\u{1b}[31mred.ply");
     let outcome = lab.run("render x.ply --\u{1b}[31mred\u{7}");
-    assert!(
-        !outcome.stderr.trim_end().contains(char::is_control),
-        "{}",
-        outcome.stderr
-    );
+    assert!(!outcome.stderr.trim_end().contains(char::is_control), "{}", outcome.stderr);
 }
 
 #[test]
@@ -60,27 +49,11 @@ fn an_output_that_cannot_be_written_is_known_before_the_work() {
     fs::set_permissions(lab.path("old.png"), permissions).unwrap();
     // It would take hours.
     let long = "demo --size 4000x4000 --samples 65536";
-    lab.fails(
-        &format!("{long} -o none/a.png"),
-        4,
-        "none/a.png: the folder does not exist",
-    );
-    lab.fails(
-        &format!("{long} -o old.png"),
-        4,
-        "old.png: the file is read-only",
-    );
-    lab.fails(
-        &format!("{long} -o folder.png"),
-        4,
-        "folder.png: is a folder, not a file",
-    );
+    lab.fails(&format!("{long} -o none/a.png"), 4, "none/a.png: the folder does not exist");
+    lab.fails(&format!("{long} -o old.png"), 4, "old.png: the file is read-only");
+    lab.fails(&format!("{long} -o folder.png"), 4, "folder.png: is a folder, not a file");
     lab.fails(&format!("{long} -o old.png/a.png"), 4, "old.png/a.png: ");
-    lab.fails(
-        "shoot square.ply - -o none/a.csv",
-        4,
-        "the folder does not exist",
-    );
+    lab.fails("shoot square.ply - -o none/a.csv", 4, "the folder does not exist");
     assert_eq!(lab.read("old.png"), b"old");
 }
 
@@ -93,11 +66,7 @@ fn too_many_pixels_are_a_limit() {
             5,
             "--size: 100000x100000 is over the limit",
         );
-        lab.fails(
-            &format!("{command} --size 9999999999x9999999999"),
-            5,
-            "over the limit",
-        );
+        lab.fails(&format!("{command} --size 9999999999x9999999999"), 5, "over the limit");
     }
 }
 
@@ -113,26 +82,10 @@ fn inputs_are_not_overwritten_under_any_name() {
     fs::create_dir(lab.path("folder")).unwrap();
     fs::hard_link(lab.path("rays.csv"), lab.path("second.csv")).unwrap();
     lab.fails("render square.ply -o link.png", 2, "link.png is an input");
-    lab.fails(
-        "shoot square.ply rays.csv -o second.csv",
-        2,
-        "second.csv is an input",
-    );
-    lab.fails(
-        "shoot square.ply rays.csv -o link.csv",
-        2,
-        "link.csv is an input",
-    );
-    lab.fails(
-        "shoot square.ply link.csv -o rays.csv",
-        2,
-        "rays.csv is an input",
-    );
-    lab.fails(
-        "shoot square.ply rays.csv -o folder/../rays.csv",
-        2,
-        "is an input",
-    );
+    lab.fails("shoot square.ply rays.csv -o second.csv", 2, "second.csv is an input");
+    lab.fails("shoot square.ply rays.csv -o link.csv", 2, "link.csv is an input");
+    lab.fails("shoot square.ply link.csv -o rays.csv", 2, "rays.csv is an input");
+    lab.fails("shoot square.ply rays.csv -o folder/../rays.csv", 2, "is an input");
     assert_eq!(lab.read("rays.csv"), rays.as_bytes());
     assert_eq!(lab.read("square.ply"), SQUARE.as_bytes());
 }
@@ -147,11 +100,7 @@ fn quiet_says_nothing() {
         "demo --size 16x10 --samples 1 --quiet",
     ] {
         let outcome = lab.ok(arguments);
-        assert_eq!(
-            (outcome.stderr.as_str(), outcome.text()),
-            ("", ""),
-            "{arguments}"
-        );
+        assert_eq!((outcome.stderr.as_str(), outcome.text()), ("", ""), "{arguments}");
     }
 }
 
@@ -161,12 +110,7 @@ fn verbose_has_a_line_for_each_step() {
     for (arguments, steps) in [
         (
             "render square.ply --size 32x24 --channels t -o t.npz -v",
-            &[
-                "reading square.ply",
-                "parsing square.ply",
-                "building trees",
-                "shooting",
-            ][..],
+            &["reading square.ply", "parsing square.ply", "building trees", "shooting"][..],
         ),
         (
             "-v build square.ply -o a.fhs",
@@ -178,19 +122,11 @@ fn verbose_has_a_line_for_each_step() {
                 "writing a.fhs",
             ],
         ),
-        (
-            "info a.fhs --verbose",
-            &["comparing checksums of a.fhs", "opening a.fhs", "measuring"],
-        ),
-        (
-            "section a.fhs --normal 1,0,0 -v",
-            &["opening a.fhs", "cutting"],
-        ),
+        ("info a.fhs --verbose", &["comparing checksums of a.fhs", "opening a.fhs", "measuring"]),
+        ("section a.fhs --normal 1,0,0 -v", &["opening a.fhs", "cutting"]),
     ] {
         let said = lab.ok(arguments).stderr;
-        let told = said
-            .lines()
-            .filter_map(|line| line.strip_prefix("firsthit: "));
+        let told = said.lines().filter_map(|line| line.strip_prefix("firsthit: "));
         let told: Vec<&str> = told.filter_map(|line| line.split(": ").next()).collect();
         assert_eq!(told, steps, "{said}");
     }
@@ -235,24 +171,13 @@ fn no_command_writes_over_what_it_reads() {
     }
     let size = "--size 8x6 --samples 1";
     lab.ok(&format!("render square.ply {size} -o e.exr"));
-    lab.ok(&format!(
-        "render square.ply {size} --channels color,position -o cloud.ply"
-    ));
-    let before: Vec<(String, Vec<u8>)> = lab
-        .names()
-        .into_iter()
-        .map(|name| (name.clone(), lab.read(&name)))
-        .collect();
+    lab.ok(&format!("render square.ply {size} --channels color,position -o cloud.ply"));
+    let before: Vec<(String, Vec<u8>)> =
+        lab.names().into_iter().map(|name| (name.clone(), lab.read(&name))).collect();
     for (command, output) in [
-        (
-            format!("render square.ply --camera e.exr {size}"),
-            "-o e.exr",
-        ),
+        (format!("render square.ply --camera e.exr {size}"), "-o e.exr"),
         (format!("render s.toml {size}"), "-o square.ply"),
-        (
-            format!("render square.ply {size} --environment e.exr"),
-            "-o e.exr",
-        ),
+        (format!("render square.ply {size} --environment e.exr"), "-o e.exr"),
         (
             format!(
                 "render square.ply {size} -o a.png --channels object --pose pose.csv --convention opencv --fov 40"
@@ -261,10 +186,7 @@ fn no_command_writes_over_what_it_reads() {
         ),
         ("shoot s.toml rays.csv".to_owned(), "-o square.ply"),
         ("shoot square.ply rays.csv".to_owned(), "-o rays.csv"),
-        (
-            "shoot square.ply points.csv --from 0,0,9".to_owned(),
-            "-o points.csv",
-        ),
+        ("shoot square.ply points.csv --from 0,0,9".to_owned(), "-o points.csv"),
         ("nearest s.toml points.csv".to_owned(), "-o square.ply"),
         ("nearest s.toml cloud.ply".to_owned(), "-o cloud.ply"),
         ("nearest s.toml points.csv".to_owned(), "--cloud square.ply"),

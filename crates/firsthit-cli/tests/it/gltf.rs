@@ -59,10 +59,7 @@ fn cameras_are_taken_by_name_or_number() {
 #[test]
 fn options_replace_what_the_files_camera_says() {
     let lab = lab();
-    assert_eq!(
-        z_of(&lab, "--camera Front --position 0,0,3 --size 40x40"),
-        (vec![40, 40], 3.0)
-    );
+    assert_eq!(z_of(&lab, "--camera Front --position 0,0,3 --size 40x40"), (vec![40, 40], 3.0));
 }
 
 /// From 4 away the square's edge of 2 is at 26.6 degrees: the file's 14 end before it, 30 behind it.
@@ -74,10 +71,7 @@ fn the_angle_of_the_file_is_that_of_the_picture() {
         array(&lab.read("z.npy")).values[0]
     };
     assert!((corner("--camera Front --size 100x100") - 4.0).abs() < 1e-12);
-    assert_eq!(
-        corner("--camera Front --size 100x100 --fov 60"),
-        f64::INFINITY
-    );
+    assert_eq!(corner("--camera Front --size 100x100 --fov 60"), f64::INFINITY);
 }
 
 #[test]
@@ -89,19 +83,13 @@ fn a_camera_that_is_not_there_is_told_which_are() {
     assert_eq!(outcome.stderr, line);
     let outcome = lab.run("render a.gltf --camera Map");
     assert!(
-        outcome
-            .stderr
-            .contains("several cameras have this name, use a number: 1, 2"),
+        outcome.stderr.contains("several cameras have this name, use a number: 1, 2"),
         "{}",
         outcome.stderr
     );
     let lab = Lab::with_square();
     let outcome = lab.run("render square.ply --camera 0");
-    assert!(
-        outcome.stderr.contains("the file has no cameras"),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.stderr.contains("the file has no cameras"), "{}", outcome.stderr);
 }
 
 #[test]
@@ -109,28 +97,19 @@ fn info_lists_cameras_lights_and_vertices() {
     let lab = lab();
     let outcome = lab.ok("info a.gltf --json");
     let info: Value = serde_json::from_slice(&outcome.stdout).unwrap();
-    assert_eq!(
-        (&info["triangles"], &info["vertices"]),
-        (&json!(2), &json!(4))
-    );
+    assert_eq!((&info["triangles"], &info["vertices"]), (&json!(2), &json!(4)));
     assert_eq!(info["cameras"][0]["name"], "Front");
     assert_eq!(info["cameras"][1]["projection"], "orthographic");
     assert_eq!(info["cameras"][1]["height"], 4.0);
     assert_eq!(info["lights"][0]["kind"], "point");
     assert_eq!(info["lights"][0]["position"], json!([0.0, 0.0, 1.0]));
-    assert_eq!(
-        (&info["materials"], &info["textures"]),
-        (&json!([]), &json!([]))
-    );
+    assert_eq!((&info["materials"], &info["textures"]), (&json!([]), &json!([])));
     let output = lab.ok("info a.gltf");
     let text = output.text();
     for line in ["cameras    3", "lights     1", "  0  point at 0,0,1"] {
         assert!(text.lines().any(|there| there == line), "{line}: {text}");
     }
-    assert!(
-        text.contains("  0 Front (or lens)  (perspective, 28.6"),
-        "{text}"
-    );
+    assert!(text.contains("  0 Front (or lens)  (perspective, 28.6"), "{text}");
 }
 
 #[test]
@@ -142,10 +121,7 @@ fn a_broken_file_is_one_line_with_its_place() {
     let outcome = lab.run("render a.gltf");
     assert_eq!(outcome.code, 3);
     let (line, rest) = outcome.stderr.split_once('\n').unwrap();
-    assert!(
-        line.starts_with("firsthit: error: a.gltf#/accessors/0/count: "),
-        "{line}"
-    );
+    assert!(line.starts_with("firsthit: error: a.gltf#/accessors/0/count: "), "{line}");
     assert_eq!(rest, "");
     assert_eq!(lab.names(), ["a.gltf"]);
 }
@@ -182,15 +158,7 @@ fn translucent_surfaces_are_cut_out_below_an_alpha_and_variants_have_names() {
     let text = outcome.text();
     assert!(text.contains("\nvariants   1\n  wood\n"), "{text}");
     let refused = lab.run("render a.gltf --variant oak");
-    assert!(
-        refused.stderr.contains("got \"oak\"; there are \"wood\""),
-        "{}",
-        refused.stderr
-    );
+    assert!(refused.stderr.contains("got \"oak\"; there are \"wood\""), "{}", refused.stderr);
     let refused = lab.run("render a.gltf --blend-below 2");
-    assert!(
-        refused.stderr.contains("expected a number from 0 to 1"),
-        "{}",
-        refused.stderr
-    );
+    assert!(refused.stderr.contains("expected a number from 0 to 1"), "{}", refused.stderr);
 }

@@ -19,15 +19,8 @@ fn digest(set: InstructionSet, arguments: &str) -> String {
     let status = command.env("FIRSTHIT_ISA", set.name()).status().unwrap();
     assert!(status.success(), "{set:?} {arguments}");
     let picture = array(&lab.read("picture.npy"));
-    assert_eq!(
-        (&*picture.dtype, &*picture.shape),
-        ("<f4", &[180, 320, 3][..])
-    );
-    let bytes: Vec<u8> = picture
-        .values
-        .iter()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
+    assert_eq!((&*picture.dtype, &*picture.shape), ("<f4", &[180, 320, 3][..]));
+    let bytes: Vec<u8> = picture.values.iter().flat_map(|x| x.to_le_bytes()).collect();
     blake3::hash(&bytes).to_string()
 }
 

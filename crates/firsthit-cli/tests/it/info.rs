@@ -18,10 +18,7 @@ fn json_has_the_counts_and_the_bounds() {
     let square = info(&lab, "square.ply");
     assert_eq!(square["triangles"], 2);
     assert_eq!(square["vertices"], 4);
-    assert_eq!(
-        square["bounds"],
-        json!([[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]])
-    );
+    assert_eq!(square["bounds"], json!([[-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]]));
     assert_eq!(square["objects"].as_array().unwrap().len(), 1);
     assert_eq!(square["objects"][0]["name"], "square");
     assert_eq!(square["objects"][0]["bounds"], square["bounds"]);
@@ -38,10 +35,7 @@ fn objects_come_in_the_order_of_the_file() {
     let two = info(&lab, "two.obj");
     let objects = two["objects"].as_array().unwrap();
     let of = |k: usize| {
-        (
-            objects[k]["name"].as_str().unwrap(),
-            objects[k]["triangles"].as_u64().unwrap(),
-        )
+        (objects[k]["name"].as_str().unwrap(), objects[k]["triangles"].as_u64().unwrap())
     };
     assert_eq!((of(0), of(1)), (("b", 1), ("a", 2)));
     assert_eq!(two["up"], json!([0.0, 1.0, 0.0]));
@@ -80,13 +74,8 @@ fn text_says_the_same() {
     ] {
         assert!(text.lines().any(|other| other == line), "{line}: {text}");
     }
-    let kernels = text
-        .lines()
-        .find_map(|line| line.strip_prefix("kernels    "));
-    assert!(
-        ["avx512", "avx2", "neon", "portable"].contains(&kernels.unwrap()),
-        "{text}"
-    );
+    let kernels = text.lines().find_map(|line| line.strip_prefix("kernels    "));
+    assert!(["avx512", "avx2", "neon", "portable"].contains(&kernels.unwrap()), "{text}");
     assert_eq!(outcome.stderr, "");
 }
 
@@ -95,17 +84,12 @@ fn an_empty_file_has_no_bounds() {
     let lab = Lab::new();
     lab.write("empty.stl", "solid nothing\nendsolid nothing\n");
     let empty = info(&lab, "empty.stl");
-    assert_eq!(
-        (&empty["triangles"], &empty["bounds"]),
-        (&json!(0), &Value::Null)
-    );
+    assert_eq!((&empty["triangles"], &empty["bounds"]), (&json!(0), &Value::Null));
     assert_eq!(empty["warnings"].as_array().unwrap().len(), 1);
     assert!(lab.ok("info empty.stl").text().contains("bounds     none"));
     let outcome = lab.ok("render empty.stl --size 32x24");
     assert!(
-        outcome
-            .stderr
-            .contains("nothing was hit: there is nothing to see"),
+        outcome.stderr.contains("nothing was hit: there is nothing to see"),
         "{}",
         outcome.stderr
     );
@@ -120,11 +104,7 @@ fn unusable_triangles_are_a_warning_and_an_error_when_strict() {
     assert_eq!(nan["warnings"].as_array().unwrap().len(), 1);
     for command in ["info nan.ply", "render nan.ply --size 8x6 -o x.png"] {
         let outcome = lab.ok(command);
-        assert!(
-            outcome.stderr.starts_with("firsthit: warning: nan.ply"),
-            "{}",
-            outcome.stderr
-        );
+        assert!(outcome.stderr.starts_with("firsthit: warning: nan.ply"), "{}", outcome.stderr);
     }
     std::fs::remove_file(lab.path("x.png")).unwrap();
     for command in ["info nan.ply", "render nan.ply"] {
@@ -165,23 +145,12 @@ fn environment_of(lab: &Lab, text: &str) -> (Value, String) {
 #[test]
 fn a_map_is_told_with_its_size_and_by_how_much_it_is_turned() {
     let lab = Lab::new();
-    lab.write(
-        "a.hdr",
-        b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x80\x80\x80\x80",
-    );
+    lab.write("a.hdr", b"#?RADIANCE\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x80\x80\x80\x80");
     let about = |direction: [f64; 3], degrees: f64| json!({"axis": direction, "degrees": degrees});
     for (keys, rotate, words) in [
         ("", about([0.0, 0.0, 1.0], 0.0), ""),
-        (
-            "rotate = 30",
-            about([0.0, 0.0, 1.0], 30.0),
-            ", turned by 30 degrees",
-        ),
-        (
-            "rotate = 270",
-            about([0.0, 0.0, 1.0], -90.0),
-            ", turned by -90 degrees",
-        ),
+        ("rotate = 30", about([0.0, 0.0, 1.0], 30.0), ", turned by 30 degrees"),
+        ("rotate = 270", about([0.0, 0.0, 1.0], -90.0), ", turned by -90 degrees"),
         (
             "rotate = { axis = [0, -2, 0], degrees = 20 }",
             about([0.0, -1.0, 0.0], 20.0),
@@ -190,27 +159,16 @@ fn a_map_is_told_with_its_size_and_by_how_much_it_is_turned() {
     ] {
         let text = format!("[environment]\nfile = 'a.hdr'\nstrength = 2.5\nseen = false\n{keys}\n");
         let (listed, line) = environment_of(&lab, &text);
-        assert_eq!(
-            line,
-            format!("map, 2 x 1 texels{words}, strength 2.5, not seen")
-        );
+        assert_eq!(line, format!("map, 2 x 1 texels{words}, strength 2.5, not seen"));
         let numbers = |value: &Value| -> Vec<f64> {
             let axis = value["axis"].as_array().unwrap().iter();
-            axis.chain([&value["degrees"]])
-                .map(|x| x.as_f64().unwrap())
-                .collect()
+            axis.chain([&value["degrees"]]).map(|x| x.as_f64().unwrap()).collect()
         };
         for (got, expected) in numbers(&listed["rotate"]).into_iter().zip(numbers(&rotate)) {
             assert!((got - expected).abs() < 1e-9, "{keys}: {listed}");
         }
-        assert_eq!(
-            (&listed["kind"], &listed["seen"]),
-            (&json!("map"), &json!(false))
-        );
-        assert_eq!(
-            (&listed["columns"], &listed["rows"]),
-            (&json!(2), &json!(1))
-        );
+        assert_eq!((&listed["kind"], &listed["seen"]), (&json!("map"), &json!(false)));
+        assert_eq!((&listed["columns"], &listed["rows"]), (&json!(2), &json!(1)));
         assert_eq!(listed["strength"], json!(2.5));
     }
     lab.ok("build around.toml -o around.fhs");
@@ -225,10 +183,7 @@ fn other_environments_are_told_by_their_colours_and_their_sun_is_a_light() {
     let (listed, line) = environment_of(&lab, "[environment]\ncolor = [1, 2, 3]\n");
     assert_eq!(line, "uniform, 1,2,3, strength 1");
     let color = json!([1.0, 2.0, 3.0]);
-    assert_eq!(
-        listed,
-        json!({"kind": "uniform", "color": color, "strength": 1.0, "seen": true})
-    );
+    assert_eq!(listed, json!({"kind": "uniform", "color": color, "strength": 1.0, "seen": true}));
     let (listed, line) = environment_of(&lab, "[environment]\nabove = 'white'\nbelow = 'black'\n");
     assert_eq!(line, "hemispheres, above 1,1,1, below 0,0,0, strength 1");
     assert_eq!(listed["up"], json!([0.0, 0.0, 1.0]));
@@ -237,15 +192,9 @@ fn other_environments_are_told_by_their_colours_and_their_sun_is_a_light() {
     assert_eq!(line, "gradient, horizon 1,1,1, zenith 0,0,1, strength 1");
     assert_eq!(listed["zenith"], json!([0.0, 0.0, 1.0]));
     let (listed, line) = environment_of(&lab, "[environment]\ndaylight = { elevation = 35 }\n");
-    assert_eq!(
-        line,
-        "daylight, elevation 35, azimuth 0, turbidity 3, strength 1"
-    );
+    assert_eq!(line, "daylight, elevation 35, azimuth 0, turbidity 3, strength 1");
     assert_eq!(listed["elevation"], json!(35.0));
-    assert_eq!(
-        info(&lab, "around.toml")["lights"][0]["kind"],
-        "directional"
-    );
+    assert_eq!(info(&lab, "around.toml")["lights"][0]["kind"], "directional");
     let (listed, line) = environment_of(&lab, "");
     assert_eq!((listed, &*line), (Value::Null, ""));
 }
@@ -262,10 +211,7 @@ fn text_lists_the_first_twenty_of_each_kind_and_says_how_many_more() {
     let lab = Lab::new();
     lab.write("crowd.obj", crowd(25));
     let lights = "[[lights]]\nkind = 'point'\nposition = [0, 0, 1]\n".repeat(22);
-    lab.write(
-        "crowd.toml",
-        format!("{lights}[[objects]]\nfile = 'crowd.obj'\n"),
-    );
+    lab.write("crowd.toml", format!("{lights}[[objects]]\nfile = 'crowd.obj'\n"));
     let said = lab.ok("info crowd.toml");
     let lines: Vec<&str> = said.text().lines().collect();
     let at = |line: &str| lines.iter().position(|&other| other == line);
@@ -319,9 +265,7 @@ fn names_in_files_reach_no_terminal_as_they_are() {
     let property = format!("property float z\nproperty float {TRICK}");
     lab.write(
         "property.ply",
-        SQUARE
-            .replace("property float z", &property)
-            .replace(" 0\n", " 0 7\n"),
+        SQUARE.replace("property float z", &property).replace(" 0\n", " 0 7\n"),
     );
     lab.write(
         "object.toml",
@@ -351,9 +295,7 @@ fn names_in_files_reach_no_terminal_as_they_are() {
 /// An archive of one entry.
 fn npz(name: &str, content: &[u8]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
-    archive
-        .start_file(name, zip::write::SimpleFileOptions::default())
-        .unwrap();
+    archive.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
     archive.write_all(content).unwrap();
     archive.finish().unwrap().into_inner()
 }
@@ -364,13 +306,9 @@ fn cube(low: f64, size: f64, first: u32) -> String {
         let [x, y, z] = [k & 1, k >> 1 & 1, k >> 2 & 1].map(|bit| low + size * f64::from(bit));
         format!("v {x} {y} {z}\n")
     };
-    let faces = [
-        "1 3 4 2", "1 2 6 5", "2 4 8 6", "4 3 7 8", "3 1 5 7", "5 6 8 7",
-    ];
+    let faces = ["1 3 4 2", "1 2 6 5", "2 4 8 6", "4 3 7 8", "3 1 5 7", "5 6 8 7"];
     let face = |face: &&str| {
-        let numbers = face
-            .split(' ')
-            .map(|k| k.parse::<u32>().unwrap() - 1 + first);
+        let numbers = face.split(' ').map(|k| k.parse::<u32>().unwrap() - 1 + first);
         let numbers: Vec<String> = numbers.map(|k| k.to_string()).collect();
         format!("f {}\n", numbers.join(" "))
     };
@@ -391,28 +329,12 @@ fn a_mesh_has_its_area_its_volume_and_its_shells() {
     }
     let object = &info(&lab, "two.obj")["objects"][0];
     assert_eq!(object["is_closed"], true);
-    assert_eq!(
-        (&object["area"], &object["volume"]),
-        (&json!(30.0), &json!(9.0))
-    );
-    assert_eq!(
-        (&object["shell_count"], &object["shells"][1]["volume"]),
-        (&json!(2), &json!(1.0))
-    );
+    assert_eq!((&object["area"], &object["volume"]), (&json!(30.0), &json!(9.0)));
+    assert_eq!((&object["shell_count"], &object["shells"][1]["volume"]), (&json!(2), &json!(1.0)));
     lab.write("moved.toml", "[[objects]]\nfile = 'two.obj'\nscale = 2\n");
     let object = &info(&lab, "moved.toml")["objects"][0];
-    assert_eq!(
-        (&object["area"], &object["volume"]),
-        (&json!(120.0), &json!(72.0))
-    );
-    lab.write(
-        "open.obj",
-        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
-    );
-    assert!(
-        lab.ok("info open.obj")
-            .text()
-            .contains("\n       open, area 1\n")
-    );
+    assert_eq!((&object["area"], &object["volume"]), (&json!(120.0), &json!(72.0)));
+    lab.write("open.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    assert!(lab.ok("info open.obj").text().contains("\n       open, area 1\n"));
     assert_eq!(info(&lab, "open.obj")["objects"][0]["volume"], Value::Null);
 }

@@ -21,11 +21,7 @@ fn points_go_in_and_answers_come_out() {
     cubes(&lab);
     let outcome = lab.pipe("inside cube.obj -", POINTS.as_bytes());
     assert_eq!(outcome.text(), "inside\n1\n0\n1\n");
-    assert!(
-        outcome
-            .stderr
-            .contains("standard output: 3 points, 2 inside, ")
-    );
+    assert!(outcome.stderr.contains("standard output: 3 points, 2 inside, "));
     lab.write("points.csv", POINTS);
     let outcome = lab.ok("inside cube.obj points.csv -o a.npy -o a.npz -o a.csv --json");
     let said: Value = serde_json::from_str(outcome.text()).unwrap();
@@ -58,23 +54,11 @@ fn what_are_no_points_is_refused() {
     lab.write("pairs.csv", "0,0\n");
     lab.write("points.csv", POINTS);
     for (arguments, code, words) in [
-        (
-            "inside cube.obj pairs.csv",
-            3,
-            "pairs.csv: line 1: expected x, y and z of a point",
-        ),
+        ("inside cube.obj pairs.csv", 3, "pairs.csv: line 1: expected x, y and z of a point"),
         ("inside cube.obj none.csv", 3, "none.csv: "),
-        (
-            "inside cube.obj points.csv -o a.png",
-            2,
-            "must end in one of",
-        ),
+        ("inside cube.obj points.csv -o a.png", 2, "must end in one of"),
         ("inside cube.obj points.csv -o points.csv", 2, "is an input"),
-        (
-            "inside cube.obj points.csv -o a.csv --format npy",
-            2,
-            "--format is for standard output",
-        ),
+        ("inside cube.obj points.csv -o a.csv --format npy", 2, "--format is for standard output"),
     ] {
         lab.fails(arguments, code, words);
     }
@@ -85,30 +69,18 @@ fn what_are_no_points_is_refused() {
 fn the_rule_is_the_same_for_every_command() {
     let lab = Lab::new();
     let mut text = String::new();
-    for (low, high) in [
-        (["0", "0", "0"], ["2"; 3]),
-        (["1", "0", "0"], ["3", "2", "2"]),
-    ] {
+    for (low, high) in [(["0", "0", "0"], ["2"; 3]), (["1", "0", "0"], ["3", "2", "2"])] {
         for k in 0..8 {
             let pick = |axis: usize| {
-                if k >> axis & 1 == 1 {
-                    high[axis]
-                } else {
-                    low[axis]
-                }
+                if k >> axis & 1 == 1 { high[axis] } else { low[axis] }
             };
             text.push_str(&["v", pick(0), pick(1), pick(2), "\n"].join(" "));
         }
     }
     for first in [0, 8] {
-        for face in [
-            [1, 3, 4, 2],
-            [1, 2, 6, 5],
-            [2, 4, 8, 6],
-            [4, 3, 7, 8],
-            [3, 1, 5, 7],
-            [5, 6, 8, 7],
-        ] {
+        for face in
+            [[1, 3, 4, 2], [1, 2, 6, 5], [2, 4, 8, 6], [4, 3, 7, 8], [3, 1, 5, 7], [5, 6, 8, 7]]
+        {
             let corners = face.map(|k: i32| (k + first).to_string());
             text.push_str(&["f ", &corners.join(" "), "\n"].concat());
         }
@@ -119,11 +91,7 @@ fn the_rule_is_the_same_for_every_command() {
     let said = |command: &str| lab.ok(command).text().to_owned();
     let nonzero = ["1", "-0.5", "3", "6.0"];
     let parity = ["0", "0.5", "1", "4.0"];
-    for (rule, wanted) in [
-        ("", nonzero),
-        ("--rule nonzero", nonzero),
-        ("--rule parity", parity),
-    ] {
+    for (rule, wanted) in [("", nonzero), ("--rule nonzero", nonzero), ("--rule parity", parity)] {
         let lines = [
             said(&format!("inside boxes.obj common.csv {rule}")),
             said(&format!("nearest boxes.obj common.csv --signed {rule}")),
@@ -137,10 +105,6 @@ fn the_rule_is_the_same_for_every_command() {
         let section: Value = serde_json::from_slice(&lab.ok(&section).stdout).unwrap();
         assert_eq!(section["area"].to_string(), wanted[3], "{rule}");
     }
-    lab.fails(
-        "inside boxes.obj common.csv --rule evenodd",
-        2,
-        "nonzero, parity",
-    );
+    lab.fails("inside boxes.obj common.csv --rule evenodd", 2, "nonzero, parity");
     lab.fails("nearest boxes.obj common.csv --rule parity", 2, "--signed");
 }

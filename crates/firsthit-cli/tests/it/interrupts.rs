@@ -86,10 +86,7 @@ fn ctrl_c_reports_json_where_the_work_is_slow_to_end() {
     let outcome = interrupt(child);
     drop(stdin);
     let report: serde_json::Value = serde_json::from_slice(&outcome.stdout).unwrap();
-    assert_eq!(
-        (&report["error"], outcome.code),
-        (&"interrupted".into(), 130)
-    );
+    assert_eq!((&report["error"], outcome.code), (&"interrupted".into(), 130));
     assert_eq!(report["exit_code"], 130);
 }
 
@@ -98,10 +95,7 @@ fn ctrl_c_ends_a_long_scan() {
     let lab = Lab::with_square();
     let long = "scan square.ply --lidar os1-128 --turns 100000 --position 0,0,1";
     let outcome = interrupt(lab.start(long));
-    assert_eq!(
-        (outcome.code, &*outcome.stderr),
-        (130, "firsthit: error: interrupted\n")
-    );
+    assert_eq!((outcome.code, &*outcome.stderr), (130, "firsthit: error: interrupted\n"));
     assert_eq!(lab.names(), ["square.ply"]);
 }
 
@@ -170,19 +164,10 @@ fn ctrl_c_ends_the_wait_for_the_reader_of_a_pipe() {
     use std::io::Read;
     let lab = Lab::with_square();
     let fifo = lab.path("pipe.npz");
-    assert!(
-        Command::new("mkfifo")
-            .arg(&fifo)
-            .status()
-            .unwrap()
-            .success()
-    );
+    assert!(Command::new("mkfifo").arg(&fifo).status().unwrap().success());
     let render = "render square.ply --size 400x300 --channels position -o pipe.npz";
     let outcome = interrupt(lab.start(render));
-    assert_eq!(
-        (outcome.code, outcome.stderr.as_str()),
-        (130, "firsthit: error: interrupted\n")
-    );
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (130, "firsthit: error: interrupted\n"));
     let child = lab.start(render);
     let mut reader = std::fs::File::open(&fifo).unwrap();
     let mut start = [0; 2];
@@ -194,12 +179,7 @@ fn ctrl_c_ends_the_wait_for_the_reader_of_a_pipe() {
     let child = lab.start(render);
     sleep(A_WHILE);
     let mut all = Vec::new();
-    OpenOptions::new()
-        .read(true)
-        .open(&fifo)
-        .unwrap()
-        .read_to_end(&mut all)
-        .unwrap();
+    OpenOptions::new().read(true).open(&fifo).unwrap().read_to_end(&mut all).unwrap();
     assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
     lab.ok(&render.replace("pipe", "file"));
     assert!(all == lab.read("file.npz"));

@@ -21,15 +21,9 @@ fn every_command_says_what_it_did_in_one_object() {
     let rendered = said(
         "render square.ply --size 20x10 --channels depth,object --json -o a.exr -o b-{channel}.png",
     );
-    assert_eq!(
-        (&rendered["columns"], &rendered["rows"]),
-        (&20.into(), &10.into())
-    );
+    assert_eq!((&rendered["columns"], &rendered["rows"]), (&20.into(), &10.into()));
     assert_eq!(rendered["outputs"][0]["file"], "a.exr");
-    assert_eq!(
-        rendered["outputs"][0]["channels"],
-        serde_json::json!(["z", "object"])
-    );
+    assert_eq!(rendered["outputs"][0]["channels"], serde_json::json!(["z", "object"]));
     let legend = rendered["outputs"][1]["legend"].as_str().unwrap();
     assert!(legend.starts_with("z from "), "{legend}");
     assert!(rendered["hits"].as_u64().unwrap() > 10);
@@ -55,10 +49,7 @@ fn warnings_are_in_the_object_and_nowhere_else() {
     let outcome = lab.ok("render square.ply --size 8x8 --channels t --samples 4 --json");
     assert_eq!(outcome.stderr, "");
     let warnings = object(outcome.text())["warnings"].clone();
-    assert_eq!(
-        warnings[0],
-        "--samples does nothing without color among the --channels"
-    );
+    assert_eq!(warnings[0], "--samples does nothing without color among the --channels");
 }
 
 #[test]
@@ -70,10 +61,7 @@ fn where_results_take_standard_output_the_object_goes_to_standard_error() {
     let outcome = lab.pipe("shoot square.ply - --json", b"0,0,1,0,0,-1\n");
     assert_eq!(outcome.text(), "t,object,primitive\n1,0,0\n");
     let said = object(&outcome.stderr);
-    assert_eq!(
-        (&said["rays"], &said["outputs"][0]["file"]),
-        (&1.into(), &"-".into())
-    );
+    assert_eq!((&said["rays"], &said["outputs"][0]["file"]), (&1.into(), &"-".into()));
     let failed = lab.pipe("shoot square.ply - --json", b"0,0,1\n");
     assert_eq!((failed.code, failed.text()), (3, ""));
     assert_eq!(object(&failed.stderr)["exit_code"], 3);
@@ -86,30 +74,15 @@ fn failures_are_objects_too() {
     for (arguments, code, words) in [
         ("render bad.ply --json", 3, "bad.ply:"),
         ("info none.ply --json", 3, "none.ply: "),
-        (
-            "render square.ply --json --fob 3",
-            2,
-            "unexpected argument '--fob'",
-        ),
-        (
-            "render square.ply -o none/a.png --json",
-            4,
-            "the folder does not exist",
-        ),
+        ("render square.ply --json --fob 3", 2, "unexpected argument '--fob'"),
+        ("render square.ply -o none/a.png --json", 4, "the folder does not exist"),
         ("diff a.png b.png --json", 3, "a.png: "),
     ] {
-        let Outcome {
-            code: got,
-            stdout,
-            stderr,
-        } = lab.run(arguments);
+        let Outcome { code: got, stdout, stderr } = lab.run(arguments);
         assert_eq!(got, code, "{arguments}: {stderr}");
         let failure = object(std::str::from_utf8(&stdout).unwrap());
         assert_eq!(failure["exit_code"], code, "{arguments}");
-        assert!(
-            failure["error"].as_str().unwrap().contains(words),
-            "{arguments}: {failure}"
-        );
+        assert!(failure["error"].as_str().unwrap().contains(words), "{arguments}: {failure}");
         assert!(stderr.starts_with("firsthit: error: "), "{stderr}");
     }
 }

@@ -27,10 +27,7 @@ fn lights_that_would_be_ignored_are_refused() {
     let lab = Lab::new();
     lab.write("a.hdr", b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80\x80");
     for (options, words) in [
-        (
-            "--light headlight --light sun",
-            "--light takes one set of lights, not headlight and sun",
-        ),
+        ("--light headlight --light sun", "--light takes one set of lights, not headlight and sun"),
         (
             "--light point:0,0,4 --light sun",
             "--light sun, a set of lights, and --light point, a light, exclude each other",
@@ -61,11 +58,7 @@ fn lights_of_the_command_line_replace_the_file_s_set() {
 #[test]
 fn a_spot_is_as_bright_where_it_goes_as_a_point_would_be() {
     let lab = Lab::with_square();
-    let spot = colors(
-        &lab,
-        "square.ply",
-        "--light spot:0.5,0,3:0,0,-1:0.1499999:0.15",
-    );
+    let spot = colors(&lab, "square.ply", "--light spot:0.5,0,3:0,0,-1:0.1499999:0.15");
     let point = colors(&lab, "square.ply", "--light point:0.5,0,3");
     let black = colors(&lab, "square.ply", "--light point:0.5,0,-3");
     let is_point = spot.iter().zip(&point).filter(|(a, b)| a == b).count();
@@ -92,11 +85,7 @@ fn a_light_that_shines_away_from_the_whole_scene_is_told() {
         let said = said(&lab, "square.ply", &format!("--light {light}"));
         assert_eq!(said.contains(words), is_away, "{light}: {said}");
     }
-    let unlit = said(
-        &lab,
-        "square.ply",
-        "--light disc:0,0,3:0,0,1:1 --shader unlit",
-    );
+    let unlit = said(&lab, "square.ply", "--light disc:0,0,3:0,0,1:1 --shader unlit");
     assert!(!unlit.contains(words), "{unlit}");
 }
 
@@ -114,16 +103,8 @@ fn a_background_behind_an_environment_that_is_seen_does_nothing() {
                 "--background does nothing without --environment-hidden: the environment is seen in its place\n",
             ),
         ),
-        (
-            given,
-            "--sky red:blue",
-            Some("--sky does nothing without --environment-hidden"),
-        ),
-        (
-            given,
-            "--background transparent",
-            Some("is seen in its place, and there is no alpha\n"),
-        ),
+        (given, "--sky red:blue", Some("--sky does nothing without --environment-hidden")),
+        (given, "--background transparent", Some("is seen in its place, and there is no alpha\n")),
         (
             "a.toml",
             "--background red",
@@ -159,11 +140,7 @@ fn an_environment_does_nothing_with_unlit_only_where_it_is_hidden() {
 fn an_environment_takes_the_sun_of_the_one_that_it_replaces_away() {
     let lab = Lab::with_square();
     lab.write("a.hdr", b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80\x80");
-    scene(
-        &lab,
-        "a.toml",
-        "[environment]\ndaylight = { elevation = 60 }\nstrength = 0.5",
-    );
+    scene(&lab, "a.toml", "[environment]\ndaylight = { elevation = 60 }\nstrength = 0.5");
     let given = "--environment a.hdr";
     let replaced = colors(&lab, "a.toml", given);
     assert_ne!(replaced, colors(&lab, "a.toml", ""));
@@ -177,11 +154,7 @@ fn ambient_light_is_that_of_the_file_s_shader() {
     for shader in ["phong", "blinn-phong", "ghost", "whitted"] {
         let words = format!("[shading]\nshader = \"{shader}\"\nlight = \"headlight\"");
         scene(&lab, "a.toml", &words);
-        scene(
-            &lab,
-            "b.toml",
-            &format!("{words}\nambient = [0.5, 0.25, 0]"),
-        );
+        scene(&lab, "b.toml", &format!("{words}\nambient = [0.5, 0.25, 0]"));
         let render = |file: &str, options: &str| {
             colors(&lab, file, options);
             lab.read("a.npz")
@@ -208,10 +181,7 @@ fn light_over_the_shoulder_goes_with_lambert() {
     let lab = Lab::with_square();
     let plain = colors(&lab, "square.ply", "--light shoulder");
     // Nothing throws a shadow here.
-    assert_eq!(
-        plain,
-        colors(&lab, "square.ply", "--light shoulder --no-shadows")
-    );
+    assert_eq!(plain, colors(&lab, "square.ply", "--light shoulder --no-shadows"));
     lab.ok("render square.ply --size 8x8 --light shoulder --set ambient=0.1");
 }
 
@@ -223,11 +193,7 @@ fn a_shader_without_settings_says_so() {
         ("ao", "--set roulette: the shader ao has the settings reach"),
     ] {
         let setting = words.split([' ', ':']).nth(1).unwrap();
-        lab.fails(
-            &format!("render square.ply --shader {shader} --set {setting}=1"),
-            2,
-            words,
-        );
+        lab.fails(&format!("render square.ply --shader {shader} --set {setting}=1"), 2, words);
     }
 }
 
@@ -251,16 +217,8 @@ fn an_environment_that_lights_nothing_is_told() {
     let lab = Lab::with_square();
     lab.write("a.hdr", b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80\x80");
     let told = said(&lab, "square.ply", "--environment a.hdr --shader lambert");
-    assert!(
-        told.contains("--environment is a background alone with --shader lambert"),
-        "{told}"
-    );
-    assert_eq!(
-        said(&lab, "square.ply", "--environment a.hdr --shader direct")
-            .lines()
-            .count(),
-        1
-    );
+    assert!(told.contains("--environment is a background alone with --shader lambert"), "{told}");
+    assert_eq!(said(&lab, "square.ply", "--environment a.hdr --shader direct").lines().count(), 1);
 }
 
 #[test]

@@ -57,17 +57,9 @@ fn answers_are_the_same_however_the_lines_come() {
     let arguments = "shoot square.ply - --channels t,object,normal,front";
     let piped = lab.pipe(arguments, text.as_bytes());
     assert_eq!(piped.stdout, lab.read("hits.csv"));
-    assert!(
-        piped.stderr.starts_with("standard output: 30000 rays, "),
-        "{}",
-        piped.stderr
-    );
+    assert!(piped.stderr.starts_with("standard output: 30000 rays, "), "{}", piped.stderr);
     // In pieces that end anywhere, and without a line break at the end.
-    let mut child = lab
-        .command(arguments)
-        .stdin(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child = lab.command(arguments).stdin(Stdio::piped()).spawn().unwrap();
     let mut input = child.stdin.take().unwrap();
     let whole = text.trim_end().as_bytes().to_vec();
     let writer = std::thread::spawn(move || {
@@ -87,19 +79,13 @@ fn a_wrong_line_ends_the_answers_with_its_number() {
     let outcome = lab.pipe("shoot square.ply - --channels t", rays);
     assert_eq!((outcome.code, outcome.text()), (3, "t\n1\n2\n"));
     assert!(
-        outcome
-            .stderr
-            .contains("standard input: line 4: expected numbers"),
+        outcome.stderr.contains("standard input: line 4: expected numbers"),
         "{}",
         outcome.stderr
     );
     let long = lab.pipe("shoot square.ply -", &vec![b'1'; (1 << 24) + (1 << 20)]);
     assert_eq!(long.code, 3);
-    assert!(
-        long.stderr.contains("a line of rays is longer than 16 MiB"),
-        "{}",
-        long.stderr
-    );
+    assert!(long.stderr.contains("a line of rays is longer than 16 MiB"), "{}", long.stderr);
     let none = lab.pipe("shoot square.ply - --channels t", b"");
     assert_eq!((none.code, none.text()), (0, "t\n"));
     let three = lab.pipe("shoot square.ply -", b"0,0,1\n");

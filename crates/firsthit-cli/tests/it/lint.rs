@@ -16,17 +16,11 @@ fn open_tetrahedron(lab: &Lab) {
 fn a_clean_file_has_exit_code_0() {
     let lab = Lab::new();
     lab.write("clean.obj", TETRAHEDRON);
-    assert_eq!(
-        lab.ok("lint clean.obj").text(),
-        "clean: nothing was found\n"
-    );
+    assert_eq!(lab.ok("lint clean.obj").text(), "clean: nothing was found\n");
     let report: Value = serde_json::from_slice(&lab.ok("lint clean.obj --json").stdout).unwrap();
     assert_eq!(
         (&report["is_clean"], &report["files"]),
-        (
-            &json!(true),
-            &json!([{"file": "clean.obj", "is_clean": true, "findings": []}])
-        )
+        (&json!(true), &json!([{"file": "clean.obj", "is_clean": true, "findings": []}]))
     );
     assert_eq!(report["checked"].as_array().unwrap().len(), 12);
 }
@@ -84,9 +78,7 @@ fn a_file_that_cannot_be_read_stops_no_other() {
     let text = String::from_utf8(outcome.stdout).unwrap();
     assert!(text.starts_with("open.obj:\nhole: 3 edges"), "{text}");
     let said: Vec<&str> = outcome.stderr.lines().collect();
-    let [bad, none] = said[..] else {
-        panic!("{said:?}")
-    };
+    let [bad, none] = said[..] else { panic!("{said:?}") };
     assert!(bad.starts_with("firsthit: error: bad.obj:1: "), "{bad}");
     assert!(none.starts_with("firsthit: error: none.obj: "), "{none}");
     assert_eq!(outcome.code, 3);
@@ -94,10 +86,7 @@ fn a_file_that_cannot_be_read_stops_no_other() {
     let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
     let [open, bad] = [0, 1].map(|k| &report["files"][k]);
     assert_eq!(open["findings"][0]["kind"], "hole");
-    assert_eq!(
-        (&bad["file"], &bad["error"]),
-        (&json!("bad.obj"), &report["error"])
-    );
+    assert_eq!((&bad["file"], &bad["error"]), (&json!("bad.obj"), &report["error"]));
     assert_eq!((outcome.code, &report["exit_code"]), (3, &json!(3)));
 }
 
@@ -117,43 +106,26 @@ fn what_is_about_the_whole_scene_is_about_no_object() {
     let outcome = lab.run("lint small.obj --json");
     let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
     let place = &report["files"][0]["findings"][0]["places"][0];
-    assert!(
-        place["object"].is_null() && place["name"].is_null(),
-        "{place}"
-    );
+    assert!(place["object"].is_null() && place["name"].is_null(), "{place}");
 }
 
 #[test]
 fn marked_faces_have_the_colour_of_their_kind() {
     let lab = Lab::new();
-    lab.write(
-        "flat.obj",
-        TETRAHEDRON.to_owned() + "v 1 1 1\nv 9 9 9\nf 2 2 3\n",
-    );
+    lab.write("flat.obj", TETRAHEDRON.to_owned() + "v 1 1 1\nv 9 9 9\nf 2 2 3\n");
     assert_eq!(lab.run("lint flat.obj -o marked.ply").code, 1);
     let marked = lab.read("marked.ply");
     // Vertices of 24 bytes, faces of 16; the last is degenerate.
-    let header = marked
-        .windows(11)
-        .position(|w| w == b"end_header\n")
-        .unwrap()
-        + 11;
+    let header = marked.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
     let body = &marked[header..];
     assert_eq!(body.len(), 4 * 24 + 5 * 16);
     let colors: Vec<&[u8]> = body[4 * 24..].chunks(16).map(|face| &face[13..]).collect();
     assert_eq!(
         colors,
-        [[200, 200, 200]; 4]
-            .iter()
-            .chain(&[[230, 60, 180]])
-            .map(|c| &c[..])
-            .collect::<Vec<_>>()
+        [[200, 200, 200]; 4].iter().chain(&[[230, 60, 180]]).map(|c| &c[..]).collect::<Vec<_>>()
     );
     let info: Value = serde_json::from_slice(&lab.ok("info marked.ply --json").stdout).unwrap();
-    assert_eq!(
-        (&info["triangles"], &info["vertices"]),
-        (&json!(5), &json!(4))
-    );
+    assert_eq!((&info["triangles"], &info["vertices"]), (&json!(5), &json!(4)));
 }
 
 #[test]
@@ -162,10 +134,6 @@ fn what_cannot_be_is_refused() {
     lab.write("square.ply", SQUARE);
     lab.fails("lint square.ply --ignore leaks", 2, "hole");
     lab.fails("lint square.ply -o marked.stl", 2, "must end in .ply");
-    lab.fails(
-        "lint square.ply -o square.ply",
-        2,
-        "will not be overwritten",
-    );
+    lab.fails("lint square.ply -o square.ply", 2, "will not be overwritten");
     lab.fails("lint none.ply", 3, "none.ply");
 }

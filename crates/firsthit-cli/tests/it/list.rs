@@ -39,11 +39,7 @@ fn points_go_in_and_thickness_comes_out() {
     let said: Value = serde_json::from_str(&outcome.stderr).unwrap();
     assert_eq!((&said["points"], &said["least"]), (&1.into(), &Value::Null));
     let none = lab.pipe("thickness square.ply -", b"0,0.5,1\n");
-    assert!(
-        none.stderr.contains("1 point, nothing behind any, "),
-        "{}",
-        none.stderr
-    );
+    assert!(none.stderr.contains("1 point, nothing behind any, "), "{}", none.stderr);
     let far = "warning: every point is farther from the model than its own size";
     let said = |points: &[u8]| lab.pipe("thickness plate.obj -", points).stderr;
     assert!(said(b"9,4,4\n4,4,-5\n").contains(far));

@@ -1,9 +1,6 @@
 //! The program as its users have it: every test runs the binary.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on panics, in its helpers too"
-)]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on panics, in its helpers too")]
 
 mod attributes;
 mod built;

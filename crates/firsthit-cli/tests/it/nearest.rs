@@ -32,10 +32,7 @@ fn points_come_from_any_kind_of_file() {
     assert_eq!(std::fs::read_to_string(lab.path("a.csv")).unwrap(), csv);
     assert!(lab.ok("info a.npz").text().contains("distance"));
     lab.write("none.csv", "");
-    assert_eq!(
-        lab.ok("nearest square.ply none.csv").text().trim_end(),
-        NEAREST
-    );
+    assert_eq!(lab.ok("nearest square.ply none.csv").text().trim_end(), NEAREST);
 }
 
 #[test]
@@ -51,11 +48,7 @@ fn each_channel_has_a_file_where_the_name_says_so() {
     assert_eq!(piped.text(), csv.text());
     let npz = lab.ok("nearest square.ply points.csv -o - --format npz");
     assert!(npz.stdout.starts_with(b"PK"));
-    lab.fails(
-        "nearest square.ply points.csv --format npy",
-        2,
-        "one channel",
-    );
+    lab.fails("nearest square.ply points.csv --format npy", 2, "one channel");
 }
 
 #[test]
@@ -66,13 +59,7 @@ fn a_misspelt_first_line_is_no_header() {
         lab.fails("nearest square.ply points.csv", 3, "");
     }
     lab.write("points.csv", "x,y,z\n0,0,1\n");
-    assert_eq!(
-        lab.ok("nearest square.ply points.csv")
-            .text()
-            .lines()
-            .count(),
-        2
-    );
+    assert_eq!(lab.ok("nearest square.ply points.csv").text().lines().count(), 2);
 }
 
 #[test]
@@ -88,17 +75,10 @@ fn columns_of_points_are_taken_by_name() {
         "x,y,height\n0.25,0.5,2\n",
     ] {
         lab.write("points.csv", text);
-        assert_eq!(
-            lab.ok("nearest square.ply points.csv").text(),
-            expected,
-            "{text}"
-        );
+        assert_eq!(lab.ok("nearest square.ply points.csv").text(), expected, "{text}");
     }
     for (text, words) in [
-        (
-            "y,x,height\n0,0,1\n",
-            "a line that names the columns x, y and z",
-        ),
+        ("y,x,height\n0,0,1\n", "a line that names the columns x, y and z"),
         ("x,y,z,x\n0,0,1,2\n", "two columns are named x"),
         ("id,a,b,c\n1,0,0,1\n", "got 'id' 'a' 'b' 'c'"),
         ("0;0\n", "got '0' '0'"),
@@ -137,25 +117,13 @@ fn distances_have_signs_where_there_is_an_inside() {
     let end = |k: usize, axis: usize| bounds["bounds"][k][axis].as_f64().unwrap();
     let middle = |axis| 0.5 * (end(0, axis) + end(1, axis));
     let [x, y, z] = [0, 1, 2].map(middle);
-    lab.write(
-        "points.csv",
-        format!("{x},{y},{z}\n{x},{y},{}\n", end(1, 2) + 3.0),
-    );
+    lab.write("points.csv", format!("{x},{y},{z}\n{x},{y},{}\n", end(1, 2) + 3.0));
     let text = lab.ok("nearest part.stl points.csv --signed");
-    let distances: Vec<f64> = text
-        .text()
-        .lines()
-        .skip(1)
-        .map(|line| columns(line)[0])
-        .collect();
+    let distances: Vec<f64> = text.text().lines().skip(1).map(|line| columns(line)[0]).collect();
     assert_eq!(distances, [-0.5 * (end(1, 2) - end(0, 2)), 3.0]);
     let open = Lab::with_square();
     open.write("points.csv", "0,0,1\n");
-    open.fails(
-        "nearest square.ply points.csv --signed",
-        2,
-        "objects must be closed",
-    );
+    open.fails("nearest square.ply points.csv --signed", 2, "objects must be closed");
 }
 
 #[test]

@@ -8,14 +8,8 @@ use crate::support::{ABOVE, Lab, SQUARE};
 fn lab() -> Lab {
     let lab = Lab::new();
     let heated = SQUARE
-        .replace(
-            "property float z\n",
-            "property float z\nproperty float heat\n",
-        )
-        .replace(
-            "-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n",
-            "-1 -1 0 0\n1 -1 0 8\n1 1 0 8\n-1 1 0 0\n",
-        );
+        .replace("property float z\n", "property float z\nproperty float heat\n")
+        .replace("-1 -1 0\n1 -1 0\n1 1 0\n-1 1 0\n", "-1 -1 0 0\n1 -1 0 8\n1 1 0 8\n-1 1 0 0\n");
     lab.write("a.ply", heated);
     lab
 }
@@ -71,10 +65,7 @@ fn a_scene_file_asks_for_colours_which_options_change() {
     assert_eq!(legend(&lab, "a.png")["map"], "turbo");
     lab.ok("render a.toml --size 30x20 --color-map magma");
     let changed = legend(&lab, "a.png");
-    assert_eq!(
-        (&changed["map"], &changed["range"]),
-        (&json!("magma"), &json!([0.0, 1.0]))
-    );
+    assert_eq!((&changed["map"], &changed["range"]), (&json!("magma"), &json!([0.0, 1.0])));
     lab.ok("build a.toml");
     lab.ok("render a.fhs --size 30x20 -o built.png");
     assert_eq!(legend(&lab, "built.png")["map"], "turbo");
@@ -86,27 +77,13 @@ fn a_scene_file_asks_for_colours_which_options_change() {
 fn what_makes_no_sense_is_refused_or_said() {
     let lab = lab();
     lab.fails("render a.ply --color-by heat", 2, "attribute:NAME");
-    lab.fails(
-        "render a.ply --color-by attribute:cold",
-        2,
-        "there are heat",
-    );
+    lab.fails("render a.ply --color-by attribute:cold", 2, "there are heat");
     lab.fails("render a.ply --color-map turbo", 2, "needs --color-by");
-    lab.fails(
-        "render a.ply --color-by object --color-range 2,1",
-        2,
-        "rise",
-    );
+    lab.fails("render a.ply --color-by object --color-range 2,1", 2, "rise");
     let unranged = "render a.ply --color-by object --color-below red";
     lab.fails(unranged, 2, "needs --color-range");
     let idle = lab.ok("render a.ply --size 30x20 --shader xray --color-by object");
-    assert!(
-        idle.stderr
-            .contains("--color-by does nothing with --shader xray")
-    );
+    assert!(idle.stderr.contains("--color-by does nothing with --shader xray"));
     let idle = lab.ok("render a.ply --size 30x20 --channels t --color-by object -o t.npy");
-    assert!(
-        idle.stderr
-            .contains("--color-by does nothing without color")
-    );
+    assert!(idle.stderr.contains("--color-by does nothing without color"));
 }

@@ -32,10 +32,7 @@ fn info_tells_what_a_lens_has_beside_k_and_how_a_scan_was_made() {
     ));
     let outcome = lab.ok("info a.npz");
     let text = outcome.text();
-    assert!(
-        text.contains("\n  lens         aperture 0.5, focus 3, k1 -0.1, p1 0.01\n"),
-        "{text}"
-    );
+    assert!(text.contains("\n  lens         aperture 0.5, focus 3, k1 -0.1, p1 0.01\n"), "{text}");
     lab.ok(&format!("render square.ply {ABOVE} -o b.npz"));
     assert!(!lab.ok("info b.npz").text().contains("\n  lens"));
     // As `firsthit scan` writes it.
@@ -61,28 +58,17 @@ fn info_tells_what_a_lens_has_beside_k_and_how_a_scan_was_made() {
 fn info_reads_the_camera_and_the_channels_back_from_every_format() {
     let lab = lab();
     let mut scenes = Vec::new();
-    for (file, names) in [
-        ("a.exr", CHANNELS),
-        ("a.npz", CHANNELS),
-        ("z.npy", "z"),
-        ("z.png", "z"),
-    ] {
+    for (file, names) in [("a.exr", CHANNELS), ("a.npz", CHANNELS), ("z.npy", "z"), ("z.png", "z")]
+    {
         let said = info(&lab, file);
         let metadata = &said["metadata"];
         let camera = &metadata["camera"];
         assert_eq!(camera["position"], json!([0.0, 0.0, 5.0]), "{file}");
         assert_eq!(camera["aim"], json!([0.0, 0.0, -1.0]));
         assert_eq!(camera["focal_length"], 2.0);
-        assert_eq!(
-            (&camera["width"], &camera["height"]),
-            (&json!(4.0), &json!(3.0))
-        );
+        assert_eq!((&camera["width"], &camera["height"]), (&json!(4.0), &json!(3.0)));
         // f N / w, f M / h, and the middle.
-        let k = json!([
-            [16.5, 0.0, 16.5],
-            [0.0, 2.0 * 25.0 / 3.0, 12.5],
-            [0.0, 0.0, 1.0]
-        ]);
+        let k = json!([[16.5, 0.0, 16.5], [0.0, 2.0 * 25.0 / 3.0, 12.5], [0.0, 0.0, 1.0]]);
         assert_eq!(camera["intrinsics"]["k"], k);
         let pose = json!([
             [1.0, 0.0, 0.0, 0.0],
@@ -92,18 +78,11 @@ fn info_reads_the_camera_and_the_channels_back_from_every_format() {
         ]);
         assert_eq!(camera["pose"]["world_from_camera"], pose);
         let channels = metadata["channels"].as_array().unwrap();
-        let found: Vec<&str> = channels
-            .iter()
-            .map(|c| c["name"].as_str().unwrap())
-            .collect();
+        let found: Vec<&str> = channels.iter().map(|c| c["name"].as_str().unwrap()).collect();
         assert_eq!(found.join(","), names, "{file}");
         scenes.push(metadata["scene"].as_str().unwrap().to_owned());
         let text = lab.ok(&format!("info {file}"));
-        assert!(
-            text.text().contains("\n  position     0,0,5\n"),
-            "{}",
-            text.text()
-        );
+        assert!(text.text().contains("\n  position     0,0,5\n"), "{}", text.text());
         assert_eq!(text.stderr, "");
     }
     scenes.dedup();
@@ -117,15 +96,9 @@ fn a_batch_of_rays_says_that_no_camera_made_it() {
     lab.write("rays.csv", "0,0,5,0,0,-2\n");
     lab.ok("shoot square.ply rays.csv -o hits.npz");
     let metadata = &info(&lab, "hits.npz")["metadata"];
-    assert_eq!(
-        (&metadata["camera"], &metadata["pixels"]),
-        (&Value::Null, &Value::Null)
-    );
+    assert_eq!((&metadata["camera"], &metadata["pixels"]), (&Value::Null, &Value::Null));
     assert_eq!(metadata["shape"], json!([1]));
-    assert_eq!(
-        metadata["channels"][0]["unit"],
-        "length of the ray's direction"
-    );
+    assert_eq!(metadata["channels"][0]["unit"], "length of the ray's direction");
 }
 
 #[test]
@@ -134,25 +107,15 @@ fn a_file_without_metadata_says_so() {
     fs::remove_file(lab.path("z.npy.json")).unwrap();
     assert_eq!(info(&lab, "z.npy")["metadata"], Value::Null);
     let text = lab.ok("info z.npy");
-    assert!(
-        text.text()
-            .contains("metadata       none: not written by firsthit, or lost since")
-    );
-    assert!(
-        text.text().contains("25 x 33 of float64"),
-        "{}",
-        text.text()
-    );
+    assert!(text.text().contains("metadata       none: not written by firsthit, or lost since"));
+    assert!(text.text().contains("25 x 33 of float64"), "{}", text.text());
 }
 
 #[test]
 fn the_same_picture_in_two_formats_is_equal() {
     let lab = lab();
     let outcome = lab.ok("diff a.exr a.npz");
-    assert_eq!(
-        outcome.text(),
-        "color: equal\nt: equal\nz: equal\nobject: equal\nnormal: equal\n"
-    );
+    assert_eq!(outcome.text(), "color: equal\nt: equal\nz: equal\nobject: equal\nnormal: equal\n");
     assert_eq!(lab.ok("diff z.npy a.exr").text(), "z: equal\n");
     assert_eq!(lab.ok("diff color.png color.png").text(), "color: equal\n");
     lab.ok("diff a.exr a.npz --channels object,depth");
@@ -186,17 +149,11 @@ fn a_difference_is_told_with_its_size_and_its_place() {
 #[test]
 fn a_hit_and_a_miss_differ_beyond_every_tolerance() {
     let lab = lab();
-    lab.ok(
-        &format!("render square.ply {ABOVE} --position 0.5,0,5 --channels z,object -o b.npz")
-            .replace("--position 0,0,5", ""),
-    );
+    lab.ok(&format!("render square.ply {ABOVE} --position 0.5,0,5 --channels z,object -o b.npz")
+        .replace("--position 0,0,5", ""));
     let outcome = lab.run("diff a.npz b.npz --tolerance 1e300 --channels z,object");
     assert_eq!(outcome.code, 1);
-    assert!(
-        outcome.text().contains("largest difference inf ("),
-        "{}",
-        outcome.text()
-    );
+    assert!(outcome.text().contains("largest difference inf ("), "{}", outcome.text());
     let outcome = lab.run("diff a.npz b.npz --tolerance 1e300 --json --channels z");
     let said: Value = serde_json::from_slice(&outcome.stdout).unwrap();
     assert_eq!(said["channels"][0]["largest"], "inf");
@@ -205,43 +162,25 @@ fn a_hit_and_a_miss_differ_beyond_every_tolerance() {
 #[test]
 fn channels_and_pixels_that_are_missing_are_differences() {
     let lab = lab();
-    lab.ok(&format!(
-        "render square.ply {ABOVE} --channels z,uv -o b.npz"
-    ));
+    lab.ok(&format!("render square.ply {ABOVE} --channels z,uv -o b.npz"));
     let outcome = lab.run("diff a.exr b.npz");
     assert_eq!(outcome.code, 1);
     for line in ["z: equal", "object: only in a.exr", "uv: only in b.npz"] {
-        assert!(
-            outcome.text().lines().any(|other| other == line),
-            "{}",
-            outcome.text()
-        );
+        assert!(outcome.text().lines().any(|other| other == line), "{}", outcome.text());
     }
     lab.ok("demo --size 9x8 --samples 1 --channels z -o small.npz");
     let outcome = lab.run("diff a.exr small.npz --channels z");
     assert_eq!(outcome.code, 1);
-    assert!(
-        outcome
-            .text()
-            .contains("the shapes [25, 33] and [8, 9] differ")
-    );
+    assert!(outcome.text().contains("the shapes [25, 33] and [8, 9] differ"));
 }
 
 #[test]
 fn what_cannot_be_compared_is_wrong_usage_or_bad_input() {
     let lab = lab();
     lab.fails("diff a.exr z.png", 2, "bytes to look at");
-    lab.fails(
-        "diff a.exr a.npz --channels uv",
-        2,
-        "a.exr has no channel \"uv\", only color, t,",
-    );
+    lab.fails("diff a.exr a.npz --channels uv", 2, "a.exr has no channel \"uv\", only color, t,");
     lab.fails("diff z.npy object.npy", 2, "no channel is in both");
-    lab.fails(
-        "diff a.exr a.npz --tolerance -1",
-        2,
-        "zero or a positive number",
-    );
+    lab.fails("diff a.exr a.npz --tolerance -1", 2, "zero or a positive number");
     lab.fails("diff a.exr none.exr", 3, "none.exr: No such file");
     lab.fails("diff a.exr square.stl", 2, "known: .png, .exr, .npy, .npz");
     for (whole, name, bytes) in [
@@ -263,19 +202,14 @@ fn distances_in_steps_are_within_half_a_step() {
         "render square.ply {ABOVE} --channels z,object -o s-{{channel}}.png --png-scale 0.001"
     ));
     assert!(
-        outcome
-            .stderr
-            .contains("s-z.png: z in steps of 0.001, 16 bits; misses 0"),
+        outcome.stderr.contains("s-z.png: z in steps of 0.001, 16 bits; misses 0"),
         "{}",
         outcome.stderr
     );
     lab.ok("diff s-z.png a.npz --tolerance 0.0005000001");
     lab.ok("diff s-object.png object.png");
     let stored = &info(&lab, "s-z.png")["metadata"]["channels"][0]["stored"];
-    assert_eq!(
-        (&stored["scale"], &stored["dtype"]),
-        (&json!(0.001), &json!("uint16"))
-    );
+    assert_eq!((&stored["scale"], &stored["dtype"]), (&json!(0.001), &json!("uint16")));
     fs::remove_file(lab.path("s-z.png")).unwrap();
     fs::remove_file(lab.path("s-object.png")).unwrap();
     lab.fails(
@@ -285,13 +219,8 @@ fn distances_in_steps_are_within_half_a_step() {
         2,
         "; a scale of 0.0000764 fits",
     );
-    let idle = lab.ok(&format!(
-        "render square.ply {ABOVE} -o c.png --png-scale 0.1"
-    ));
-    assert!(
-        idle.stderr
-            .contains("--png-scale does nothing without t, range or z in a .png")
-    );
+    let idle = lab.ok(&format!("render square.ply {ABOVE} -o c.png --png-scale 0.1"));
+    assert!(idle.stderr.contains("--png-scale does nothing without t, range or z in a .png"));
 }
 
 #[test]
@@ -313,23 +242,16 @@ fn far_distances_labels_float32_and_packed_files_are_as_asked() {
     let types: Vec<_> = (0..3).map(|k| channels[k]["dtype"].clone()).collect();
     assert_eq!(types, ["float32", "int32", "float32"]);
     let text = lab.ok("info n-z.png");
-    assert!(
-        text.text().contains("what is beyond is 65535"),
-        "{}",
-        text.text()
-    );
-    let idle = lab.ok(&format!(
-        "render square.ply {ABOVE} --channels z -o c.npy --png-labels --compress"
-    ));
+    assert!(text.text().contains("what is beyond is 65535"), "{}", text.text());
+    let idle =
+        lab.ok(&format!("render square.ply {ABOVE} --channels z -o c.npy --png-labels --compress"));
     for said in [
         "--png-labels does nothing without an identifier, such as object, in a .png",
         "--compress does nothing without a .npz",
     ] {
         assert!(idle.stderr.contains(said), "{}", idle.stderr);
     }
-    let refused = lab.run(&format!(
-        "render square.ply {ABOVE} --channels z -o d.png --far zero"
-    ));
+    let refused = lab.run(&format!("render square.ply {ABOVE} --channels z -o d.png --far zero"));
     assert!(refused.stderr.contains("--png-scale"), "{}", refused.stderr);
 }
 
@@ -337,10 +259,8 @@ fn far_distances_labels_float32_and_packed_files_are_as_asked() {
 fn an_old_sidecar_never_stays_beside_a_new_array() {
     let lab = lab();
     let before = lab.read("z.npy.json");
-    lab.ok(
-        &format!("render square.ply {ABOVE} --focal-length 1 --channels z -o z.npy")
-            .replace("--focal-length 2", ""),
-    );
+    lab.ok(&format!("render square.ply {ABOVE} --focal-length 1 --channels z -o z.npy")
+        .replace("--focal-length 2", ""));
     assert_ne!(lab.read("z.npy.json"), before);
     // A sidecar that cannot be written is known before the work, and nothing is touched.
     let z = lab.read("z.npy");
@@ -372,10 +292,7 @@ fn exposure_and_tone_map_are_for_pngs_of_colours() {
     assert!(usual.0 != mapped.0);
     assert!((&usual.1, &usual.2) == (&mapped.1, &mapped.2));
     let stored = &info(&lab, "a.png")["metadata"]["channels"][0]["stored"];
-    assert_eq!(
-        (&stored["exposure"], &stored["tone_map"]),
-        (&json!(-1.0), &json!("neutral"))
-    );
+    assert_eq!((&stored["exposure"], &stored["tone_map"]), (&json!(-1.0), &json!("neutral")));
     let outcome = lab.ok("info a.png");
     let text = outcome.text();
     assert!(
@@ -394,30 +311,16 @@ fn exposure_and_tone_map_are_for_pngs_of_colours() {
 fn exposure_and_tone_map_say_where_they_do_nothing() {
     let lab = Lab::with_square();
     let both = "--exposure 1 --tone-map agx";
-    for outputs in [
-        "-o a.exr",
-        "--channels z -o z.png",
-        "--channels color,z -o a.npz",
-    ] {
+    for outputs in ["-o a.exr", "--channels z -o z.png", "--channels color,z -o a.npz"] {
         let outcome = lab.ok(&format!("render square.ply {ABOVE} {outputs} {both}"));
         for option in ["--exposure", "--tone-map"] {
             let said = format!("{option} does nothing without color in a .png");
-            assert!(
-                outcome.stderr.contains(&said),
-                "{outputs}: {}",
-                outcome.stderr
-            );
+            assert!(outcome.stderr.contains(&said), "{outputs}: {}", outcome.stderr);
         }
     }
     let demo = lab.ok(&format!("demo --size 8x6 --samples 1 -o d.npz {both}"));
-    assert!(
-        demo.stderr.contains("--tone-map does nothing"),
-        "{}",
-        demo.stderr
-    );
-    let demo = lab.ok(&format!(
-        "demo --size 8x6 --samples 1 -q -o d.png -o d.npz {both}"
-    ));
+    assert!(demo.stderr.contains("--tone-map does nothing"), "{}", demo.stderr);
+    let demo = lab.ok(&format!("demo --size 8x6 --samples 1 -q -o d.png -o d.npz {both}"));
     assert_eq!(demo.stderr, "");
     lab.fails("demo -o d.png --exposure inf", 2, "a finite number");
     lab.fails("demo -o d.png --tone-map filmic", 2, "neutral, agx, aces");

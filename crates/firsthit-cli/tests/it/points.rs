@@ -21,39 +21,21 @@ fn a_model_or_a_sentence_is_no_list_of_points() {
     lab.write("six.csv", "a rather long line,of,words,in,six,fields\n");
     for command in ["nearest", "inside", "thickness"] {
         for (points, words) in [
-            (
-                "hello.csv",
-                "hello.csv: line 1: expected x, y and z of a point",
-            ),
+            ("hello.csv", "hello.csv: line 1: expected x, y and z of a point"),
             ("six.csv", "six.csv: line 1: expected x, y and z of a point"),
-            (
-                "cube.obj",
-                "cube.obj: line 1: expected x, y and z of a point",
-            ),
+            ("cube.obj", "cube.obj: line 1: expected x, y and z of a point"),
         ] {
             lab.fails(&format!("{command} cube.obj {points}"), 3, words);
         }
     }
     for points in ["hello.csv", "six.csv", "cube.obj"] {
-        lab.fails(
-            &format!("visible cube.obj {points}"),
-            3,
-            &format!("{points}: line 1: "),
-        );
-        lab.fails(
-            &format!("shoot cube.obj {points}"),
-            3,
-            &format!("{points}: line 1: "),
-        );
+        lab.fails(&format!("visible cube.obj {points}"), 3, &format!("{points}: line 1: "));
+        lab.fails(&format!("shoot cube.obj {points}"), 3, &format!("{points}: line 1: "));
         let from = format!("shoot cube.obj {points} --from 0,0,9");
         lab.fails(&from, 3, "line 1: expected x, y and z of a point");
     }
     let stl = Lab::with("cube_binary.stl", "part.stl");
-    stl.fails(
-        "nearest part.stl part.stl",
-        3,
-        "part.stl: neither text nor a PLY",
-    );
+    stl.fails("nearest part.stl part.stl", 3, "part.stl: neither text nor a PLY");
     stl.fails("visible part.stl part.stl", 3, "part.stl: ");
 }
 
@@ -61,17 +43,9 @@ fn a_model_or_a_sentence_is_no_list_of_points() {
 fn outputs_of_ours_are_points() {
     let lab = Lab::with_square();
     let render = "--channels position,object";
-    lab.ok(&format!(
-        "render square.ply {ABOVE} {render} -o a.ply -o a.pcd -o a.npz -o a.exr"
-    ));
-    lab.ok(&format!(
-        "render square.ply {ABOVE} --channels position -o a.npy"
-    ));
-    let hits = lab.npz("a.npz")["object"]
-        .values
-        .iter()
-        .filter(|&&x| x == 0.0)
-        .count();
+    lab.ok(&format!("render square.ply {ABOVE} {render} -o a.ply -o a.pcd -o a.npz -o a.exr"));
+    lab.ok(&format!("render square.ply {ABOVE} --channels position -o a.npy"));
+    let hits = lab.npz("a.npz")["object"].values.iter().filter(|&&x| x == 0.0).count();
     assert!(hits > 10);
     for name in ["a.ply", "a.pcd", "a.npz", "a.exr", "a.npy"] {
         let csv = lab.ok(&format!("nearest square.ply {name}"));
@@ -112,33 +86,14 @@ fn a_scan_beside_its_part_is_one_command() {
     assert_eq!(said["outputs"], serde_json::json!([{"file": "again.csv"}]));
     assert_eq!(said["distances"]["mean"].as_f64(), Some(1.0 / 3.0));
     assert_eq!(said["distances"]["count"], 3);
-    assert_eq!(
-        lab.read("again.csv"),
-        csv.replace("-0.25", "0.25").as_bytes()
-    );
+    assert_eq!(lab.read("again.csv"), csv.replace("-0.25", "0.25").as_bytes());
     // What is asked for beside goes where it was told to.
     let outcome = lab.ok("nearest cube.obj scan.xyz --cloud more.pcd -o -");
     assert_eq!(outcome.text().lines().count(), 4);
-    lab.fails(
-        "nearest cube.obj scan.xyz --cloud a.npy",
-        2,
-        "--cloud: a.npy holds one channel",
-    );
-    lab.fails(
-        "nearest cube.obj scan.xyz --cloud a.ply -o a.ply",
-        2,
-        "named twice",
-    );
-    lab.fails(
-        "nearest cube.obj out.ply --cloud out.ply",
-        2,
-        "out.ply is an input",
-    );
-    lab.fails(
-        "nearest cube.obj scan.xyz --cloud a.ply --count 2",
-        2,
-        "cannot be used with",
-    );
+    lab.fails("nearest cube.obj scan.xyz --cloud a.npy", 2, "--cloud: a.npy holds one channel");
+    lab.fails("nearest cube.obj scan.xyz --cloud a.ply -o a.ply", 2, "named twice");
+    lab.fails("nearest cube.obj out.ply --cloud out.ply", 2, "out.ply is an input");
+    lab.fails("nearest cube.obj scan.xyz --cloud a.ply --count 2", 2, "cannot be used with");
 }
 
 #[test]
@@ -158,16 +113,9 @@ fn a_sensor_sees_points_of_a_cloud() {
     lab.write("points.xyz", "0.5 0.25 1\n0.5 0.25 -1\n3 0 -1\n");
     let outcome = lab.ok("visible square.ply points.xyz --from 0.5,0.25,3");
     assert_eq!(outcome.text(), "visible\n1\n0\n1\n");
-    assert!(
-        outcome.stderr.contains("3 points, 2 visible, "),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.stderr.contains("3 points, 2 visible, "), "{}", outcome.stderr);
     lab.fails("visible square.ply points.xyz", 3, "expected");
-    let data: Vec<u8> = [0.5, 0.25, -1.0]
-        .iter()
-        .flat_map(|x: &f64| x.to_le_bytes())
-        .collect();
+    let data: Vec<u8> = [0.5, 0.25, -1.0].iter().flat_map(|x: &f64| x.to_le_bytes()).collect();
     lab.write("points.npy", npy("<f8", false, "(1, 3)", &data));
     lab.fails(
         "visible square.ply points.npy",

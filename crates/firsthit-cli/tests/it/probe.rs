@@ -111,10 +111,7 @@ fn limits_sides_and_hidden_objects_are_reasons() {
     );
     let miss = story(&lab, "squares.obj --ray 8.1,8.9,1,0,0,-1");
     assert_eq!((&miss["hit"], &miss["behind"]), (&Value::Null, &json!([])));
-    assert_eq!(
-        miss["counts"],
-        json!({"box_missed": 3, "surface_missed": 1})
-    );
+    assert_eq!(miss["counts"], json!({"box_missed": 3, "surface_missed": 1}));
     let outcome = lab.ok("probe squares.obj --ray 8.1,8.9,1,0,0,-1");
     assert!(outcome.text().contains("hit        none\n"));
     let near = "object 3 'far' (mesh): box met, surface missed\n";
@@ -135,10 +132,7 @@ fn a_pixel_is_that_of_the_picture_with_the_same_options() {
     let mut hits = 0;
     for (k, object) in all["object"].values.iter().enumerate() {
         let (row, column) = (k / 8, k % 8);
-        let story = story(
-            &lab,
-            &format!("squares.obj {camera} --pixel {row},{column}"),
-        );
+        let story = story(&lab, &format!("squares.obj {camera} --pixel {row},{column}"));
         let hit = &story["hit"];
         if *object < 0.0 {
             assert_eq!(hit, &Value::Null);
@@ -147,11 +141,7 @@ fn a_pixel_is_that_of_the_picture_with_the_same_options() {
         hits += 1;
         let of = |name: &str| all[name].values[k];
         for name in ["object", "primitive", "t"] {
-            assert_eq!(
-                hit[name].as_f64(),
-                Some(of(name)),
-                "{name} at {row},{column}"
-            );
+            assert_eq!(hit[name].as_f64(), Some(of(name)), "{name} at {row},{column}");
         }
         for name in ["range", "z"] {
             assert_eq!(story["pixel"][name].as_f64(), Some(of(name)), "{name}");
@@ -205,29 +195,17 @@ fn many_objects_are_counted_and_all_are_listed_if_asked() {
 fn what_cannot_be_asked_is_refused() {
     let lab = lab();
     lab.fails("probe squares.obj", 2, "<--pixel <ROW,COLUMN>|--ray <RAY>>");
-    lab.fails(
-        "probe squares.obj --pixel 1,1 --ray 0,0,1,0,0,1",
-        2,
-        "cannot be used with",
-    );
+    lab.fails("probe squares.obj --pixel 1,1 --ray 0,0,1,0,0,1", 2, "cannot be used with");
     lab.fails("probe squares.obj --pixel 1", 2, "such as 360,640");
     lab.fails("probe squares.obj --pixel=-1,2", 2, "such as 360,640");
     lab.fails("probe squares.obj --ray 1,2,3", 2, "six finite numbers");
-    lab.fails(
-        "probe squares.obj --ray 0,0,5,0,0,-1 --view top",
-        2,
-        "cannot be used with",
-    );
+    lab.fails("probe squares.obj --ray 0,0,5,0,0,-1 --view top", 2, "cannot be used with");
     lab.fails(
         "probe squares.obj --ray 0,0,5,0,0,-1 --t-min 3 --t-max 2",
         2,
         "--t-max must be above --t-min",
     );
-    lab.fails(
-        "probe squares.obj --pixel 0,5000",
-        2,
-        "768 rows and 1024 columns",
-    );
+    lab.fails("probe squares.obj --pixel 0,5000", 2, "768 rows and 1024 columns");
     lab.fails("probe none.obj --pixel 0,0", 3, "none.obj");
 }
 
@@ -235,12 +213,7 @@ fn what_cannot_be_asked_is_refused() {
 fn wheels() -> Value {
     let part =
         |material: usize| json!({"attributes": {"POSITION": material}, "material": material});
-    let floats = |values: &[f32]| {
-        values
-            .iter()
-            .flat_map(|x| x.to_le_bytes())
-            .collect::<Vec<u8>>()
-    };
+    let floats = |values: &[f32]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let near = floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
     let beside = floats(&[2.0, 0.0, 0.0, 3.0, 0.0, 0.0, 2.0, 1.0, 0.0]);
     let hex = |bytes: &[u8]| {
@@ -283,10 +256,7 @@ fn node_mesh_and_material_are_those_of_the_channels() {
     lab.write("wheels.gltf", wheels().to_string());
     let camera = "--view front --size 12x16";
     let channels = ["object", "node", "mesh", "material"];
-    lab.ok(&format!(
-        "render wheels.gltf {camera} -o all.npz --channels {}",
-        channels.join(",")
-    ));
+    lab.ok(&format!("render wheels.gltf {camera} -o all.npz --channels {}", channels.join(",")));
     let all = lab.npz("all.npz");
     let said: Value = serde_json::from_str(lab.ok("info all.npz --json").text()).unwrap();
     let names = &said["metadata"]["names"];
@@ -303,10 +273,7 @@ fn node_mesh_and_material_are_those_of_the_channels() {
         let text = lab.ok(&format!("probe wheels.gltf {camera} {pixel}"));
         for channel in ["node", "mesh", "material"] {
             let number = usize::try_from(hit[channel]["id"].as_u64().unwrap()).unwrap();
-            assert_eq!(
-                number as f64, all[channel].values[k],
-                "{channel} of {pixel}"
-            );
+            assert_eq!(number as f64, all[channel].values[k], "{channel} of {pixel}");
             let name = &names[channel][number];
             assert_eq!(&hit[channel]["name"], name, "{channel} of {pixel}");
             let words = format!("{channel} {number} '{}'", name.as_str().unwrap());
@@ -327,11 +294,7 @@ fn long_names_are_cut_in_text_and_whole_in_json() {
     let outcome = lab.ok(&format!("probe {ray}"));
     let cut = format!("object 0 '{}...' (mesh)", "\u{e4}".repeat(100));
     assert!(outcome.text().contains(&cut));
-    let longest = outcome
-        .text()
-        .lines()
-        .map(|line| line.chars().count())
-        .max();
+    let longest = outcome.text().lines().map(|line| line.chars().count()).max();
     assert!(longest < Some(250), "{longest:?}");
     let story = story(&lab, ray);
     assert_eq!(story["hit"]["name"], json!(name));

@@ -48,10 +48,7 @@ fn the_number_of_samples_is_that_of_the_picture() {
     let said = report(&lab, &format!("{render} --samples 3"));
     assert_eq!(said["samples"], 3);
     assert!(said["mean_samples"].is_null());
-    let said = report(
-        &lab,
-        &format!("{render} --samples 70 --noise 0.9 --resume s.npz"),
-    );
+    let said = report(&lab, &format!("{render} --samples 70 --noise 0.9 --resume s.npz"));
     assert_eq!(said["samples"], 32);
 }
 
@@ -80,26 +77,10 @@ fn a_file_that_cannot_keep_a_state_is_told_before_the_file_is_read() {
     let lab = Lab::new();
     lab.write("scene.npz", "");
     for (options, code, words) in [
-        (
-            "--resume state",
-            2,
-            "resume must be a file whose name ends in .npz, got state",
-        ),
-        (
-            "--resume st.png",
-            2,
-            "must be a file whose name ends in .npz",
-        ),
-        (
-            "-o a.exr --resume st.exr",
-            2,
-            "must be a file whose name ends in .npz",
-        ),
-        (
-            "-o a.exr --resume nope/s.npz",
-            4,
-            "nope/s.npz: the folder does not exist",
-        ),
+        ("--resume state", 2, "resume must be a file whose name ends in .npz, got state"),
+        ("--resume st.png", 2, "must be a file whose name ends in .npz"),
+        ("-o a.exr --resume st.exr", 2, "must be a file whose name ends in .npz"),
+        ("-o a.exr --resume nope/s.npz", 4, "nope/s.npz: the folder does not exist"),
         ("-o c.npz --resume c.npz", 2, "c.npz is named twice"),
         (
             "-o a.npz --resume s.npz --channels z,crypto_object",
@@ -116,10 +97,7 @@ fn a_file_that_cannot_keep_a_state_is_told_before_the_file_is_read() {
         "[[objects]]\nfile = \"square.ply\"\n[[outputs]]\nfile = \"a.npz\"\nchannels = [\"z\"]\n",
     );
     lab.fails("render a.toml --resume s.npz", 2, "--resume is of colours");
-    lab.write(
-        "b.toml",
-        "[[objects]]\nfile = \"square.ply\"\n[[outputs]]\nfile = \"s.npz\"\n",
-    );
+    lab.write("b.toml", "[[objects]]\nfile = \"square.ply\"\n[[outputs]]\nfile = \"s.npz\"\n");
     lab.fails("render b.toml --resume s.npz", 2, "s.npz is named twice");
 }
 
@@ -154,19 +132,14 @@ fn a_noise_has_the_samples_to_act_on_or_says_so() {
     let render = format!("render square.ply {WIDE} --channels color,samples -o a.npz --noise");
     let outcome = lab.ok(&format!("{render} 0.9"));
     assert!(
-        outcome
-            .stderr
-            .contains("guessed: up to 256 samples (--samples)"),
+        outcome.stderr.contains("guessed: up to 256 samples (--samples)"),
         "{}",
         outcome.stderr
     );
     let noisy = lab.ok(&format!("{render} 0.001"));
     let counts = &lab.npz("a.npz")["samples"].values;
     assert_eq!([counts[0], counts[48]], [32.0, 256.0]);
-    let (pixels, mean) = (
-        counts.len() as f64,
-        counts.iter().sum::<f64>() / counts.len() as f64,
-    );
+    let (pixels, mean) = (counts.len() as f64, counts.iter().sum::<f64>() / counts.len() as f64);
     let all = 100.0 * counts.iter().filter(|&&count| count == 256.0).count() as f64 / pixels;
     let told = format!("{mean:.1} samples a pixel ({all:.1} % took all 256)");
     assert!(noisy.stderr.contains(&told), "{told}: {}", noisy.stderr);
@@ -174,18 +147,8 @@ fn a_noise_has_the_samples_to_act_on_or_says_so() {
     let few = lab.ok(&format!("{render} 0.9 --samples 32")).stderr;
     assert!(few.contains(&format!("{idle} 32 samples")), "{few}");
     let enough = lab.ok(&format!("{render} 0.9 --samples 33")).stderr;
-    assert!(
-        !enough.contains("warning") && !enough.contains("guessed"),
-        "{enough}"
-    );
-    lab.write(
-        "a.toml",
-        "[shading]\nsamples = 8\n[[objects]]\nfile = \"square.ply\"\n",
-    );
+    assert!(!enough.contains("warning") && !enough.contains("guessed"), "{enough}");
+    lab.write("a.toml", "[shading]\nsamples = 8\n[[objects]]\nfile = \"square.ply\"\n");
     let of_file = lab.ok(&format!("{render} 0.9").replace("square.ply", "a.toml"));
-    assert!(
-        of_file.stderr.contains(&format!("{idle} 8 samples")),
-        "{}",
-        of_file.stderr
-    );
+    assert!(of_file.stderr.contains(&format!("{idle} 8 samples")), "{}", of_file.stderr);
 }

@@ -5,21 +5,13 @@ use std::io::{Cursor, Write};
 use crate::support::{Lab, npy, rays_npy};
 
 /// Whole numbers, so that every type can hold them: the second ray misses.
-const RAYS: [[i8; 6]; 3] = [
-    [0, 0, 10, 0, 0, -1],
-    [5, 0, 10, 0, 0, -1],
-    [0, 0, -8, 0, 0, 2],
-];
+const RAYS: [[i8; 6]; 3] = [[0, 0, 10, 0, 0, -1], [5, 0, 10, 0, 0, -1], [0, 0, -8, 0, 0, 2]];
 const HITS: &str = "t,object\n10,0\ninf,-1\n4,0\n";
 
 /// The rays as bytes, by row or by column.
 fn bytes<const N: usize>(fortran: bool, number: impl Fn(i8) -> [u8; N]) -> Vec<u8> {
     let place = |k: usize| {
-        if fortran {
-            RAYS[k % 3][k / 3]
-        } else {
-            RAYS[k / 6][k % 6]
-        }
+        if fortran { RAYS[k % 3][k / 3] } else { RAYS[k / 6][k % 6] }
     };
     (0..18).flat_map(|k| number(place(k))).collect()
 }
@@ -74,11 +66,7 @@ fn origins_and_directions_may_be_apart() {
     lab.write("nor.csv", "dx,dy,dz\n");
     assert_eq!(hits(&lab, "none.csv nor.csv"), "t,object\n");
     lab.write("one.csv", "0,0,-1\n");
-    lab.fails(
-        "shoot square.ply origins.npy one.csv",
-        3,
-        "3 origins, but 1 directions",
-    );
+    lab.fails("shoot square.ply origins.npy one.csv", 3, "3 origins, but 1 directions");
     lab.fails("shoot square.ply origins.npy", 3, "got columns: 3");
 }
 
@@ -102,11 +90,7 @@ fn archives_hold_origins_and_directions() {
         ("origin.npy", "dir.npy"),
         ("origin.npy", "direction.npy"),
     ] {
-        let entries = [
-            (directions, &d[..]),
-            ("more.npy", b"junk"),
-            (origins, &o[..]),
-        ];
+        let entries = [(directions, &d[..]), ("more.npy", b"junk"), (origins, &o[..])];
         lab.write("rays.npz", archive(&entries));
         assert_eq!(hits(&lab, "rays.npz"), HITS, "{origins} {directions}");
     }
@@ -126,17 +110,8 @@ fn archives_hold_origins_and_directions() {
 #[test]
 fn text_may_have_a_header_comments_and_spaces() {
     let lab = Lab::with_square();
-    for head in [
-        "",
-        "ox,oy,oz,dx,dy,dz\n",
-        "# rays\n",
-        "\u{feff}",
-        "\"a\",b,c,d,e,f\n",
-    ] {
-        lab.write(
-            "rays.csv",
-            format!("{head}0, 0, 10,0,0,-1\r\n\n5,0,1e1,0,0,-1\n0,0,-8,0,0,+2"),
-        );
+    for head in ["", "ox,oy,oz,dx,dy,dz\n", "# rays\n", "\u{feff}", "\"a\",b,c,d,e,f\n"] {
+        lab.write("rays.csv", format!("{head}0, 0, 10,0,0,-1\r\n\n5,0,1e1,0,0,-1\n0,0,-8,0,0,+2"));
         assert_eq!(hits(&lab, "rays.csv"), HITS, "{head:?}");
     }
 }
@@ -149,29 +124,19 @@ fn files_that_hold_no_rays_are_bad_input() {
         (b"1,2,3,4,5,6\n1,2\n", "line 2: expected 6 columns, got 2"),
         (b"1,2,3,4,5,6\n1,2,3,4,5,x\n", "line 2: expected numbers"),
         (b"a,b,c,d,e,f\nx,y,z,u,v,w\n", "line 2: expected numbers"),
-        (
-            b"hello world\n",
-            "line 1: the columns must be named ox,oy,oz",
-        ),
+        (b"hello world\n", "line 1: the columns must be named ox,oy,oz"),
         (b"1 2 3 4 5 6\n", "line 1: expected numbers"),
         (b"\xff\xfe\x00\x01 garbage \x80\n1,2,3,4,5,6\n", "line 1"),
         (b"1,2,3,x,5,6\n", "line 1: expected numbers"),
         (b"# a\n\n1,2,3,4,5,x", "line 3: expected numbers"),
-        (
-            b"# a\n1,2,3,4,5,6\n  # b\r\n\r\n\n1,2\r\n\n",
-            "line 6: expected 6 columns, got 2",
-        ),
+        (b"# a\n1,2,3,4,5,6\n  # b\r\n\r\n\n1,2\r\n\n", "line 6: expected 6 columns, got 2"),
     ];
     for (bytes, words) in text {
         lab.write("rays.csv", bytes);
         lab.fails("shoot square.ply rays.csv -o hits.npz", 3, words);
         lab.fails("shoot square.ply rays.csv -o hits.csv", 3, "rays.csv: ");
     }
-    lab.fails(
-        "shoot square.ply none.npy -o hits.npz",
-        3,
-        "none.npy: No such file",
-    );
+    lab.fails("shoot square.ply none.npy -o hits.npz", 3, "none.npy: No such file");
     lab.fails("shoot square.ply . -o hits.npz", 3, "a folder, not a file");
     lab.fails("shoot none.ply rays.csv -o hits.npz", 3, "");
 }
@@ -183,11 +148,7 @@ fn arrays_that_lie_are_bad_input() {
     let lies: [(&str, &str, &str); 14] = [
         ("<f8", "(1152921504606846976, 6)", "longer than the file"),
         ("<f8", "(18446744073709551615, 6)", "longer than the file"),
-        (
-            "<f8",
-            "(99999999999999999999999, 6)",
-            "longer than the file",
-        ),
+        ("<f8", "(99999999999999999999999, 6)", "longer than the file"),
         ("<f8", "(3, 6)", "longer than the file"),
         ("<f8", "(0, 1152921504606846976)", "longer than the file"),
         ("<f8", "(1152921504606846976, 0)", "longer than the file"),
@@ -212,19 +173,12 @@ fn arrays_that_lie_are_bad_input() {
     let mut deep = b"\x93NUMPY\x01\x00\x00\xf0{'descr': ".to_vec();
     deep.resize(10 + 0xf000, b'(');
     lab.write("rays.npy", deep);
-    lab.fails(
-        "shoot square.ply rays.npy -o hits.npz",
-        3,
-        "nested more than 8 deep",
-    );
+    lab.fails("shoot square.ply rays.npy -o hits.npz", 3, "nested more than 8 deep");
 }
 
 #[test]
 fn lines_of_blanks_are_blank_lines() {
     let lab = Lab::with_square();
-    lab.write(
-        "rays.csv",
-        "  \n0,0,10,0,0,-1\n \t \n5,0,10,0,0,-1\n0,0,-8,0,0,2\n\n",
-    );
+    lab.write("rays.csv", "  \n0,0,10,0,0,-1\n \t \n5,0,10,0,0,-1\n0,0,-8,0,0,2\n\n");
     assert_eq!(hits(&lab, "rays.csv"), HITS);
 }

@@ -20,11 +20,7 @@ fn units_become_metres_and_a_scale_multiplies() {
     lab.fails("info a.obj --scale 0", 2, "above 0");
     lab.fails("info a.obj --scale 2 --units mm", 2, "cannot be used with");
     lab.write("s.toml", "[[objects]]\nfile = \"a.obj\"\n");
-    lab.fails(
-        "info s.toml --scale 2",
-        2,
-        "1 but for mesh files and models",
-    );
+    lab.fails("info s.toml --scale 2", 2, "1 but for mesh files and models");
 }
 
 #[test]
@@ -37,11 +33,7 @@ fn a_texture_above_the_folder_needs_leave() {
     lab.write("model/a.mtl", "newmtl m\nmap_Kd ..\\textures\\t.png\n");
     lab.ok("demo --size 4x4 --samples 1 -q -o textures/t.png");
     let refused = lab.ok("info model/a.obj");
-    assert!(
-        refused.stderr.contains("--allow-parent"),
-        "{}",
-        refused.stderr
-    );
+    assert!(refused.stderr.contains("--allow-parent"), "{}", refused.stderr);
     for option in ["--allow-parent", "--resources textures"] {
         let read = lab.ok(&format!("info model/a.obj {option}"));
         assert!(read.stderr.is_empty(), "{option}: {}", read.stderr);
@@ -96,11 +88,7 @@ fn info_tells_what_a_las_file_says_and_lists_the_outputs_it_reads() {
     let lab = Lab::new();
     lab.write("a.las", las(b"{}"));
     let said = lab.ok("info a.las");
-    assert!(
-        said.text().contains("LAS 1.4, points of format 6"),
-        "{}",
-        said.text()
-    );
+    assert!(said.text().contains("LAS 1.4, points of format 6"), "{}", said.text());
     assert!(said.stderr.contains("metadata"), "{}", said.stderr);
     lab.ok("info a.las --json");
     lab.write("b.las", &las(b"{}")[..200]);

@@ -26,10 +26,7 @@ fn lab() -> (Lab, Scene) {
 }
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
-    Pose {
-        position: DVec3::new(x, y, z),
-        ..Pose::IDENTITY
-    }
+    Pose { position: DVec3::new(x, y, z), ..Pose::IDENTITY }
 }
 
 fn standing(pattern: firsthit::Result<Pattern>, pose: Pose) -> Lidar {
@@ -37,12 +34,7 @@ fn standing(pattern: firsthit::Result<Pattern>, pose: Pose) -> Lidar {
 }
 
 fn spinning(elevations: &[f64], columns: usize) -> Spinning {
-    Spinning {
-        elevations: elevations.to_vec(),
-        columns,
-        rate: 10.0,
-        ..Spinning::default()
-    }
+    Spinning { elevations: elevations.to_vec(), columns, rate: 10.0, ..Spinning::default() }
 }
 
 fn assert_same(lab: &Lab, file: &str, scan: &Scan) {
@@ -100,28 +92,13 @@ fn the_returns_are_those_of_the_scanner_bit_for_bit() {
         direction: Turn::Counterclockwise,
         ..spinning(&[-9.0, 0.0, 9.0], 50)
     };
-    let swept = Raster {
-        rate: 5.0,
-        is_serpentine: true,
-        start: 2.0,
-        ..raster
-    };
-    let flash = Raster {
-        rate: 0.0,
-        start: 2.0,
-        ..raster
-    };
+    let swept = Raster { rate: 5.0, is_serpentine: true, start: 2.0, ..raster };
+    let flash = Raster { rate: 0.0, start: 2.0, ..raster };
     for (options, lidar) in [
-        (
-            "--lidar VLP-16",
-            standing(LidarModel::Vlp16.pattern(10.0, None, 0.0), Pose::IDENTITY),
-        ),
+        ("--lidar VLP-16", standing(LidarModel::Vlp16.pattern(10.0, None, 0.0), Pose::IDENTITY)),
         (
             "--lidar os1-32 --columns 64 --rate 20 --start 2 --position 1,-0.5,0.25",
-            standing(
-                LidarModel::Os1x32.pattern(20.0, Some(64), 2.0),
-                at(1.0, -0.5, 0.25),
-            ),
+            standing(LidarModel::Os1x32.pattern(20.0, Some(64), 2.0), at(1.0, -0.5, 0.25)),
         ),
         (
             "--elevations -25,15,5 --columns 90",
@@ -159,10 +136,7 @@ fn the_returns_are_those_of_the_scanner_bit_for_bit() {
         let scan = scan(&lidar, &scene, &ScanSettings::default(), &()).unwrap();
         assert_same(&lab, "a.npz", &scan);
         let [rows, columns] = scan.shape();
-        let said = format!(
-            "a.npz: {} returns of {rows} x {columns} beams\n",
-            scan.len()
-        );
+        let said = format!("a.npz: {} returns of {rows} x {columns} beams\n", scan.len());
         assert_eq!((outcome.text(), &outcome.stderr), ("", &said), "{options}");
     }
 }
@@ -171,19 +145,13 @@ fn the_returns_are_those_of_the_scanner_bit_for_bit() {
 #[expect(clippy::too_many_lines, reason = "a table")]
 fn options_of_returns_are_the_settings_of_a_scan() {
     let (lab, scene) = lab();
-    let lidar = standing(
-        Pattern::spinning(&spinning(&[-15.0, -5.0, 5.0, 15.0], 120)),
-        Pose::IDENTITY,
-    );
+    let lidar =
+        standing(Pattern::spinning(&spinning(&[-15.0, -5.0, 5.0, 15.0], 120)), Pose::IDENTITY);
     let usual = ScanSettings::default();
     for (options, settings) in [
         (
             "--returns all --max-returns 1",
-            ScanSettings {
-                returns: Returns::All,
-                max_returns: Some(1),
-                ..usual
-            },
+            ScanSettings { returns: Returns::All, max_returns: Some(1), ..usual },
         ),
         (
             "--returns last --range-gate 0.5 --rings lowest-first",
@@ -207,38 +175,20 @@ fn options_of_returns_are_the_settings_of_a_scan() {
         ),
         (
             "--noise 0.02,0.001 --dropout 0.1 --seed 5 --threads 1",
-            ScanSettings {
-                noise: Some([0.02, 0.001]),
-                dropout: Some(0.1),
-                seed: Some(5),
-                ..usual
-            },
+            ScanSettings { noise: Some([0.02, 0.001]), dropout: Some(0.1), seed: Some(5), ..usual },
         ),
         (
             "--min-range 2 --max-range 4.5 --threads 3",
-            ScanSettings {
-                min_range: 2.0,
-                max_range: 4.5,
-                ..usual
-            },
+            ScanSettings { min_range: 2.0, max_range: 4.5, ..usual },
         ),
     ] {
-        lab.ok(&format!(
-            "scan room.toml --elevations -15,15,4 --columns 120 {options} -o a.npz"
-        ));
-        assert_same(
-            &lab,
-            "a.npz",
-            &scan(&lidar, &scene, &settings, &()).unwrap(),
-        );
+        lab.ok(&format!("scan room.toml --elevations -15,15,4 --columns 120 {options} -o a.npz"));
+        assert_same(&lab, "a.npz", &scan(&lidar, &scene, &settings, &()).unwrap());
     }
     lab.ok(
         "scan room.toml --elevations -15,15,4 --columns 120 --class ball=7 --class 0=6 -o a.npz",
     );
-    let classified = scan(&lidar, &scene, &usual, &())
-        .unwrap()
-        .classified(&[6, 7])
-        .unwrap();
+    let classified = scan(&lidar, &scene, &usual, &()).unwrap().classified(&[6, 7]).unwrap();
     assert_same(&lab, "a.npz", &classified);
 }
 
@@ -254,11 +204,7 @@ fn a_drive_is_scanned_turn_by_turn() {
         let pattern = LidarModel::Vlp16.pattern(10.0, Some(60), start).unwrap();
         let lidar = Lidar::carried(pattern, at(0.0, 0.0, 0.3), &drive).unwrap();
         let seed = Some(8 + u64::from(turn));
-        let settings = ScanSettings {
-            noise: Some([0.01, 0.0]),
-            seed,
-            ..ScanSettings::default()
-        };
+        let settings = ScanSettings { noise: Some([0.01, 0.0]), seed, ..ScanSettings::default() };
         scan(&lidar, &scene, &settings, &()).unwrap()
     });
     let joined = Scan::joined(turns).unwrap();
@@ -277,10 +223,7 @@ fn a_rose_goes_on_from_turn_to_turn() {
         let pairs = doubles(&parts, name).iter().zip(doubles(&whole, name));
         assert!({ pairs }.all(|(a, b)| (a - b).abs() < 1e-11), "{name}");
     }
-    assert_eq!(
-        parts.frame().channel("column"),
-        whole.frame().channel("column")
-    );
+    assert_eq!(parts.frame().channel("column"), whole.frame().channel("column"));
 }
 
 #[test]
@@ -296,34 +239,21 @@ fn turns_and_durations_count_whole_turns() {
         ("--trajectory drive.csv --turns 2 --interpolation se3", 2),
         ("--trajectory drive.csv --turns 5 --extrapolation hold", 5),
     ] {
-        let said = report(&lab.ok(&format!(
-            "scan room.toml --lidar vlp-16 --columns 8 {options} --json"
-        )));
+        let said =
+            report(&lab.ok(&format!("scan room.toml --lidar vlp-16 --columns 8 {options} --json")));
         assert_eq!(said["turns"], json!(turns), "{options}");
-        assert_eq!(
-            (&said["rows"], &said["columns"]),
-            (&json!(16), &json!(8 * turns))
-        );
+        assert_eq!((&said["rows"], &said["columns"]), (&json!(16), &json!(8 * turns)));
         assert_eq!(said["outputs"], json!(["room-scan.ply"]));
-        assert_eq!(
-            (&said["lidar"], &said["warnings"]),
-            (&json!("vlp-16"), &json!([]))
-        );
+        assert_eq!((&said["lidar"], &said["warnings"]), (&json!("vlp-16"), &json!([])));
     }
     for (options, turns) in [
         ("--raster 70,40 --rows 3 --columns 4 --rate 20", 6),
-        (
-            "--lissajous 60,30 --frequencies 7,11 --points 50 --point-rate 1000",
-            6,
-        ),
-        (
-            "--rosette 60 --frequencies 7,-11 --points 70 --point-rate 1000",
-            4,
-        ),
+        ("--lissajous 60,30 --frequencies 7,11 --points 50 --point-rate 1000", 6),
+        ("--rosette 60 --frequencies 7,-11 --points 70 --point-rate 1000", 4),
     ] {
-        let said = report(&lab.ok(&format!(
-            "scan room.toml {options} --trajectory drive.csv -o a.npz --json"
-        )));
+        let said = report(
+            &lab.ok(&format!("scan room.toml {options} --trajectory drive.csv -o a.npz --json")),
+        );
         assert_eq!(said["turns"], json!(turns));
         let scan = Scan::read(&lab.path("a.npz")).unwrap();
         let last = doubles(&scan, "time").iter().copied().fold(0.0, f64::max);
@@ -340,17 +270,11 @@ fn a_scanner_looks_along_its_aim() {
     let half = FRAC_1_SQRT_2;
     for (options, forwards, left) in [
         ("--aim 0,2,0", [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]),
-        (
-            "--aim 1,0,-1 --up 0,0,1",
-            [half, 0.0, -half],
-            [0.0, 1.0, 0.0],
-        ),
+        ("--aim 1,0,-1 --up 0,0,1", [half, 0.0, -half], [0.0, 1.0, 0.0]),
         ("--up 1,0,0", [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
         ("--pose pose.txt", [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
     ] {
-        lab.ok(&format!(
-            "scan room.toml --pattern beams.csv {options} -o a.npz"
-        ));
+        lab.ok(&format!("scan room.toml --pattern beams.csv {options} -o a.npz"));
         let scan = Scan::read(&lab.path("a.npz")).unwrap();
         for (k, way) in [forwards, left].into_iter().enumerate() {
             let point = &doubles(&scan, "point")[3 * k..];
@@ -365,10 +289,7 @@ fn a_scanner_looks_along_its_aim() {
 #[test]
 fn a_scanner_stands_upright_where_y_is_up() {
     let lab = Lab::new();
-    lab.write(
-        "floor.obj",
-        "v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nf 4 3 2 1\n",
-    );
+    lab.write("floor.obj", "v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nf 4 3 2 1\n");
     lab.ok("scan floor.obj --elevations -20,-20,1 --columns 12 --position 1,0.5,2 -o a.npz");
     let scan = Scan::read(&lab.path("a.npz")).unwrap();
     assert_eq!(scan.len(), 12);
@@ -389,11 +310,7 @@ fn the_up_that_was_guessed_is_said() {
     lab.write("pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n");
     let scanner = "--elevations -20,20,3 --columns 8 -o a.npz";
     let outcome = lab.ok(&format!("scan floor.obj {scanner}"));
-    assert!(
-        outcome.stderr.ends_with("; guessed: up +y (--up)\n"),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.stderr.ends_with("; guessed: up +y (--up)\n"), "{}", outcome.stderr);
     let outcome = lab.ok(&format!("scan floor.obj {scanner} --json"));
     assert_eq!(report(&outcome)["guessed"], json!(["up +y (--up)"]));
     for run in [
@@ -422,11 +339,7 @@ fn every_format_holds_the_returns() {
         let points = firsthit::image::points_of(file.as_ref(), bytes).unwrap();
         assert_eq!(points.positions.len(), whole.len());
         // As float32, or in steps of 1e-4.
-        let most = if matches!(*file, "a.npz" | "a.ply" | "a.csv") {
-            0.0
-        } else {
-            0.51e-4
-        };
+        let most = if matches!(*file, "a.npz" | "a.ply" | "a.csv") { 0.0 } else { 0.51e-4 };
         let expected = doubles(&whole, "point");
         let found = points.positions.as_flattened();
         let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
@@ -469,10 +382,7 @@ fn what_makes_no_sense_is_one_line_and_an_exit_code() {
         ("", "the following required arguments were not provided"),
         ("--lidar vlp-17", "a similar value exists: 'vlp-16'"),
         ("--lidar vlp-16 --pattern a.csv", "cannot be used with"),
-        (
-            "--lidar vlp-16 --turns 1 --duration 1",
-            "cannot be used with",
-        ),
+        ("--lidar vlp-16 --turns 1 --duration 1", "cannot be used with"),
         ("--lidar vlp-16 --turns 0", "a whole number from 1 on"),
         ("--lidar vlp-16 --rate 0", "a positive number"),
         (
@@ -481,131 +391,56 @@ fn what_makes_no_sense_is_one_line_and_an_exit_code() {
         ),
         ("--lidar vlp-16 --position 1,2", "three finite numbers"),
         ("--lidar vlp-16 --position 1,2,nan", "three finite numbers"),
-        (
-            "--lidar vlp-16 --azimuth-start 0",
-            "--azimuth-start needs --elevations",
-        ),
+        ("--lidar vlp-16 --azimuth-start 0", "--azimuth-start needs --elevations"),
         ("--elevations 5,-5,3", "LOW,HIGH,N"),
         ("--elevations -5,5,2.5", "a whole number of lasers"),
-        (
-            "--elevations -5,95,3",
-            "elevations must be from -90 to 90 degrees",
-        ),
+        ("--elevations -5,95,3", "elevations must be from -90 to 90 degrees"),
         ("--lidar vlp-16 --subrays 4", "--divergence"),
-        (
-            "--lidar vlp-16 --max-returns 4",
-            "--max-returns needs --returns all",
-        ),
-        (
-            "--lidar vlp-16 --noise 0.1",
-            "seed must be given with noise",
-        ),
-        (
-            "--lidar vlp-16 --seed 1",
-            "--seed needs --noise or --dropout",
-        ),
+        ("--lidar vlp-16 --max-returns 4", "--max-returns needs --returns all"),
+        ("--lidar vlp-16 --noise 0.1", "seed must be given with noise"),
+        ("--lidar vlp-16 --seed 1", "--seed needs --noise or --dropout"),
         ("--lidar vlp-16 --duration 1e9", "fewer than 2^31 columns"),
         ("--lidar vlp-16 --duration 1e300", "fewer than 2^31 columns"),
-        (
-            "--lidar vlp-16 --turns 2 --noise 0.1 --seed 9223372036854775807",
-            "leave a number",
-        ),
-        (
-            "--lidar vlp-16 --divergence -3",
-            "divergence must be from 0",
-        ),
-        (
-            "--lidar vlp-16 --min-range 5 --max-range 4",
-            "must be from 0 on and increase",
-        ),
-        (
-            "--lidar vlp-16 --class ball",
-            "a name and a whole number from 0 to 255",
-        ),
-        (
-            "--lidar vlp-16 --class none=2",
-            "there is no object \"none\"",
-        ),
+        ("--lidar vlp-16 --turns 2 --noise 0.1 --seed 9223372036854775807", "leave a number"),
+        ("--lidar vlp-16 --divergence -3", "divergence must be from 0"),
+        ("--lidar vlp-16 --min-range 5 --max-range 4", "must be from 0 on and increase"),
+        ("--lidar vlp-16 --class ball", "a name and a whole number from 0 to 255"),
+        ("--lidar vlp-16 --class none=2", "there is no object \"none\""),
         ("--lidar vlp-16 --body forwards-left-up", "--trajectory"),
-        (
-            "--lidar vlp-16 --trajectory drive.csv --aim 1,0,0",
-            "give a --pose",
-        ),
-        (
-            "--lidar vlp-16 --pose p.txt --position 0,0,0",
-            "cannot be used with",
-        ),
-        (
-            "--lidar vlp-16 --aim 0,0,3",
-            "directions that are not parallel",
-        ),
-        (
-            "--lidar vlp-16 --trajectory drive.csv --turns 9",
-            "within the times of the trajectory",
-        ),
-        (
-            "--lidar vlp-16 --trajectory drive.csv --start 3.25",
-            "less than a turn",
-        ),
+        ("--lidar vlp-16 --trajectory drive.csv --aim 1,0,0", "give a --pose"),
+        ("--lidar vlp-16 --pose p.txt --position 0,0,0", "cannot be used with"),
+        ("--lidar vlp-16 --aim 0,0,3", "directions that are not parallel"),
+        ("--lidar vlp-16 --trajectory drive.csv --turns 9", "within the times of the trajectory"),
+        ("--lidar vlp-16 --trajectory drive.csv --start 3.25", "less than a turn"),
         (
             "--lidar vlp-16 --trajectory drive.csv --trajectory-format tum",
             "--body must be given with --trajectory-format tum",
         ),
-        (
-            "--pattern room.toml --columns 8",
-            "--columns must be left out with --pattern",
-        ),
-        (
-            "--pattern room.toml --flash",
-            "--flash must be left out with --pattern",
-        ),
+        ("--pattern room.toml --columns 8", "--columns must be left out with --pattern"),
+        ("--pattern room.toml --flash", "--flash must be left out with --pattern"),
         ("--lidar vlp-16 --rows 8", "--rows needs --raster"),
-        (
-            "--lidar vlp-16 --points 8",
-            "--points needs --rosette or --lissajous",
-        ),
+        ("--lidar vlp-16 --points 8", "--points needs --rosette or --lissajous"),
         ("--raster 70,40 --rows 3", "--raster needs --columns"),
         ("--raster 70 --rows 3 --columns 4", "two finite numbers"),
-        (
-            "--raster 70,181 --rows 3 --columns 4",
-            "vertical_fov must be above 0",
-        ),
-        (
-            "--raster 7,4 --rows 3 --columns 4 --duration 0.01",
-            "a picture of 0.1 s",
-        ),
+        ("--raster 70,181 --rows 3 --columns 4", "vertical_fov must be above 0"),
+        ("--raster 7,4 --rows 3 --columns 4 --duration 0.01", "a picture of 0.1 s"),
         (
             "--raster 70,40 --rows 3 --columns 4 --flash --serpentine",
             "--serpentine must be left out with --flash",
         ),
-        (
-            "--rosette 40 --points 9 --point-rate 9",
-            "--rosette needs --frequencies",
-        ),
+        ("--rosette 40 --points 9 --point-rate 9", "--rosette needs --frequencies"),
         (
             &format!("--rosette 40 {rose} --columns 3"),
             "--columns needs --lidar or --elevations or --raster",
         ),
-        (
-            &format!("--rosette 40 {rose} --phase 3"),
-            "--phase needs --lissajous",
-        ),
-        (
-            &format!("--rosette 40 {rose} --share 3"),
-            "a number from 0 to 1",
-        ),
+        (&format!("--rosette 40 {rose} --phase 3"), "--phase needs --lissajous"),
+        (&format!("--rosette 40 {rose} --share 3"), "a number from 0 to 1"),
         (
             &format!("--lissajous 9,9 {rose} --duration 0.5"),
             "less than the 1 s of 9 points: say --turns or fewer --points",
         ),
-        (
-            "--lidar vlp-16 -o a.txt",
-            "--output must end in one of .npz, ",
-        ),
-        (
-            "--lidar vlp-16 -o a.ply -o ./a.ply",
-            "is named twice as an output",
-        ),
+        ("--lidar vlp-16 -o a.txt", "--output must end in one of .npz, "),
+        ("--lidar vlp-16 -o a.ply -o ./a.ply", "is named twice as an output"),
         ("--lidar vlp-16 --shade x", "unexpected argument '--shade'"),
     ] {
         lab.fails(&format!("scan room.toml {options}"), 2, says);
@@ -614,23 +449,13 @@ fn what_makes_no_sense_is_one_line_and_an_exit_code() {
         ("none.obj --lidar vlp-16", "none.obj"),
         ("drive.csv --lidar vlp-16", "drive.csv"),
         ("room.toml --lidar vlp-16 --trajectory none.csv", "none.csv"),
-        (
-            "room.toml --lidar vlp-16 --trajectory room.toml",
-            "room.toml",
-        ),
+        ("room.toml --lidar vlp-16 --trajectory room.toml", "room.toml"),
         ("room.toml --pattern drive.csv", "drive.csv"),
-        (
-            "room.toml --lidar vlp-16 --pose drive.csv",
-            "the 12 or 16 numbers of a 3 x 4",
-        ),
+        ("room.toml --lidar vlp-16 --pose drive.csv", "the 12 or 16 numbers of a 3 x 4"),
     ] {
         lab.fails(&format!("scan {arguments}"), 3, says);
     }
-    lab.fails(
-        "scan room.toml --lidar vlp-16 -o none/a.ply",
-        4,
-        "the folder does not exist",
-    );
+    lab.fails("scan room.toml --lidar vlp-16 -o none/a.ply", 4, "the folder does not exist");
 }
 
 #[test]
@@ -639,15 +464,9 @@ fn nothing_that_was_read_is_written_over() {
     lab.write("beams.csv", "azimuth,elevation\n0,0\n90,0\n");
     lab.write("pose.csv", "1 0 0 0 0 1 0 0 0 0 1 0\n");
     for (arguments, name) in [
-        (
-            "room.toml --lidar vlp-16 --trajectory drive.csv -o drive.csv",
-            "drive.csv",
-        ),
+        ("room.toml --lidar vlp-16 --trajectory drive.csv -o drive.csv", "drive.csv"),
         ("room.toml --pattern beams.csv -o ./beams.csv", "beams.csv"),
-        (
-            "room.toml --lidar vlp-16 --pose pose.csv -o pose.csv",
-            "pose.csv",
-        ),
+        ("room.toml --lidar vlp-16 --pose pose.csv -o pose.csv", "pose.csv"),
     ] {
         let says = format!("{name} is an input; it will not be overwritten");
         lab.fails(&format!("scan {arguments}"), 2, &says);

@@ -27,9 +27,7 @@ fn with_scene() -> Lab {
 fn made(lab: &Lab, scene: &str, options: &str) -> Arrays {
     lab.write("made.toml", scene);
     let channels = "--channels color,t,object";
-    let outcome = lab.ok(&format!(
-        "render made.toml -q -o made.npz {channels} {options}"
-    ));
+    let outcome = lab.ok(&format!("render made.toml -q -o made.npz {channels} {options}"));
     assert_eq!(outcome.stderr, "", "{options}");
     lab.npz("made.npz")
 }
@@ -56,10 +54,7 @@ fn the_examples_make_the_pictures_of_the_documentation() {
     for name in pictures {
         let made = lab.png(&name);
         fs::copy(docs().join("scenes").join(&name), lab.path("committed.png")).unwrap();
-        assert!(
-            made == lab.png("committed.png"),
-            "{name}: render docs/scenes again"
-        );
+        assert!(made == lab.png("committed.png"), "{name}: render docs/scenes again");
     }
 }
 
@@ -69,13 +64,8 @@ fn a_scene_file_says_what_the_command_line_says() {
     let by_flags = "--position 0,-6,3 --look-at 0,0,0.25 --up 0,0,1 --fov 30 --size 32x24 \
         --background 0.25,0.5,0.75 --ambient 0.125,0.125,0.125";
     let lights = "[[lights]]\nkind = 'point'\nposition = [1, -2, 4]\nintensity = [9, 9, 9]\n";
-    let scene = SCENE
-        .split("[[lights]]")
-        .next()
-        .unwrap()
-        .split("[[objects]]\nshape")
-        .next()
-        .unwrap();
+    let scene =
+        SCENE.split("[[lights]]").next().unwrap().split("[[objects]]\nshape").next().unwrap();
     let told = format!(
         "{scene}{lights}[background]\ncolor = [0.25, 0.5, 0.75]\n[shading]\nambient = [0.125, 0.125, 0.125]\n"
     );
@@ -87,29 +77,13 @@ fn a_scene_file_says_what_the_command_line_says() {
 /// Flags, and what in the scene says the same.
 const REPLACEMENTS: &[(&str, &str, &str)] = &[
     ("--fov 50", "fov = 30", "fov = 50"),
-    (
-        "--fov-axis diagonal",
-        "fov = 30",
-        "fov = 30\nfov_axis = 'diagonal'",
-    ),
-    (
-        "--position 1,-5,2",
-        "position = [0, -6, 3]",
-        "position = [1, -5, 2]",
-    ),
+    ("--fov-axis diagonal", "fov = 30", "fov = 30\nfov_axis = 'diagonal'"),
+    ("--position 1,-5,2", "position = [0, -6, 3]", "position = [1, -5, 2]"),
     ("--aim 0,2,-1", "look_at = [0, 0, 0.25]", "aim = [0, 2, -1]"),
-    (
-        "--look-at 0,0,1",
-        "look_at = [0, 0, 0.25]",
-        "look_at = [0, 0, 1]",
-    ),
+    ("--look-at 0,0,1", "look_at = [0, 0, 0.25]", "look_at = [0, 0, 1]"),
     ("--look-at auto", "look_at = [0, 0, 0.25]\n", ""),
     ("--up 1,0,1", "fov = 30", "fov = 30\nup = [1, 0, 1]"),
-    (
-        "--size 20x30",
-        "columns = 32\nrows = 24",
-        "columns = 20\nrows = 30",
-    ),
+    ("--size 20x30", "columns = 32\nrows = 24", "columns = 20\nrows = 30"),
     (
         "--focal-length 2 --viewplane 2x1 --ray-start viewplane",
         "fov = 30",
@@ -130,16 +104,8 @@ const REPLACEMENTS: &[(&str, &str, &str)] = &[
     ("--ambient 0,0,0", "[0.125, 0.125, 0.125]", "[0, 0, 0]"),
     ("--no-shadows", "[shading]", "[shading]\nshadows = false"),
     ("--samples 3", "[shading]", "[shading]\nsamples = 3"),
-    (
-        "--shader unlit",
-        "ambient = [0.125, 0.125, 0.125]",
-        "shader = 'unlit'",
-    ),
-    (
-        "--color 1,0,0",
-        "file = 'square.ply'",
-        "file = 'square.ply'\ncolor = [1, 0, 0]",
-    ),
+    ("--shader unlit", "ambient = [0.125, 0.125, 0.125]", "shader = 'unlit'"),
+    ("--color 1,0,0", "file = 'square.ply'", "file = 'square.ply'\ncolor = [1, 0, 0]"),
 ];
 
 #[test]
@@ -150,11 +116,7 @@ fn flags_replace_the_file_s_words_one_by_one() {
         assert!(SCENE.contains(word), "{word}");
         let by_flag = made(&lab, SCENE, options);
         assert_ne!(by_flag, all, "{options}");
-        assert_eq!(
-            by_flag,
-            made(&lab, &SCENE.replace(word, instead), ""),
-            "{options}"
-        );
+        assert_eq!(by_flag, made(&lab, &SCENE.replace(word, instead), ""), "{options}");
     }
 }
 
@@ -187,10 +149,7 @@ fn outputs_go_beside_the_scene_file_and_o_goes_before_them() {
     }
     lab.ok("render deep/scene.toml -o b.png");
     assert!(lab.path("b.png").exists() && !lab.path("deep/a.png").exists());
-    lab.write(
-        "deep/one.toml",
-        format!("{SCENE}[[outputs]]\nfile = 'a.npz'\n"),
-    );
+    lab.write("deep/one.toml", format!("{SCENE}[[outputs]]\nfile = 'a.npz'\n"));
     lab.ok("render deep/one.toml --channels t,normal");
     let mut names: Vec<String> = lab.npz("deep/a.npz").into_keys().collect();
     names.sort();
@@ -206,10 +165,7 @@ fn nothing_that_was_read_is_written_over() {
     lab.ok(&format!("render square.ply -q -o texture.png {ABOVE}"));
     lab.write("a.mtl", "newmtl m\nmap_Kd texture.png\n");
     lab.write("a.obj", "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
-    lab.write(
-        "scene.toml",
-        "[[objects]]\nfile = 'a.obj'\n[[outputs]]\nfile = 'texture.png'\n",
-    );
+    lab.write("scene.toml", "[[objects]]\nfile = 'a.obj'\n[[outputs]]\nfile = 'texture.png'\n");
     lab.fails(
         "render scene.toml",
         3,
@@ -220,21 +176,10 @@ fn nothing_that_was_read_is_written_over() {
         2,
         "texture.png is an input; it will not be overwritten",
     );
-    lab.write(
-        "twice.toml",
-        "[[outputs]]\nfile = 'x.png'\n[[outputs]]\nfile = './x.png'\n",
-    );
-    lab.fails(
-        "render twice.toml",
-        3,
-        "twice.toml: ./x.png is named twice as an output",
-    );
+    lab.write("twice.toml", "[[outputs]]\nfile = 'x.png'\n[[outputs]]\nfile = './x.png'\n");
+    lab.fails("render twice.toml", 3, "twice.toml: ./x.png is named twice as an output");
     lab.write("nowhere.toml", "[[outputs]]\nfile = 'nowhere/x.png'\n");
-    lab.fails(
-        "render nowhere.toml",
-        4,
-        "nowhere/x.png: the folder does not exist",
-    );
+    lab.fails("render nowhere.toml", 4, "nowhere/x.png: the folder does not exist");
 }
 
 #[test]
@@ -250,36 +195,19 @@ fn mistakes_are_one_line_with_a_place_and_exit_code_3() {
     lab.write("rays.csv", "0,0,5,0,0,-1\n");
     lab.fails("shoot scene.toml rays.csv", 3, "scene.toml:2:3: ");
     lab.write("scene.toml", SCENE.replace("square.ply", "missing.ply"));
-    lab.fails(
-        "render scene.toml",
-        3,
-        "scene.toml:8:8: 'missing.ply' is not read: ",
-    );
+    lab.fails("render scene.toml", 3, "scene.toml:8:8: 'missing.ply' is not read: ");
     lab.write("scene.toml", SCENE);
-    lab.fails(
-        "render scene.toml --fov 20 --orthographic",
-        2,
-        "--orthographic",
-    );
-    lab.write(
-        "scene.toml",
-        SCENE.replace("fov = 30", "projection = 'orthographic'"),
-    );
+    lab.fails("render scene.toml --fov 20 --orthographic", 2, "--orthographic");
+    lab.write("scene.toml", SCENE.replace("fov = 30", "projection = 'orthographic'"));
     lab.fails(
         "render scene.toml --fov 20",
         2,
         "--fov is for perspective cameras, and the file's is orthographic; use --viewplane",
     );
-    lab.fails(
-        "render scene.toml --size 99999x99999",
-        5,
-        "--size: 99999x99999 is over the limit",
-    );
+    lab.fails("render scene.toml --size 99999x99999", 5, "--size: 99999x99999 is over the limit");
     lab.write(
         "scene.toml",
-        SCENE
-            .replace("columns = 32", "columns = 99999")
-            .replace("rows = 24", "rows = 99999"),
+        SCENE.replace("columns = 32", "columns = 99999").replace("rows = 24", "rows = 99999"),
     );
     lab.fails("render scene.toml", 5, "99999x99999 is over the limit");
 }
@@ -290,26 +218,17 @@ fn shoot_and_info_take_scene_files() {
     let outcome = lab.pipe("shoot scene.toml -", b"0.25,0,5,0,0,-1\n9,9,5,0,0,-1\n");
     assert_eq!(outcome.text(), "t,object,primitive\n4,1,0\ninf,-1,-1\n");
     let text = lab.ok("info scene.toml");
-    assert!(
-        text.text().contains("  1  sphere  (sphere, 0 triangles)\n"),
-        "{}",
-        text.text()
-    );
+    assert!(text.text().contains("  1  sphere  (sphere, 0 triangles)\n"), "{}", text.text());
 }
 
 #[test]
 fn schema_prints_what_is_in_the_documentation() {
     let lab = Lab::new();
-    for (command, file) in [
-        ("schema", "scene.schema.json"),
-        ("schema --plan", "plan.schema.json"),
-    ] {
+    for (command, file) in [("schema", "scene.schema.json"), ("schema --plan", "plan.schema.json")]
+    {
         let printed = lab.ok(command).stdout;
         let committed = fs::read(docs().join(file)).unwrap();
-        assert!(
-            printed == committed,
-            "run: firsthit {command} > docs/{file}"
-        );
+        assert!(printed == committed, "run: firsthit {command} > docs/{file}");
     }
 }
 

@@ -23,28 +23,11 @@ fn a_cube_is_cut_through_its_middle_across_up() {
     let report: Value = serde_json::from_slice(&outcome.stdout).unwrap();
     assert_eq!(report["origin"], json!([-0.5, 0.5, 0.5]));
     assert_eq!(report["normal"], json!([0.0, 0.0, 1.0]));
-    assert_eq!(
-        (&report["closed_polylines"], &report["open_polylines"]),
-        (&json!(1), &json!(0))
-    );
-    assert_eq!(
-        (&report["segments"], &report["warnings"]),
-        (&json!(8), &json!([]))
-    );
-    assert_eq!(
-        (&report["area"], &report["perimeter"]),
-        (&json!(1.0), &json!(4.0))
-    );
+    assert_eq!((&report["closed_polylines"], &report["open_polylines"]), (&json!(1), &json!(0)));
+    assert_eq!((&report["segments"], &report["warnings"]), (&json!(8), &json!([])));
+    assert_eq!((&report["area"], &report["perimeter"]), (&json!(1.0), &json!(4.0)));
     let cut: Value = serde_json::from_slice(&lab.read("cut.json")).unwrap();
-    for key in [
-        "origin",
-        "normal",
-        "u",
-        "v",
-        "area",
-        "perimeter",
-        "left_out",
-    ] {
+    for key in ["origin", "normal", "u", "v", "area", "perimeter", "left_out"] {
         assert_eq!(cut[key], report[key], "{key}");
     }
     let [polyline] = &cut["polylines"].as_array().unwrap()[..] else {
@@ -55,10 +38,7 @@ fn a_cube_is_cut_through_its_middle_across_up() {
     assert_eq!((lengths, &polyline["is_closed"]), ([8; 3], &json!(true)));
     let said = lab.ok("section cube.ply");
     let text = said.text();
-    assert!(
-        text.contains("curves     1 closed, 0 open, 8 segments"),
-        "{text}"
-    );
+    assert!(text.contains("curves     1 closed, 0 open, 8 segments"), "{text}");
     // The numbers are the result where no file is.
     let quiet = lab.ok("section cube.ply --quiet");
     assert_eq!((quiet.text(), &*quiet.stderr), (text, ""));
@@ -72,10 +52,7 @@ fn drawings_are_in_the_planes_coordinates() {
     lab.write("strip.obj", "v 0 0 0\nv 4 0 0\nv 0 0 2\nf 1 2 3\n");
     lab.ok("section strip.obj --origin 1,0,1 --normal 0,0,1 -o cut.svg -o cut.dxf");
     let svg = String::from_utf8(lab.read("cut.svg")).unwrap();
-    assert!(
-        svg.contains("fill=\"none\"") && svg.contains("1.0 0.0"),
-        "{svg}"
-    );
+    assert!(svg.contains("fill=\"none\"") && svg.contains("1.0 0.0"), "{svg}");
     let dxf = String::from_utf8(lab.read("cut.dxf")).unwrap();
     assert_eq!(dxf.matches("VERTEX").count(), 2);
     assert!(dxf.ends_with("  0\nEOF\n"), "{dxf}");
@@ -88,9 +65,7 @@ fn what_is_left_out_or_missed_is_told() {
         "scene.toml",
         "[[objects]]\nname = \"ball\"\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n",
     );
-    let said = lab
-        .ok("section scene.toml --origin 0,0,0 --normal 1,0,0")
-        .stderr;
+    let said = lab.ok("section scene.toml --origin 0,0,0 --normal 1,0,0").stderr;
     assert!(
         said.contains("left out of the section, not a mesh: object 0, 'ball' (sphere)"),
         "{said}"
@@ -101,21 +76,9 @@ fn what_is_left_out_or_missed_is_told() {
 #[test]
 fn wrong_planes_and_outputs_are_refused() {
     let lab = lab();
-    lab.fails(
-        "section cube.ply --normal 0,0,0",
-        2,
-        "normal must be a finite direction",
-    );
-    lab.fails(
-        "section none.stl -o cut.png",
-        2,
-        "a file in .svg, .dxf or .json",
-    );
+    lab.fails("section cube.ply --normal 0,0,0", 2, "normal must be a finite direction");
+    lab.fails("section none.stl -o cut.png", 2, "a file in .svg, .dxf or .json");
     lab.fails("section none.stl -o cut.svg -o ./cut.svg", 2, "named twice");
-    lab.fails(
-        "section none.stl -o no/cut.svg",
-        4,
-        "the folder does not exist",
-    );
+    lab.fails("section none.stl -o no/cut.svg", 4, "the folder does not exist");
     lab.fails("section cube.ply --normal 1,2", 2, "three finite numbers");
 }

@@ -20,21 +20,12 @@ fn pipes_work_both_ways() {
     let outcome = lab.pipe("shoot square.ply - --format npz", DOWN.as_bytes());
     assert_eq!(outcome.stderr.lines().count(), 1);
     assert_eq!(arrays(outcome.stdout)["t"].values, [10.0]);
-    let outcome = lab.pipe(
-        "shoot square.ply - --format npy --channels position",
-        DOWN.as_bytes(),
-    );
+    let outcome = lab.pipe("shoot square.ply - --format npy --channels position", DOWN.as_bytes());
     let position = array(&outcome.stdout);
-    assert_eq!(
-        (&position.shape[..], &position.values[..]),
-        (&[1, 3][..], &[0.5, 0.25, 0.0][..])
-    );
+    assert_eq!((&position.shape[..], &position.values[..]), (&[1, 3][..], &[0.5, 0.25, 0.0][..]));
     // What one run writes, the next one reads.
     let rays = rays_npy(&[[0.5, 0.25, 10.0, 0.0, 0.0, -2.0]]);
-    assert_eq!(
-        lab.pipe("shoot square.ply - --quiet", &rays).text(),
-        "t,object,primitive\n5,0,0\n"
-    );
+    assert_eq!(lab.pipe("shoot square.ply - --quiet", &rays).text(), "t,object,primitive\n5,0,0\n");
 }
 
 #[test]
@@ -51,14 +42,8 @@ fn every_channel_of_a_list_has_its_columns() {
         "t,object,primitive,face,normal_x,normal_y,normal_z,position_x,position_y,position_z,\
          barycentric_0,barycentric_1,barycentric_2,uv_u,uv_v,front"
     );
-    assert_eq!(
-        lines[1],
-        "10,0,0,0,0,0,1,0.5,0.25,0,0.25,0.125,0.625,nan,nan,1"
-    );
-    assert_eq!(
-        lines[2],
-        "inf,-1,-1,-1,nan,nan,nan,nan,nan,nan,nan,nan,nan,nan,nan,0"
-    );
+    assert_eq!(lines[1], "10,0,0,0,0,0,1,0.5,0.25,0,0.25,0.125,0.625,nan,nan,1");
+    assert_eq!(lines[2], "inf,-1,-1,-1,nan,nan,nan,nan,nan,nan,nan,nan,nan,nan,nan,0");
 }
 
 #[test]
@@ -84,11 +69,7 @@ fn t_max_ends_rays_and_is_a_hit_itself() {
         2,
         "--t-max must be above --t-min, which is 0 if not given",
     );
-    lab.fails(
-        "shoot square.ply - --t-max nan",
-        2,
-        "expected a number, or inf",
-    );
+    lab.fails("shoot square.ply - --t-max nan", 2, "expected a number, or inf");
 }
 
 #[test]
@@ -109,17 +90,9 @@ fn t_min_begins_rays_and_is_no_hit_itself() {
     assert_eq!(on("-4 --t-max 0"), "t\n0\n-3\n");
     assert_eq!(on("-4 --t-max -1"), "t\ninf\n-3\n");
     for wrong in ["inf", "nan", "one"] {
-        lab.fails(
-            &format!("shoot square.ply - --t-min {wrong}"),
-            2,
-            "expected a number, or -inf",
-        );
+        lab.fails(&format!("shoot square.ply - --t-min {wrong}"), 2, "expected a number, or -inf");
     }
-    lab.fails(
-        "shoot square.ply - --t-min 3 --t-max 2",
-        2,
-        "--t-max must be above --t-min",
-    );
+    lab.fails("shoot square.ply - --t-min 3 --t-max 2", 2, "--t-max must be above --t-min");
 }
 
 #[test]
@@ -139,11 +112,7 @@ fn every_hit_is_there_with_the_number_of_its_ray() {
     let half = 0.5 * height;
     let lines = format!("ray,t,front\n0,1,1\n0,{far},0\n2,{half},0\n");
     assert_eq!(outcome.text(), lines);
-    assert!(
-        outcome.stderr.contains("3 rays, 66.7 % hit, 3 hits, "),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.stderr.contains("3 rays, 66.7 % hit, 3 hits, "), "{}", outcome.stderr);
     let outcome = lab.ok("shoot cube.stl rays.csv --nearest 1 -o a.npz -o a.csv -o a.ply --json");
     let said: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
     assert_eq!(
@@ -154,13 +123,7 @@ fn every_hit_is_there_with_the_number_of_its_ray() {
     let arrays = lab.npz("a.npz");
     assert_eq!(arrays["ray"].values, [0.0, 2.0]);
     assert_eq!(arrays["t"].values, [1.0, half]);
-    assert_eq!(
-        String::from_utf8(lab.read("a.csv"))
-            .unwrap()
-            .lines()
-            .count(),
-        3
-    );
+    assert_eq!(String::from_utf8(lab.read("a.csv")).unwrap().lines().count(), 3);
     lab.ok("shoot cube.stl rays.csv --all -o {channel}.npy");
     assert_eq!(array(&lab.read("ray.npy")).values, [0.0, 0.0, 2.0]);
     assert!(lab.ok("info a.ply").text().contains("ray"));
@@ -188,16 +151,9 @@ fn no_rays_are_no_hits() {
     }
     lab.write("none.npy", rays_npy(&[]));
     let outcome = lab.ok("shoot square.ply none.npy -o hits.npz --channels t,normal");
-    assert!(
-        outcome.stderr.starts_with("hits.npz: 0 rays, 0.0 % hit"),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.stderr.starts_with("hits.npz: 0 rays, 0.0 % hit"), "{}", outcome.stderr);
     let hits = lab.npz("hits.npz");
-    assert_eq!(
-        (&hits["t"].shape[..], &hits["normal"].shape[..]),
-        (&[0][..], &[0, 3][..])
-    );
+    assert_eq!((&hits["t"].shape[..], &hits["normal"].shape[..]), (&[0][..], &[0, 3][..]));
 }
 
 #[test]
@@ -236,25 +192,16 @@ fn what_needs_a_camera_or_would_be_ignored_is_refused() {
     let lab = Lab::with_square();
     lab.write("rays.csv", DOWN);
     for (options, words) in [
-        (
-            "--channels t,range",
-            "range takes a camera, and is for firsthit render",
-        ),
+        ("--channels t,range", "range takes a camera, and is for firsthit render"),
         ("--channels color", "color takes a camera"),
         ("--channels depth", "z takes a camera"),
         ("--channels nope", "no channel \"nope\", only t, object,"),
-        (
-            "--format npz -o hits.csv",
-            "--format is for standard output",
-        ),
+        ("--format npz -o hits.csv", "--format is for standard output"),
         ("--format npy", "--format npy holds one channel"),
         ("-o hits.npy", "holds one channel of several"),
         ("-o - -o -", "named twice"),
         ("-o hits.csv -o ./hits.csv", "named twice"),
-        (
-            "-o hits.png",
-            "must end in one of .npy, .npz, .ply, .pcd, .csv",
-        ),
+        ("-o hits.png", "must end in one of .npy, .npz, .ply, .pcd, .csv"),
         ("-o hits", "must end in one of .npy, .npz, .ply, .pcd, .csv"),
         ("-o rays.csv", "rays.csv is an input"),
         ("-o ./rays.csv", "./rays.csv is an input"),
@@ -272,21 +219,11 @@ fn a_reader_who_has_had_enough_is_no_failure() {
     lab.write("rays.csv", DOWN.repeat(50_000));
     let mut child = lab.start("shoot square.ply rays.csv -o hits.npz -o -");
     let mut line = String::new();
-    BufReader::with_capacity(64, child.stdout.take().unwrap())
-        .read_line(&mut line)
-        .unwrap();
+    BufReader::with_capacity(64, child.stdout.take().unwrap()).read_line(&mut line).unwrap();
     assert_eq!(line, "t,object,primitive\n");
     let mut stderr = String::new();
-    child
-        .stderr
-        .take()
-        .unwrap()
-        .read_to_string(&mut stderr)
-        .unwrap();
-    assert_eq!(
-        (child.wait().unwrap().code(), stderr.as_str()),
-        (Some(0), "")
-    );
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    assert_eq!((child.wait().unwrap().code(), stderr.as_str()), (Some(0), ""));
     assert_eq!(lab.npz("hits.npz")["t"].values.len(), 50_000);
 }
 
@@ -305,18 +242,13 @@ fn nobody_listening_on_standard_error_is_no_failure() {
 fn a_full_standard_output_is_a_failure() {
     let lab = Lab::with_square();
     lab.write("rays.csv", DOWN);
-    for arguments in [
-        "shoot square.ply rays.csv",
-        "shoot square.ply rays.csv --format npz",
-        "info square.ply",
-    ] {
+    for arguments in
+        ["shoot square.ply rays.csv", "shoot square.ply rays.csv --format npz", "info square.ply"]
+    {
         let full = std::fs::File::create("/dev/full").unwrap();
         let output = lab.command(arguments).stdout(full).output().unwrap();
         assert_eq!(output.status.code(), Some(4), "{arguments}");
         let stderr = String::from_utf8(output.stderr).unwrap();
-        assert!(
-            stderr.starts_with("firsthit: error: standard output: "),
-            "{stderr}"
-        );
+        assert!(stderr.starts_with("firsthit: error: standard output: "), "{stderr}");
     }
 }

@@ -82,9 +82,8 @@ impl Lab {
     /// The names of all files, sorted.
     pub(crate) fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }
@@ -109,11 +108,7 @@ impl Lab {
 
     /// Runs it with something on standard input.
     pub(crate) fn pipe(&self, arguments: &str, input: &[u8]) -> Outcome {
-        let mut child = self
-            .command(arguments)
-            .stdin(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = self.command(arguments).stdin(Stdio::piped()).spawn().unwrap();
         // A program that refuses what comes need not read the rest.
         if let Err(error) = child.stdin.take().unwrap().write_all(input) {
             assert_eq!(error.kind(), std::io::ErrorKind::BrokenPipe);
@@ -200,10 +195,7 @@ pub(crate) fn array(bytes: &[u8]) -> Array {
     assert!(header.contains("'fortran_order': False, "), "{header}");
     let dtype = between("'descr': '", "'");
     let shape = between("'shape': (", ")");
-    let sides = shape
-        .split(',')
-        .map(str::trim)
-        .filter(|side| !side.is_empty());
+    let sides = shape.split(',').map(str::trim).filter(|side| !side.is_empty());
     let values = match dtype.as_str() {
         "<f8" => numbers(data, f64::from_le_bytes),
         "<f4" => numbers(data, |bytes| f32::from_le_bytes(bytes).into()),
@@ -216,11 +208,7 @@ pub(crate) fn array(bytes: &[u8]) -> Array {
     };
     let shape: Vec<u64> = sides.map(|side| side.parse().unwrap()).collect();
     assert_eq!(shape.iter().product::<u64>(), values.len() as u64);
-    Array {
-        dtype,
-        shape,
-        values,
-    }
+    Array { dtype, shape, values }
 }
 
 fn numbers<const B: usize>(data: &[u8], number: impl Fn([u8; B]) -> f64) -> Vec<f64> {
@@ -262,10 +250,6 @@ pub(crate) fn npy(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u
 
 /// Rays, each an origin and a direction, as an array of float64.
 pub(crate) fn rays_npy(rays: &[[f64; 6]]) -> Vec<u8> {
-    let data: Vec<u8> = rays
-        .iter()
-        .flatten()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
+    let data: Vec<u8> = rays.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     npy("<f8", false, &format!("({}, 6)", rays.len()), &data)
 }

@@ -26,11 +26,7 @@ const COMMANDS: [&str; 17] = [
 fn every_command_has_help_with_examples() {
     let lab = Lab::new();
     let helps = COMMANDS.map(|command| format!("{command} --help"));
-    for arguments in helps
-        .iter()
-        .map(String::as_str)
-        .chain(["--help", "help render"])
-    {
+    for arguments in helps.iter().map(String::as_str).chain(["--help", "help render"]) {
         let outcome = lab.ok(arguments);
         assert!(outcome.text().contains("Examples:\n  "), "{arguments}");
         assert!(outcome.text().contains("Usage: firsthit"), "{arguments}");
@@ -64,10 +60,8 @@ fn the_examples_of_the_help_work() {
     let (examples, _) = examples.split_once("\n\n").unwrap();
     let mut count = 0;
     for line in examples.replace("\\\n", " ").lines() {
-        let line = line
-            .replace('\'', "")
-            .replace("bunny.ply", "bunny.stl")
-            .replace("--size 720x480", "");
+        let line =
+            line.replace('\'', "").replace("bunny.ply", "bunny.stl").replace("--size 720x480", "");
         let arguments = line.trim().strip_prefix("firsthit ").unwrap();
         lab.ok(&format!("{arguments} --size 48x32"));
         count += 1;
@@ -82,11 +76,7 @@ fn help_names_every_channel() {
     let (_, channels) = help.text().split_once("\nChannels:\n").unwrap();
     for kind in firsthit::channel::KINDS {
         let row = format!("  {:<11}  ", kind.name);
-        assert!(
-            channels.lines().any(|line| line.starts_with(&row)),
-            "{}",
-            kind.name
-        );
+        assert!(channels.lines().any(|line| line.starts_with(&row)), "{}", kind.name);
     }
 }
 
@@ -108,9 +98,7 @@ fn the_option_for_lights_names_every_kind_and_set() {
     let (_, after) = help.text().split_once("--light <").unwrap();
     let (about, _) = after.split_once("\n      --").unwrap();
     let words: Vec<&str> = (about.split(|c: char| !c.is_alphanumeric())).collect();
-    let names = firsthit::Light::NAMES
-        .iter()
-        .chain(firsthit::shade::LightRig::NAMES);
+    let names = firsthit::Light::NAMES.iter().chain(firsthit::shade::LightRig::NAMES);
     for name in names {
         assert!(words.contains(name), "{name}");
     }
@@ -119,10 +107,7 @@ fn the_option_for_lights_names_every_kind_and_set() {
 #[test]
 fn the_version_is_the_package_s() {
     let outcome = Lab::new().ok("--version");
-    assert_eq!(
-        outcome.text(),
-        concat!("firsthit ", env!("CARGO_PKG_VERSION"), "\n")
-    );
+    assert_eq!(outcome.text(), concat!("firsthit ", env!("CARGO_PKG_VERSION"), "\n"));
 }
 
 #[test]
@@ -169,29 +154,16 @@ fn wrong_usage_is_one_line_with_a_way_on() {
             "render square.ply --colour-bar",
             "'--colour-bar': plot() of the Python package draws a bar of colours",
         ),
-        (
-            "render square.ply --size 3x3 --size 4x4",
-            "cannot be used multiple times",
-        ),
-        (
-            "info square.ply more.ply",
-            "unexpected argument 'more.ply' found",
-        ),
+        ("render square.ply --size 3x3 --size 4x4", "cannot be used multiple times"),
+        ("info square.ply more.ply", "unexpected argument 'more.ply' found"),
         ("shoot square.ply", "<RAYS>"),
-        (
-            "render square.ply -o",
-            "a value is required for '--output <FILE>'",
-        ),
+        ("render square.ply -o", "a value is required for '--output <FILE>'"),
     ] {
         lab.fails(arguments, 2, words);
     }
     let nothing = lab.run("");
     assert_eq!((nothing.code, nothing.text()), (2, ""));
-    assert!(
-        nothing
-            .stderr
-            .contains("Usage: firsthit [OPTIONS] <COMMAND>")
-    );
+    assert!(nothing.stderr.contains("Usage: firsthit [OPTIONS] <COMMAND>"));
 }
 
 #[test]
@@ -203,10 +175,7 @@ fn a_file_in_place_of_a_command_is_told_which_command_is_meant() {
         "square.ply is a file, not a command; did you mean firsthit render square.ply?",
     );
     // It need not be there, nor alone.
-    meant(
-        "part.STL --size 3x3",
-        "did you mean firsthit render part.STL?",
-    );
+    meant("part.STL --size 3x3", "did you mean firsthit render part.STL?");
     meant("scene.toml", "firsthit render scene.toml?");
     meant("a.ply.gz", "firsthit render a.ply.gz?");
     meant("all.npz", "firsthit info all.npz?");
@@ -240,11 +209,7 @@ fn a_folder_is_told_to_be_one_by_every_command_that_reads() {
             lab.write("rays.csv", "0,0,1,0,0,-1\n");
             lab.fails(&arguments, 3, &format!("{name}: a folder, not a file"));
         }
-        lab.fails(
-            &format!("render square.ply -o {name}"),
-            4,
-            "is a folder, not a file",
-        );
+        lab.fails(&format!("render square.ply -o {name}"), 4, "is a folder, not a file");
     }
 }
 
@@ -302,11 +267,8 @@ fn shells_complete_the_names_of_channels() {
         let completions = lab.ok(&format!("completions {shell}"));
         // Fish has a line for each.
         let text = completions.text().replace("\\t''\n", " ");
-        let of_channels = |line: &&str| {
-            ["barycentric", "primitive"]
-                .iter()
-                .all(|name| line.contains(name))
-        };
+        let of_channels =
+            |line: &&str| ["barycentric", "primitive"].iter().all(|name| line.contains(name));
         let lines = text.lines().filter(of_channels);
         // Of render, shoot, diff and demo.
         assert!(lines.count() >= 4, "{shell}");

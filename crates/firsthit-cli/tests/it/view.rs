@@ -26,17 +26,11 @@ impl Page {
     fn open(lab: &Lab, arguments: &str) -> Self {
         let mut child = lab.start(&format!("view {arguments} --no-browser"));
         let mut address = String::new();
-        BufReader::new(child.stdout.as_mut().unwrap())
-            .read_line(&mut address)
-            .unwrap();
+        BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut address).unwrap();
         let (place, token) = address.trim_end().split_once("/#").unwrap();
         Self {
             child: Some(child),
-            port: place
-                .strip_prefix("http://127.0.0.1:")
-                .unwrap()
-                .parse()
-                .unwrap(),
+            port: place.strip_prefix("http://127.0.0.1:").unwrap().parse().unwrap(),
             token: token.to_owned(),
         }
     }
@@ -53,10 +47,7 @@ impl Page {
         stream.write_all(body.as_bytes()).unwrap();
         let mut reply = Vec::new();
         stream.read_to_end(&mut reply).unwrap();
-        let end = reply
-            .windows(4)
-            .position(|four| four == b"\r\n\r\n")
-            .unwrap();
+        let end = reply.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
         let head = String::from_utf8_lossy(&reply[..end]).into_owned();
         assert!(
             head.starts_with("HTTP/1.1 200 "),
@@ -73,13 +64,7 @@ impl Page {
     fn interrupt(mut self) -> Outcome {
         let child = self.child.take().unwrap();
         let pid = child.id().to_string();
-        assert!(
-            Command::new("kill")
-                .args(["-INT", &pid])
-                .status()
-                .unwrap()
-                .success()
-        );
+        assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
         Outcome::of(child.wait_with_output().unwrap())
     }
 }
@@ -96,11 +81,9 @@ impl Drop for Page {
 /// Cameras of all kinds that the page has.
 fn cameras(first: &Value) -> Vec<Value> {
     let mut others = vec![first.clone()];
-    for (projection, ray_start) in [
-        ("perspective", "viewplane"),
-        ("orthographic", "eye"),
-        ("orthographic", "viewplane"),
-    ] {
+    for (projection, ray_start) in
+        [("perspective", "viewplane"), ("orthographic", "eye"), ("orthographic", "viewplane")]
+    {
         let mut camera = first.clone();
         camera["projection"] = json!(projection);
         camera["ray_start"] = json!(ray_start);
@@ -129,21 +112,13 @@ fn what_is_said_of_a_camera_renders_the_same_bytes() {
             said["command"].as_str().unwrap()
         ));
         assert_eq!(lab.read("by-command.png"), picture, "{said}");
-        let scene = format!(
-            "{}\n[[objects]]\nfile = \"square.ply\"\n",
-            said["toml"].as_str().unwrap()
-        );
+        let scene =
+            format!("{}\n[[objects]]\nfile = \"square.ply\"\n", said["toml"].as_str().unwrap());
         lab.write("scene.toml", scene);
         lab.ok("render scene.toml -q -o by-table.png");
         assert_eq!(lab.png("by-table.png"), lab.png("by-command.png"), "{said}");
-        assert_eq!(
-            said["opencv"].is_null(),
-            camera["projection"] == "orthographic"
-        );
-        assert_eq!(
-            said["colmap"].is_null(),
-            camera["projection"] == "orthographic"
-        );
+        assert_eq!(said["opencv"].is_null(), camera["projection"] == "orthographic");
+        assert_eq!(said["colmap"].is_null(), camera["projection"] == "orthographic");
     }
 }
 
@@ -162,12 +137,7 @@ fn matrices_and_colmap_make_the_same_camera_but_for_rounding() {
     let rows: Vec<String> = pose
         .iter()
         .map(|row| {
-            row.as_array()
-                .unwrap()
-                .iter()
-                .map(Value::to_string)
-                .collect::<Vec<_>>()
-                .join(" ")
+            row.as_array().unwrap().iter().map(Value::to_string).collect::<Vec<_>>().join(" ")
         })
         .collect();
     lab.write("pose.txt", rows.join("\n"));
@@ -183,12 +153,7 @@ fn matrices_and_colmap_make_the_same_camera_but_for_rounding() {
     lab.ok("render square.ply -q --channels t -o colmap.npy --colmap sparse --image view.png");
     for name in ["k.npy", "colmap.npy"] {
         let outcome = lab.run(&format!("diff t.npy {name} --tolerance 1e-9"));
-        assert_eq!(
-            outcome.code,
-            0,
-            "{name}: {}",
-            String::from_utf8_lossy(&outcome.stdout)
-        );
+        assert_eq!(outcome.code, 0, "{name}: {}", String::from_utf8_lossy(&outcome.stdout));
     }
 }
 
@@ -199,10 +164,7 @@ fn a_pixel_says_what_probe_prints() {
     let camera = page.json("/info", &json!({}))["camera"].clone();
     let said = page.json("/camera", &json!({"camera": camera}));
     let told = page.json("/probe", &json!({"camera": camera, "pixel": [20, 30]}));
-    let arguments = format!(
-        "probe square.ply --pixel 20,30 {}",
-        said["command"].as_str().unwrap()
-    );
+    let arguments = format!("probe square.ply --pixel 20,30 {}", said["command"].as_str().unwrap());
     let printed: Value =
         serde_json::from_slice(&lab.ok(&format!("{arguments} --json")).stdout).unwrap();
     for (name, value) in told.as_object().unwrap() {
@@ -221,10 +183,7 @@ fn the_file_s_light_and_camera_are_the_first_that_is_seen() {
     lab.ok("render scene.toml -q -o a.png");
     let page = Page::open(&lab, "scene.toml");
     let camera = page.json("/info", &json!({}))["camera"].clone();
-    lab.write(
-        "b.png",
-        page.ask("/frame", &json!({"camera": camera, "is_lit": true})),
-    );
+    lab.write("b.png", page.ask("/frame", &json!({"camera": camera, "is_lit": true})));
     assert_eq!(lab.png("a.png"), lab.png("b.png"));
 }
 
@@ -245,10 +204,7 @@ fn what_the_file_says_of_its_pictures_is_shown() {
     let camera = &info["camera"];
     let picture = page.ask("/frame", &json!({"camera": camera, "is_lit": true}));
     assert_eq!(lab.read("a.png"), picture);
-    let plain = page.ask(
-        "/frame",
-        &json!({"camera": camera, "is_lit": true, "edges": 0.0}),
-    );
+    let plain = page.ask("/frame", &json!({"camera": camera, "is_lit": true, "edges": 0.0}));
     assert_eq!(lab.read("plain.png"), plain);
 }
 
@@ -272,11 +228,7 @@ fn what_is_wrong_is_said_in_a_line() {
     lab.fails("view square.ply -o page.png", 2, "must end in .html");
     lab.fails("view square.ply -o page.html --port 9", 2, "--port");
     let page = Page::open(&lab, "square.ply");
-    lab.fails(
-        &format!("view square.ply --no-browser --port {}", page.port),
-        2,
-        "--port",
-    );
+    lab.fails(&format!("view square.ply --no-browser --port {}", page.port), 2, "--port");
 }
 
 #[test]
@@ -288,9 +240,7 @@ fn a_report_has_the_scene_inside() {
     assert_eq!(page.as_bytes(), lab.read("again.html"));
     assert!(page.contains("default-src 'none'"));
     // What is inside is the scene: the same bytes as are saved.
-    let (_, rest) = page
-        .split_once("id=\"report-scene\" type=\"text/plain\">")
-        .unwrap();
+    let (_, rest) = page.split_once("id=\"report-scene\" type=\"text/plain\">").unwrap();
     let (packed, _) = rest.split_once("</script>").unwrap();
     let mut scene = Vec::new();
     let packed = BASE64_STANDARD.decode(packed).unwrap();

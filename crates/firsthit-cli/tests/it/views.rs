@@ -11,10 +11,7 @@ fn reach(lab: &Lab, file: &str) -> ([usize; 2], [usize; 2]) {
     let hit = |k: usize| object.values[k] >= 0.0;
     let row = |row: &usize| (0..columns).any(|column| hit(row * columns + column));
     let column = |column: &usize| (0..rows).any(|row| hit(row * columns + column));
-    let reach = [
-        (0..rows).filter(row).count(),
-        (0..columns).filter(column).count(),
-    ];
+    let reach = [(0..rows).filter(row).count(), (0..columns).filter(column).count()];
     (reach, [rows, columns])
 }
 
@@ -53,24 +50,15 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
     let catcher = "a ground for shadows (--ground)";
     let around = "automatic light (--light), no shadows of lights outside of the room (--light)";
     for (options, guessed) in [
-        (
-            "",
-            Some(format!("up +z (--up), view iso (--view), {ground}")),
-        ),
+        ("", Some(format!("up +z (--up), view iso (--view), {ground}"))),
         ("--view top", Some(format!("up +z (--up), {ground}"))),
-        (
-            "--view top --no-ground",
-            Some(format!("up +z (--up), {light}")),
-        ),
+        ("--view top --no-ground", Some(format!("up +z (--up), {light}"))),
         ("--up 0,1,0 --view top", Some(ground.into())),
         (
             "--up 0,1,0 --view top --light point:0,0,9",
             Some("some light from all around (--shader)".into()),
         ),
-        (
-            "--up 0,1,0 --view top --light point:0,0,9 --shader direct",
-            None,
-        ),
+        ("--up 0,1,0 --view top --light point:0,0,9 --shader direct", None),
         ("--up 0,1,0 --view top --light sun", Some(catcher.into())),
         (
             "--up 0,1,0 --view top --shader lambert",
@@ -78,19 +66,11 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
         ),
         ("--up 0,1,0 --view top --shader unlit", None),
         ("--up 0,1,0 --view top --channels z", None),
-        (
-            "--position 0,-1,5 --up 0,1,0",
-            Some(format!("aim at the middle (--look-at), {light}")),
-        ),
-        (
-            "--aim 0,1,-5 --up 0,1,0",
-            Some(format!("all in the picture (--position), {ground}")),
-        ),
+        ("--position 0,-1,5 --up 0,1,0", Some(format!("aim at the middle (--look-at), {light}"))),
+        ("--aim 0,1,-5 --up 0,1,0", Some(format!("all in the picture (--position), {ground}"))),
         (
             "--projection equirectangular --up 0,1,0",
-            Some(format!(
-                "from the middle (--position), view front (--view), {around}"
-            )),
+            Some(format!("from the middle (--position), view front (--view), {around}")),
         ),
         (
             "--projection equirectangular --up 0,1,0 --aim 0,0,-1",
@@ -113,17 +93,9 @@ fn whatever_is_guessed_is_said_with_the_option_that_says_otherwise() {
 fn a_view_is_instead_of_a_place_or_an_aim() {
     let lab = Lab::with_square();
     for other in ["--position 1,2,3", "--aim 1,2,3", "--look-at auto"] {
-        lab.fails(
-            &format!("render square.ply --view top {other}"),
-            2,
-            "--view",
-        );
+        lab.fails(&format!("render square.ply --view top {other}"), 2, "--view");
     }
-    lab.fails(
-        "render square.ply --view side",
-        2,
-        "possible values: iso, front, back",
-    );
+    lab.fails("render square.ply --view side", 2, "possible values: iso, front, back");
 }
 
 /// What a camera of the file says of itself is left out, but for its lens.
@@ -144,9 +116,7 @@ fn a_view_takes_the_place_of_the_cameras_of_the_file() {
 fn colours_are_the_mean_of_four_points_and_of_sixteen_in_soft_light() {
     let lab = Lab::with_square();
     let made = |options: &str| {
-        lab.ok(&format!(
-            "render square.ply -o made.npy --size 64x48 --quiet {options}"
-        ));
+        lab.ok(&format!("render square.ply -o made.npy --size 64x48 --quiet {options}"));
         lab.read("made.npy")
     };
     assert_eq!(made(""), made("--samples 16"));
@@ -158,9 +128,7 @@ fn colours_are_the_mean_of_four_points_and_of_sixteen_in_soft_light() {
 
 /// The part of a picture's pixels whose brightness differs from the background's by less than a tenth.
 fn lost(lab: &Lab, color: &str) -> f64 {
-    lab.ok(&format!(
-        "render part.stl --color {color} --size 64x48 --quiet"
-    ));
+    lab.ok(&format!("render part.stl --color {color} --size 64x48 --quiet"));
     let (_, _, bytes) = lab.png("part.png");
     let brightness = |pixel: &[u8]| pixel.iter().map(|&byte| f64::from(byte)).sum::<f64>() / 765.0;
     let background = brightness(&bytes[..3]);
@@ -168,22 +136,14 @@ fn lost(lab: &Lab, color: &str) -> f64 {
     let object = array(&lab.read("o.npy"));
     let pixels = bytes.chunks_exact(3).zip(&object.values);
     let hit: Vec<_> = pixels.filter(|&(_, &object)| object >= 0.0).collect();
-    let lost = hit
-        .iter()
-        .filter(|(pixel, _)| (brightness(pixel) - background).abs() < 0.1);
+    let lost = hit.iter().filter(|(pixel, _)| (brightness(pixel) - background).abs() < 0.1);
     lost.count() as f64 / hit.len() as f64
 }
 
 #[test]
 fn white_and_black_models_stand_out_from_the_background() {
     let lab = Lab::with("cube_binary.stl", "part.stl");
-    for color in [
-        "1,1,1",
-        "0.8,0.8,0.8",
-        "0.6,0.6,0.6",
-        "0.03,0.03,0.03",
-        "0,0,0",
-    ] {
+    for color in ["1,1,1", "0.8,0.8,0.8", "0.6,0.6,0.6", "0.03,0.03,0.03", "0,0,0"] {
         let lost = lost(&lab, color);
         assert!(lost < 0.5, "{color}: {lost}");
     }
@@ -208,9 +168,6 @@ fn busts_and_bottles_stand_upright() {
         let mut command = lab.command("render --size 16x12 --samples 1 -o x.png");
         let output = command.arg(path).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(
-            said.contains(&format!("guessed: up {up} (--up)")),
-            "{file}: {said}"
-        );
+        assert!(said.contains(&format!("guessed: up {up} (--up)")), "{file}: {said}");
     }
 }

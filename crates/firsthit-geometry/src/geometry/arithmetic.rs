@@ -151,10 +151,7 @@ impl<A: Arithmetic> Arithmetic for Pairs<A> {
     }
     #[inline(always)]
     fn select(self, mask: Self::Mask, a: Self::Number, b: Self::Number) -> Self::Number {
-        [
-            self.0.select(mask.0[0], a[0], b[0]),
-            self.0.select(mask.0[1], a[1], b[1]),
-        ]
+        [self.0.select(mask.0[0], a[0], b[0]), self.0.select(mask.0[1], a[1], b[1])]
     }
     #[inline(always)]
     fn is_everywhere(self, mask: Self::Mask) -> bool {
@@ -239,11 +236,7 @@ mod tests {
             let near = digits(k) >> (k % 53);
             let any = number(1023 - 300 + k % 600, digits(!k));
             for b in [number(1023, near), number(1023, ones - near)] {
-                for a in [
-                    any,
-                    number(1023, ones - near / 2),
-                    b - (k % 9) as f64 * f64::EPSILON,
-                ] {
+                for a in [any, number(1023, ones - near / 2), b - (k % 9) as f64 * f64::EPSILON] {
                     for (a, b) in [(a, b), (-a, b), (a, -2.0 * b), (b, b), (0.0, b), (-0.0, b)] {
                         let found = quotient_by_inverse(Scalar, a, b, 1.0 / b);
                         assert_eq!(found.to_bits(), (a / b).to_bits(), "{a:e} / {b:e}");

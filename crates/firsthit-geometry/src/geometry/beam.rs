@@ -25,10 +25,8 @@ impl Beam {
     /// Takes a ray in.
     #[inline]
     pub fn add(&mut self, ray: &Ray) {
-        let around = |bounds: &Bounds, v: DVec3| Bounds {
-            low: bounds.low.min(v),
-            high: bounds.high.max(v),
-        };
+        let around =
+            |bounds: &Bounds, v: DVec3| Bounds { low: bounds.low.min(v), high: bounds.high.max(v) };
         self.origins = around(&self.origins, ray.origin);
         self.directions = around(&self.directions, ray.direction);
         self.t_min = self.t_min.min(ray.t_min);
@@ -95,11 +93,7 @@ mod tests {
                 .map(|i| {
                     let aside = spread * vector(16 * k + i, 6);
                     // Some go along an axis.
-                    let flat = if k % 7 == 0 {
-                        DVec3::new(1.0, 0.0, 1.0)
-                    } else {
-                        DVec3::ONE
-                    };
+                    let flat = if k % 7 == 0 { DVec3::new(1.0, 0.0, 1.0) } else { DVec3::ONE };
                     let ray = Ray::new(start + aside, flat * (way + spread * vector(5 * k + i, 1)));
                     let ray = ray.up_to([f64::INFINITY, 3.0][k as usize % 2]);
                     ray.beyond([0.0, 0.5][k as usize / 2 % 2])

@@ -20,15 +20,9 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box that holds nothing, and leaves any other as it is in a union.
-    pub const EMPTY: Self = Self {
-        low: DVec3::INFINITY,
-        high: DVec3::NEG_INFINITY,
-    };
+    pub const EMPTY: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
     /// All of space.
-    pub const EVERYTHING: Self = Self {
-        low: DVec3::NEG_INFINITY,
-        high: DVec3::INFINITY,
-    };
+    pub const EVERYTHING: Self = Self { low: DVec3::NEG_INFINITY, high: DVec3::INFINITY };
 
     /// The smallest box around `points`.
     pub fn of(points: impl IntoIterator<Item = DVec3>) -> Self {
@@ -40,10 +34,7 @@ impl Bounds {
 
     /// The smallest box around both.
     pub fn union(self, other: Self) -> Self {
-        Self {
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-        }
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
     /// Whether nothing is inside.
@@ -97,11 +88,7 @@ impl Bounds {
     pub fn corners(&self) -> [DVec3; 8] {
         arrays::from_fn(|k| {
             let pick = |axis: usize| {
-                if k >> axis & 1 == 0 {
-                    self.low[axis]
-                } else {
-                    self.high[axis]
-                }
+                if k >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] }
             };
             DVec3::new(pick(0), pick(1), pick(2))
         })
@@ -112,9 +99,7 @@ impl Bounds {
         if self.is_empty() {
             Self::EMPTY
         } else if self.is_finite() {
-            Self::of(arrays::map(self.corners(), |corner| {
-                transform.transform_point3(corner)
-            }))
+            Self::of(arrays::map(self.corners(), |corner| transform.transform_point3(corner)))
         } else {
             Self::EVERYTHING
         }
@@ -144,10 +129,7 @@ mod tests {
             let back = Ray::new(origin, origin - target);
             misses += u32::from(!bounds.may_be_met(&back, 0.0));
             // It begins behind its origin, and so far that it meets the box; or it ends too early.
-            let begins = Ray {
-                t_min: -1.5,
-                ..back
-            };
+            let begins = Ray { t_min: -1.5, ..back };
             assert!(bounds.may_be_met(&begins, 0.0));
             let gap = bounds.low.max(origin.min(bounds.high)) - origin;
             let least = gap.length() / there.direction.length();

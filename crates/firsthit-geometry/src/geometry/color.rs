@@ -34,11 +34,7 @@ pub fn srgb_encode(linear: f64) -> f64 {
 /// The linear value of an sRGB one (0 to 1), the inverse of [`srgb_encode`].
 pub fn srgb_decode(encoded: f64) -> f64 {
     let encoded = if encoded > 0.0 { encoded.min(1.0) } else { 0.0 };
-    if encoded <= 0.040_45 {
-        encoded / 12.92
-    } else {
-        libm::pow((encoded + 0.055) / 1.055, 2.4)
-    }
+    if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
 /// The linear value of an 8-bit level of sRGB.
@@ -61,10 +57,7 @@ mod tests {
     fn srgb_decodes_what_it_encodes() {
         for k in 0..=1000 {
             let linear = f64::from(k) / 1000.0;
-            assert!(
-                (srgb_decode(srgb_encode(linear)) - linear).abs() < 1e-7,
-                "{linear}"
-            );
+            assert!((srgb_decode(srgb_encode(linear)) - linear).abs() < 1e-7, "{linear}");
         }
         assert_eq!(srgb_encode(f64::NAN), 0.0);
         assert_eq!(srgb_encode(7.0), srgb_encode(1.0));

@@ -22,9 +22,7 @@ pub fn color_of(text: &str) -> Option<Color> {
         } else {
             digits.to_owned()
         };
-        return is_hex
-            .then(|| u32::from_str_radix(&long, 16).ok().map(linear))
-            .flatten();
+        return is_hex.then(|| u32::from_str_radix(&long, 16).ok().map(linear)).flatten();
     }
     let name = text.to_ascii_lowercase();
     let found = COLOR_NAMES.binary_search_by(|(known, _)| (*known).cmp(&name));
@@ -123,15 +121,7 @@ mod tests {
             assert_eq!(color_of(&name.to_uppercase()), spelled, "{name}");
         }
         assert_eq!(color_of("gray"), color_of("grey"));
-        for wrong in [
-            "",
-            "#",
-            "#12345",
-            "#+12345",
-            "#1234567",
-            "reddish",
-            "transparent",
-        ] {
+        for wrong in ["", "#", "#12345", "#+12345", "#1234567", "reddish", "transparent"] {
             assert_eq!(color_of(wrong), None, "{wrong}");
         }
     }

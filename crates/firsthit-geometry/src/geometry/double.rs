@@ -73,11 +73,7 @@ pub fn between<A: Arithmetic>(
     p: &[A::Number; 3],
     q: &[A::Number; 3],
 ) -> DoubleVector<A::Number> {
-    [
-        difference(a, p[0], q[0]),
-        difference(a, p[1], q[1]),
-        difference(a, p[2], q[2]),
-    ]
+    [difference(a, p[0], q[0]), difference(a, p[1], q[1]), difference(a, p[2], q[2])]
 }
 
 /// `x * y - z * w`, off by a few 2^-106 of the products.
@@ -117,11 +113,8 @@ fn dot_of_highs<A: Arithmetic>(
     p: &DoubleVector<A::Number>,
     q: [A::Number; 3],
 ) -> (A::Number, A::Number) {
-    let [x, y, z] = [
-        product(a, p[0].high, q[0]),
-        product(a, p[1].high, q[1]),
-        product(a, p[2].high, q[2]),
-    ];
+    let [x, y, z] =
+        [product(a, p[0].high, q[0]), product(a, p[1].high, q[1]), product(a, p[2].high, q[2])];
     let two = sum(a, x.high, y.high);
     let Double { high, low } = sum(a, two.high, z.high);
     let rest = a.add(a.add(x.low, y.low), z.low);

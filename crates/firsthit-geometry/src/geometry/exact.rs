@@ -26,10 +26,8 @@ impl Scaled {
         let longer = |largest: f64, part: &Double<f64>| largest.max(part.high.abs());
         let largest = vector.iter().fold(f64::MIN_POSITIVE, longer);
         let unit = f64::from_bits(largest.to_bits() & (0x7ff << 52));
-        let vector = arrays::map(*vector, |part| Double {
-            high: part.high / unit,
-            low: part.low / unit,
-        });
+        let vector =
+            arrays::map(*vector, |part| Double { high: part.high / unit, low: part.low / unit });
         Self { vector, unit }
     }
 }
@@ -103,10 +101,7 @@ fn fill_with_terms(terms: &mut [f64; TERMS], [p, q, r]: [&Scaled; 3], scale: f64
 #[inline(always)]
 fn total(terms: &mut [f64]) -> Double<f64> {
     let Some(last) = terms.len().checked_sub(1) else {
-        return Double {
-            high: 0.0,
-            low: 0.0,
-        };
+        return Double { high: 0.0, low: 0.0 };
     };
     // A few times; of a sum that is zero until all are zero.
     loop {

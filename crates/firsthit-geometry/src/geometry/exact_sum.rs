@@ -23,10 +23,7 @@ pub struct ExactSum {
 
 impl ExactSum {
     /// Zero.
-    pub const ZERO: Self = Self {
-        positive: [0; WORDS],
-        negative: [0; WORDS],
-    };
+    pub const ZERO: Self = Self { positive: [0; WORDS], negative: [0; WORDS] };
 
     /// Adds the product of three finite numbers.
     pub fn add(&mut self, factors: [f64; 3]) {
@@ -39,11 +36,7 @@ impl ExactSum {
         let high = (xy >> 64) * u128::from(z) + (low >> 64);
         let digits = [word(low), word(high), word(high >> 64), 0];
         let is_negative = factors.iter().filter(|x| x.is_sign_negative()).count() % 2 == 1;
-        let words = if is_negative {
-            &mut self.negative
-        } else {
-            &mut self.positive
-        };
+        let words = if is_negative { &mut self.negative } else { &mut self.positive };
         let exponent = x_exponent + y_exponent + z_exponent + LOWEST;
         add(words, digits, usize::try_from(exponent).unwrap_or(0));
     }

@@ -18,10 +18,7 @@ use super::double::{Double, sum};
 
 /// `a * b + c`, rounded once.
 #[cfg(not(target_arch = "wasm32"))]
-#[expect(
-    clippy::inline_always,
-    reason = "inlined into a kernel, it is the kernel's instruction"
-)]
+#[expect(clippy::inline_always, reason = "inlined into a kernel, it is the kernel's instruction")]
 #[inline(always)]
 #[doc(hidden)]
 pub fn mul_add(a: f64, b: f64, c: f64) -> f64 {
@@ -144,10 +141,7 @@ mod tests {
             return false;
         };
         let is_same = found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
-        assert!(
-            is_same,
-            "{a:e} * {b:e} + {c:e} = {expected:e}, not {found:e}"
-        );
+        assert!(is_same, "{a:e} * {b:e} + {c:e} = {expected:e}, not {found:e}");
         true
     }
 
@@ -157,17 +151,11 @@ mod tests {
         let product = a * b;
         let rest = a.mul_add(b, -product);
         let beside = |x: f64| f64::from_bits(x.to_bits().wrapping_add_signed(near));
-        let mut sums = vec![
-            0.0,
-            beside(0.0),
-            beside(1.0),
-            f64::MIN_POSITIVE,
-            beside(5e-324),
-        ];
+        let mut sums = vec![0.0, beside(0.0), beside(1.0), f64::MIN_POSITIVE, beside(5e-324)];
         for of in [product, rest, a, b] {
-            for power in [
-                -108, -107, -106, -55, -54, -53, -52, -2, -1, 0, 1, 2, 51, 52, 53, 54, 55, 106,
-            ] {
+            for power in
+                [-108, -107, -106, -55, -54, -53, -52, -2, -1, 0, 1, 2, 51, 52, 53, 54, 55, 106]
+            {
                 sums.push(beside(of * power_of_two(power)));
             }
         }
@@ -209,15 +197,8 @@ mod tests {
             1e140,
             MOST,
         ];
-        let ends = [
-            1e160,
-            f64::MAX,
-            f64::INFINITY,
-            f64::NAN,
-            0.5 * MOST,
-            1.0 - f64::EPSILON,
-            2.0 * LEAST,
-        ];
+        let ends =
+            [1e160, f64::MAX, f64::INFINITY, f64::NAN, 0.5 * MOST, 1.0 - f64::EPSILON, 2.0 * LEAST];
         let numbers = sizes.into_iter().chain(ends).flat_map(|x| [x, -x]);
         let numbers: Vec<f64> = numbers.collect();
         let mut inside = 0;

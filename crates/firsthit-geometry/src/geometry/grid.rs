@@ -44,20 +44,12 @@ impl PixelGrid {
     /// The width and the height of a pixel on the viewplane.
     #[inline]
     pub fn size(&self) -> [f64; 2] {
-        [
-            self.width / self.whole[1] as f64,
-            self.height / self.whole[0] as f64,
-        ]
+        [self.width / self.whole[1] as f64, self.height / self.whole[0] as f64]
     }
 
     /// The part of the grid from a pixel on, with these numbers of rows and columns.
     pub fn part(&self, [row, column]: [usize; 2], [rows, columns]: [usize; 2]) -> Self {
-        Self {
-            rows,
-            columns,
-            first: [self.first[0] + row, self.first[1] + column],
-            ..*self
-        }
+        Self { rows, columns, first: [self.first[0] + row, self.first[1] + column], ..*self }
     }
 
     /// The distance of a column's rays to the right of the middle.

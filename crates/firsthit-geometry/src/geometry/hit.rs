@@ -26,12 +26,8 @@ pub struct Hit {
 
 impl Hit {
     /// The ray met nothing.
-    pub const MISS: Self = Self {
-        t: f64::INFINITY,
-        object: -1,
-        primitive: -1,
-        barycentric: DVec2::NAN,
-    };
+    pub const MISS: Self =
+        Self { t: f64::INFINITY, object: -1, primitive: -1, barycentric: DVec2::NAN };
 
     /// Whether the ray met nothing.
     #[inline]

@@ -145,10 +145,7 @@ mod tests {
         for scale in [1e-300, 1e-160, 1e-10, 1.0, 1e10, 1e160, 1e307] {
             let v = unit(DVec3::new(3.0, -4.0, 12.0) * scale);
             assert!((v.length() - 1.0).abs() < 4.0 * f64::EPSILON, "{scale}");
-            assert!(
-                (v - DVec3::new(3.0, -4.0, 12.0) / 13.0).length() < 1e-15,
-                "{scale}"
-            );
+            assert!((v - DVec3::new(3.0, -4.0, 12.0) / 13.0).length() < 1e-15, "{scale}");
         }
         assert!(unit(DVec3::ZERO).is_nan());
     }

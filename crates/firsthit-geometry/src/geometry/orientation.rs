@@ -125,11 +125,7 @@ pub fn projection_axis(triangle: &[DVec3; 3]) -> Option<usize> {
 }
 
 fn sign(value: f64) -> Ordering {
-    if value > 0.0 {
-        Ordering::Greater
-    } else {
-        Ordering::Less
-    }
+    if value > 0.0 { Ordering::Greater } else { Ordering::Less }
 }
 
 #[cfg(test)]

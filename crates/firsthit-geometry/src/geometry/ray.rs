@@ -33,12 +33,7 @@ impl Ray {
     /// The ray from its origin on, without an end.
     #[inline(always)]
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
-        Self {
-            origin,
-            direction,
-            t_min: 0.0,
-            t_max: f64::INFINITY,
-        }
+        Self { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
     }
 
     /// The ray, beginning at `t_min` (which does not yet count). A ray that begins at the `t` of a
@@ -193,19 +188,12 @@ impl<'a, R: Rays + ?Sized> Filtered<'a, R> {
     /// One filter for all rays.
     pub fn new(rays: &'a R, filter: RayFilter) -> Self {
         let common = filter;
-        Self {
-            rays,
-            common,
-            each: &[],
-        }
+        Self { rays, common, each: &[] }
     }
 
     /// A filter for each ray; those beyond the end of `filters` meet everything.
     pub fn each(rays: &'a R, filters: &'a [RayFilter]) -> Self {
-        Self {
-            each: filters,
-            ..Self::new(rays, RayFilter::NONE)
-        }
+        Self { each: filters, ..Self::new(rays, RayFilter::NONE) }
     }
 }
 

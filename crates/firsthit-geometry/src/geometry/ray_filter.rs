@@ -128,13 +128,8 @@ pub struct RayFilter {
 
 impl RayFilter {
     /// The ray meets everything.
-    pub const NONE: Self = Self {
-        mask: u32::MAX,
-        only: None,
-        cull: None,
-        skip: [None; 2],
-        departure: None,
-    };
+    pub const NONE: Self =
+        Self { mask: u32::MAX, only: None, cull: None, skip: [None; 2], departure: None };
 
     /// Whether the ray meets everything.
     #[inline]

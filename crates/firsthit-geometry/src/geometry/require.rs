@@ -14,11 +14,7 @@ pub fn require(
     fine: bool,
     got: impl Display,
 ) -> Result<()> {
-    if fine {
-        Ok(())
-    } else {
-        Err(Error::argument(name, expected, got))
-    }
+    if fine { Ok(()) } else { Err(Error::argument(name, expected, got)) }
 }
 
 #[doc(hidden)]

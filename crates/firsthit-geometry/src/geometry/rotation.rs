@@ -86,12 +86,8 @@ mod tests {
         assert_eq!(upright(DVec3::Y), DMat3::IDENTITY);
         let of_z = upright(3.0 * DVec3::Z);
         assert_eq!(of_z, DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y));
-        for up in [
-            DVec3::NEG_Y,
-            DVec3::X,
-            DVec3::new(1.0, -2.0, 0.5),
-            DVec3::new(1e-9, -1.0, 0.0),
-        ] {
+        for up in [DVec3::NEG_Y, DVec3::X, DVec3::new(1.0, -2.0, 0.5), DVec3::new(1e-9, -1.0, 0.0)]
+        {
             let turn = upright(up);
             let axis = DVec3::Y.cross(unit(up));
             assert!((turn * DVec3::Y - unit(up)).length() < 1e-6, "{up}");
@@ -107,13 +103,7 @@ mod tests {
             let axis = DVec3::new(1.0, -2.0, 0.5).normalize();
             let ours = rotation(axis, degrees);
             let theirs = DMat3::from_quat(DQuat::from_axis_angle(axis, degrees.to_radians()));
-            assert!(
-                (ours - theirs)
-                    .to_cols_array()
-                    .iter()
-                    .all(|x| x.abs() < 1e-15),
-                "{degrees}"
-            );
+            assert!((ours - theirs).to_cols_array().iter().all(|x| x.abs() < 1e-15), "{degrees}");
         }
     }
 }

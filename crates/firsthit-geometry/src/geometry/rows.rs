@@ -36,10 +36,7 @@ pub struct Points2 {
 }
 
 impl Points2 {
-    pub const ZERO: Self = Self {
-        x: Scalars::all(0.0),
-        y: Scalars::all(0.0),
-    };
+    pub const ZERO: Self = Self { x: Scalars::all(0.0), y: Scalars::all(0.0) };
 
     #[inline(always)]
     pub fn get(&self, k: usize) -> DVec2 {
@@ -62,11 +59,8 @@ pub struct Vectors {
 }
 
 impl Vectors {
-    pub const ZERO: Self = Self {
-        x: Scalars::all(0.0),
-        y: Scalars::all(0.0),
-        z: Scalars::all(0.0),
-    };
+    pub const ZERO: Self =
+        Self { x: Scalars::all(0.0), y: Scalars::all(0.0), z: Scalars::all(0.0) };
 
     #[inline(always)]
     pub fn get(&self, k: usize) -> DVec3 {

@@ -199,9 +199,7 @@ impl Domain {
             Self::Position | Self::Direction => vector(text),
             Self::Color | Self::Light => {
                 let named = color_of(text).map(Value::Vector);
-                named
-                    .or_else(|| vector(text))
-                    .or_else(|| number(text).map(Value::Number))
+                named.or_else(|| vector(text)).or_else(|| number(text).map(Value::Number))
             }
             _ => number(text).map(Value::Number),
         }
@@ -469,12 +467,8 @@ mod tests {
         lamp.set("color", Value::Number(0.5)).unwrap();
         lamp.set("count", Value::Number(9.0)).unwrap();
         lamp.set("is_on", Value::Flag(false)).unwrap();
-        let expected = Lamp {
-            position: DVec3::X,
-            color: DVec3::splat(0.5),
-            count: 9,
-            is_on: false,
-        };
+        let expected =
+            Lamp { position: DVec3::X, color: DVec3::splat(0.5), count: 9, is_on: false };
         assert_eq!(lamp, expected);
         for (name, value) in [
             ("colour", Value::Number(1.0)),
@@ -500,10 +494,7 @@ mod tests {
         ] {
             assert_eq!(domain.parsed(&value.text()), Some(value));
         }
-        assert_eq!(
-            Domain::Color.parsed("#ffffff"),
-            Some(Value::Vector(DVec3::ONE))
-        );
+        assert_eq!(Domain::Color.parsed("#ffffff"), Some(Value::Vector(DVec3::ONE)));
         assert_eq!(Domain::Positive.parsed("x"), None);
         assert_eq!(Domain::Position.parsed("1,2"), None);
     }

@@ -50,11 +50,7 @@ impl ToneMap {
 
 /// A component without its sign, and finite; NaN becomes 0.
 fn bounded(component: f64) -> f64 {
-    if component > 0.0 {
-        component.min(BRIGHTEST)
-    } else {
-        0.0
-    }
+    if component > 0.0 { component.min(BRIGHTEST) } else { 0.0 }
 }
 
 /// The matrix of these rows, as the literature prints it.

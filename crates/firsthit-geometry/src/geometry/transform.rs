@@ -82,10 +82,7 @@ impl Transform {
     #[inline]
     pub fn object_from_world(&self) -> DAffine3 {
         let matrix3 = self.object_from_world;
-        DAffine3 {
-            matrix3,
-            translation: -(matrix3 * self.world_from_object.translation),
-        }
+        DAffine3 { matrix3, translation: -(matrix3 * self.world_from_object.translation) }
     }
 
     /// The error of a point that goes to the object and back, as a share of its coordinates.

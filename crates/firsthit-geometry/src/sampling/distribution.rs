@@ -64,33 +64,21 @@ impl Distribution2d {
     pub fn new(columns: usize, mut weights: Vec<f64>) -> Option<Self> {
         let rows = weights.chunks_exact_mut(columns.max(1));
         let rows = rows.map(accumulate).collect::<Option<Vec<f64>>>()?;
-        Some(Self {
-            columns,
-            rows: Distribution::new(rows)?,
-            sums: weights,
-        })
+        Some(Self { columns, rows: Distribution::new(rows)?, sums: weights })
     }
 
     /// The cell that a point of the unit square stands for; never one of weight 0.
     pub fn choose(&self, u: DVec2) -> Cell {
         let row = self.rows.choose(u.y);
         let column = choose(self.row(row.index), u.x);
-        Cell {
-            column: column.index,
-            row: row.index,
-            inside: DVec2::new(column.inside, row.inside),
-        }
+        Cell { column: column.index, row: row.index, inside: DVec2::new(column.inside, row.inside) }
     }
 
     /// The probability of choosing a cell.
     pub fn share(&self, column: usize, row: usize) -> f64 {
         let sums = self.row(row);
         let total = last(sums);
-        if total > 0.0 {
-            self.rows.share(row) * (weight(sums, column) / total)
-        } else {
-            0.0
-        }
+        if total > 0.0 { self.rows.share(row) * (weight(sums, column) / total) } else { 0.0 }
     }
 
     fn row(&self, row: usize) -> &[f64] {
@@ -129,10 +117,7 @@ fn choose(sums: &[f64], u: f64) -> Choice {
     let place = (u * total).min(total.next_down()).max(0.0);
     let index = sums.partition_point(|&sum| sum <= place);
     let inside = (place - before(sums, index)) / weight(sums, index);
-    Choice {
-        index,
-        inside: inside.clamp(0.0, 1.0_f64.next_down()),
-    }
+    Choice { index, inside: inside.clamp(0.0, 1.0_f64.next_down()) }
 }
 
 #[cfg(test)]
@@ -171,11 +156,7 @@ mod tests {
         let mut counts = [0.0; 9];
         for k in 0..64 * 64 {
             let u = (DVec2::new(f64::from(k % 64), f64::from(k / 64)) + 0.5) / 64.0;
-            let Cell {
-                column,
-                row,
-                inside,
-            } = table.choose(u);
+            let Cell { column, row, inside } = table.choose(u);
             counts[3 * row + column] += 8.0 / 4096.0;
             let above: f64 = (0..row)
                 .flat_map(|row| (0..3).map(move |column| (column, row)))

@@ -269,10 +269,7 @@ mod tests {
         });
         let between_pixels = mean(&|k| {
             let pixel = u64::from(k / 16);
-            (
-                Draws::new(pixel, k % 16).one(),
-                Draws::new(pixel + 1, k % 16).one(),
-            )
+            (Draws::new(pixel, k % 16).one(), Draws::new(pixel + 1, k % 16).one())
         });
         let between_branches = mean(&|k| {
             let draws = Draws::new(u64::from(k), 0);

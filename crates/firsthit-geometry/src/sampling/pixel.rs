@@ -142,10 +142,7 @@ mod tests {
     fn the_mean_is_the_middle_nearly() {
         for count in [4_u32, 16, 64, 256] {
             let mean = (0..count).map(offset).sum::<DVec2>() / f64::from(count);
-            assert!(
-                (mean - 0.5).abs().max_element() < 0.35 / f64::from(count),
-                "{mean}"
-            );
+            assert!((mean - 0.5).abs().max_element() < 0.35 / f64::from(count), "{mean}");
         }
     }
 }

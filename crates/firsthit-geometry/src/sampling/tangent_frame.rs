@@ -44,12 +44,7 @@ mod tests {
 
     #[test]
     fn axes_are_right_handed_and_of_length_one() {
-        for z in [
-            DVec3::Z,
-            DVec3::NEG_Z,
-            DVec3::X,
-            DVec3::new(0.48, -0.6, -0.64),
-        ] {
+        for z in [DVec3::Z, DVec3::NEG_Z, DVec3::X, DVec3::new(0.48, -0.6, -0.64)] {
             let frame = TangentFrame::around(z);
             assert!((frame.x.cross(frame.y) - z).length() < 1e-14);
             assert!((frame.x.length() - 1.0).abs() < 1e-14);

@@ -13,20 +13,12 @@ pub fn disc(u: DVec2) -> DVec2 {
     let point = 2.0 * u - 1.0;
     let is_along_x = point.x.abs() > point.y.abs();
     // Selects instead of branching: the branch is unpredictable.
-    let (radius, across) = if is_along_x {
-        (point.x, point.y)
-    } else {
-        (point.y, point.x)
-    };
+    let (radius, across) = if is_along_x { (point.x, point.y) } else { (point.y, point.x) };
     // The angle from the nearest axis, an eighth of a turn at most; none in the middle.
     let share = across / if radius == 0.0 { 1.0 } else { radius };
     let [sin, cos] = sin_cos(FRAC_PI_4 * share);
     let (along, across) = (radius * cos, radius * sin);
-    if is_along_x {
-        DVec2::new(along, across)
-    } else {
-        DVec2::new(across, along)
-    }
+    if is_along_x { DVec2::new(along, across) } else { DVec2::new(across, along) }
 }
 
 /// Sine and cosine of an angle of an eighth of a turn at most: Taylor's series up to x^15 and x^16, of which what is left out is below
@@ -49,10 +41,7 @@ fn sin_cos(x: f64) -> [f64; 2] {
     const COS: [f64; 9] = coefficients(0);
     let y = x * x;
     let y4 = (y * y) * (y * y);
-    [
-        x * polynomial(&SIN, y),
-        polynomial(&COS[..8], y) + COS[8] * (y4 * y4),
-    ]
+    [x * polynomial(&SIN, y), polynomial(&COS[..8], y) + COS[8] * (y4 * y4)]
 }
 
 /// One of eight coefficients.

@@ -39,11 +39,9 @@ impl ChannelColors {
             Display::Fraction => Self::Fraction,
             Display::Mask => Self::Mask,
             Display::Matte => unreachable!("formats of pictures refuse it"),
-            Display::Quantity => Self::Quantity(
-                (0..channel.components)
-                    .map(|k| Range::of(channel, k))
-                    .collect(),
-            ),
+            Display::Quantity => {
+                Self::Quantity((0..channel.components).map(|k| Range::of(channel, k)).collect())
+            }
         }
     }
 
@@ -82,11 +80,8 @@ impl ChannelColors {
             }
             (Self::Quantity(ranges), value) => {
                 let mut levels = ranges.iter().zip(value);
-                let mut level = || {
-                    levels
-                        .next()
-                        .map_or(0, |(range, &at)| unit_byte(range.fraction(at)))
-                };
+                let mut level =
+                    || levels.next().map_or(0, |(range, &at)| unit_byte(range.fraction(at)));
                 let first = level();
                 if value.len() == 1 {
                     viridis()[usize::from(first)]
@@ -158,10 +153,7 @@ fn legend_in(channel: &Channel, text: impl Fn(f64) -> String) -> Option<String> 
             };
             let inks = ["red", "green", "blue"];
             let ranges: Vec<String> = ranges.iter().zip(inks).map(range).collect();
-            Some(format!(
-                "{name}: {}, linear; misses black",
-                ranges.join(", ")
-            ))
+            Some(format!("{name}: {}, linear; misses black", ranges.join(", ")))
         }
         ChannelColors::Position(ranges) if ranges[0].is_empty() => {
             Some(format!("{name}: nothing but misses"))
@@ -184,10 +176,7 @@ pub(super) struct Range {
 
 impl Range {
     fn of(channel: &Channel, component: usize) -> Self {
-        let mut range = Self {
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-        };
+        let mut range = Self { low: f64::INFINITY, high: f64::NEG_INFINITY };
         for index in (component..channel.data.len()).step_by(channel.components) {
             let value = channel.data.value(index);
             if value.is_finite() {
@@ -230,11 +219,7 @@ impl Depths {
             *hits.select_nth_unstable_by(half, f64::total_cmp).1
         };
         // Where more than half is at the nearest distance, the farthest serves.
-        let middle = if middle > range.low {
-            middle
-        } else {
-            range.high
-        };
+        let middle = if middle > range.low { middle } else { range.high };
         Self { range, middle }
     }
 
@@ -293,9 +278,7 @@ fn hsv(hue: f64, saturation: f64, value: f64) -> Rgb {
 /// The levels of viridis, from violet to yellow.
 fn viridis() -> &'static [Rgb; 256] {
     static LEVELS: OnceLock<[Rgb; 256]> = OnceLock::new();
-    parallel::once(&LEVELS, || {
-        std::array::from_fn(|step| ColorMap::Viridis.levels(step))
-    })
+    parallel::once(&LEVELS, || std::array::from_fn(|step| ColorMap::Viridis.levels(step)))
 }
 
 #[cfg(test)]
@@ -305,9 +288,8 @@ mod tests {
 
     fn colors(display: Display, components: usize, data: Data) -> (Vec<Rgb>, Option<String>) {
         let channel = Channel::new("it", components, data, display);
-        let values: Vec<f64> = (0..channel.data.len())
-            .map(|index| channel.data.value(index))
-            .collect();
+        let values: Vec<f64> =
+            (0..channel.data.len()).map(|index| channel.data.value(index)).collect();
         let mut bytes = vec![7; values.len() / components * 3];
         let map = ChannelColors::of(&channel, DisplayTransform::default());
         map.apply(&values, components, &mut bytes);
@@ -328,19 +310,11 @@ mod tests {
 
     #[test]
     fn the_least_of_a_quantity_is_no_miss() {
-        let (one, legend) = colors(
-            Display::Quantity,
-            1,
-            Data::Float64(vec![-1.0, 3.0, f64::NAN]),
-        );
+        let (one, legend) = colors(Display::Quantity, 1, Data::Float64(vec![-1.0, 3.0, f64::NAN]));
         assert_eq!(one, [[68, 1, 84], [253, 231, 37], BLACK]);
         let expected = "it from -1.0 (violet) to 3.0 (yellow), linear; misses black";
         assert_eq!(legend.as_deref(), Some(expected));
-        let (two, _) = colors(
-            Display::Quantity,
-            2,
-            Data::Float64(vec![-1.0, 5.0, 3.0, 4.0]),
-        );
+        let (two, _) = colors(Display::Quantity, 2, Data::Float64(vec![-1.0, 5.0, 3.0, 4.0]));
         assert_eq!(two, [[0, 255, 0], [255, 0, 0]]);
     }
 
@@ -359,10 +333,7 @@ mod tests {
     fn vectors_points_and_fractions_are_red_green_blue() {
         let nan = f64::NAN;
         let normals = Data::Float64(vec![0.0, 1.0, -1.0, nan, nan, nan]);
-        assert_eq!(
-            colors(Display::Direction, 3, normals).0,
-            [[128, 255, 0], BLACK]
-        );
+        assert_eq!(colors(Display::Direction, 3, normals).0, [[128, 255, 0], BLACK]);
         let points = Data::Float64(vec![1.0, 5.0, 0.0, 3.0, 5.0, -4.0, nan, nan, nan]);
         let position = colors(Display::Position, 3, points);
         assert_eq!(position.0, [[0, 0, 255], [255, 0, 0], BLACK]);
@@ -382,11 +353,7 @@ mod tests {
             let apart = (0..3).map(|k| pair[0][k].abs_diff(pair[1][k])).max();
             assert!(apart >= Some(48), "{pair:?}");
         }
-        assert!(
-            colors[1..]
-                .iter()
-                .all(|color| color.iter().any(|&byte| byte > 150))
-        );
+        assert!(colors[1..].iter().all(|color| color.iter().any(|&byte| byte > 150)));
         let first: std::collections::HashSet<_> = colors[1..=2000].iter().collect();
         assert_eq!(first.len(), 2000, "the first 2000 are all different");
     }

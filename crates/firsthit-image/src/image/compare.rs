@@ -55,10 +55,7 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Result<Difference, Strin
         ) => {
             let pairs = doubles(&a.numbers).zip(doubles(&b.numbers));
             let pairs = pairs.map(|(a, b)| pair([a, b], ordered(a), ordered(b)));
-            Difference {
-                compared_as: "float64",
-                ..largest(pairs, tolerance, a.components)
-            }
+            Difference { compared_as: "float64", ..largest(pairs, tolerance, a.components) }
         }
         _ => {
             let pairs = doubles(&a.numbers).zip(doubles(&b.numbers));
@@ -66,10 +63,7 @@ pub fn compare(a: &Array, b: &Array, tolerance: f64) -> Result<Difference, Strin
                 let (a, b) = (single(a), single(b));
                 pair([a, b].map(f64::from), ordered_single(a), ordered_single(b))
             });
-            Difference {
-                compared_as: "float32",
-                ..largest(pairs, tolerance, a.components)
-            }
+            Difference { compared_as: "float32", ..largest(pairs, tolerance, a.components) }
         }
     };
     Ok(compared)
@@ -86,11 +80,7 @@ fn pair([a, b]: [f64; 2], place_of_a: i64, place_of_b: i64) -> Pair {
     Pair {
         is_equal: a == b || a.is_nan() && b.is_nan(),
         values: [a, b],
-        ulps: if is_finite {
-            place_of_a.abs_diff(place_of_b)
-        } else {
-            0
-        },
+        ulps: if is_finite { place_of_a.abs_diff(place_of_b) } else { 0 },
     }
 }
 
@@ -115,11 +105,7 @@ fn largest(pairs: impl Iterator<Item = Pair>, tolerance: f64, components: usize)
         let [a, b] = pair.values;
         let difference = (a - b).abs();
         // A NaN or an infinity on one side is as far away as can be.
-        let difference = if difference.is_nan() {
-            f64::INFINITY
-        } else {
-            difference
-        };
+        let difference = if difference.is_nan() { f64::INFINITY } else { difference };
         let element = index / components;
         found.ulps = found.ulps.max(Some(pair.ulps));
         if found.values.is_none() || difference > found.largest {
@@ -147,20 +133,12 @@ fn doubles(numbers: &ArrayValues) -> Box<dyn Iterator<Item = f64> + '_> {
 /// The place of a float among all floats: neighbours differ by one, and both zeros are the same.
 fn ordered(value: f64) -> i64 {
     let bits = value.abs().to_bits().cast_signed();
-    if value.is_sign_negative() {
-        -bits
-    } else {
-        bits
-    }
+    if value.is_sign_negative() { -bits } else { bits }
 }
 
 fn ordered_single(value: f32) -> i64 {
     let bits = i64::from(value.abs().to_bits());
-    if value.is_sign_negative() {
-        -bits
-    } else {
-        bits
-    }
+    if value.is_sign_negative() { -bits } else { bits }
 }
 
 #[cfg(test)]

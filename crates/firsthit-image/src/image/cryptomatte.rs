@@ -79,11 +79,7 @@ pub(super) fn layers(channel: &str) -> String {
 pub fn matte_id(name: &str) -> u32 {
     let hash = murmur3(name.as_bytes());
     let exponent = hash >> 23 & 255;
-    if exponent == 0 || exponent == 255 {
-        hash ^ 1 << 23
-    } else {
-        hash
-    }
+    if exponent == 0 || exponent == 255 { hash ^ 1 << 23 } else { hash }
 }
 
 /// `MurmurHash3_x86_32` of Appleby, with the seed 0.
@@ -96,19 +92,13 @@ fn murmur3(bytes: &[u8]) -> u32 {
     let mut hash = 0_u32;
     for word in words {
         hash ^= mixed(u32::from_le_bytes(*word));
-        hash = hash
-            .rotate_left(13)
-            .wrapping_mul(5)
-            .wrapping_add(0xe654_6b64);
+        hash = hash.rotate_left(13).wrapping_mul(5).wrapping_add(0xe654_6b64);
     }
     // Of no bytes it is zero, and changes nothing.
     let mut last = [0; 4];
     last[..rest.len()].copy_from_slice(rest);
     hash ^= mixed(u32::from_le_bytes(last));
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the hash takes the length modulo 2^32"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "the hash takes the length modulo 2^32")]
     let length = bytes.len() as u32;
     hash ^= length;
     hash = (hash ^ hash >> 16).wrapping_mul(0x85eb_ca6b);
@@ -177,10 +167,7 @@ mod tests {
     fn attributes_and_layers_have_the_names_of_the_specification() {
         let said = Cryptomatte::new("crypto_object", ["bunny", "ça"]);
         let [name, hash, conversion, manifest] = said.attributes();
-        assert_eq!(
-            name,
-            ("cryptomatte/3ae39a5/name".into(), "CryptoObject".into())
-        );
+        assert_eq!(name, ("cryptomatte/3ae39a5/name".into(), "CryptoObject".into()));
         assert_eq!(hash.1, "MurmurHash3_32");
         assert_eq!(conversion.1, "uint32_to_float32");
         assert_eq!(manifest.0, "cryptomatte/3ae39a5/manifest");
@@ -191,12 +178,7 @@ mod tests {
         let planes = [0, 3, 4, 11].map(|k| plane_name("CryptoObject", k));
         assert_eq!(
             planes,
-            [
-                "CryptoObject00.R",
-                "CryptoObject00.A",
-                "CryptoObject01.R",
-                "CryptoObject02.A"
-            ]
+            ["CryptoObject00.R", "CryptoObject00.A", "CryptoObject01.R", "CryptoObject02.A"]
         );
     }
 }

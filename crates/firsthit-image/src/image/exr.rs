@@ -22,10 +22,7 @@ const BYTES: usize = 4;
 
 /// Refuses a frame that is no picture, and finite numbers that float32 would make infinite.
 pub(super) fn check(content: &Content<'_>) -> Result<()> {
-    picture_sides(
-        content.shape,
-        "[rows, columns], each from 1 to 2^31 - 1, for an EXR",
-    )?;
+    picture_sides(content.shape, "[rows, columns], each from 1 to 2^31 - 1, for an EXR")?;
     let expected = "in the range of float32 for an EXR (or use npz)";
     let mut channels = content.channels.iter();
     channels.try_for_each(|channel| check_float32(channel, content.shape, expected))
@@ -50,9 +47,7 @@ pub(super) fn stored(channel: &Channel) -> Stored {
         (name, 2) => ["U", "V"].map(|axis| format!("{name}.{axis}")).to_vec(),
         ("normal", 3) => ["N.X", "N.Y", "N.Z"].map(str::to_owned).to_vec(),
         ("position", 3) => ["P.X", "P.Y", "P.Z"].map(str::to_owned).to_vec(),
-        ("base_color", 3) => ["R", "G", "B"]
-            .map(|level| format!("base_color.{level}"))
-            .to_vec(),
+        ("base_color", 3) => ["R", "G", "B"].map(|level| format!("base_color.{level}")).to_vec(),
         (name, components) => (0..components).map(|k| format!("{name}.{k}")).collect(),
     };
     match channel.data {
@@ -114,20 +109,14 @@ fn sort_attributes(file: &mut [u8]) {
     while file[at] != 0 {
         let name_end = text_end(at);
         let size_at = text_end(name_end);
-        let size = file[size_at..]
-            .first_chunk()
-            .copied()
-            .map(u32::from_le_bytes);
+        let size = file[size_at..].first_chunk().copied().map(u32::from_le_bytes);
         let size = size.expect("an attribute has a size") as usize;
         let end = size_at + 4 + size;
         attributes.push((file[at..name_end].to_vec(), file[at..end].to_vec()));
         at = end;
     }
     attributes.sort();
-    let sorted: Vec<u8> = attributes
-        .into_iter()
-        .flat_map(|(_, bytes)| bytes)
-        .collect();
+    let sorted: Vec<u8> = attributes.into_iter().flat_map(|(_, bytes)| bytes).collect();
     file[BEFORE..at].copy_from_slice(&sorted);
 }
 
@@ -140,11 +129,7 @@ struct Plane<'a> {
 
 fn planes(channel: &Channel) -> impl Iterator<Item = Plane<'_>> {
     let names = stored(channel).names.into_iter().enumerate();
-    names.map(move |(component, name)| Plane {
-        name,
-        channel,
-        component,
-    })
+    names.map(move |(component, name)| Plane { name, channel, component })
 }
 
 fn header(content: &Content<'_>, planes: &[Plane<'_>], (rows, columns): (usize, usize)) -> Header {
@@ -164,9 +149,7 @@ fn header(content: &Content<'_>, planes: &[Plane<'_>], (rows, columns): (usize, 
     };
     let said = [(KEY.to_owned(), metadata.to_json())];
     let mattes = metadata.cryptomatte.values();
-    let said = said
-        .into_iter()
-        .chain(mattes.flat_map(Cryptomatte::attributes));
+    let said = said.into_iter().chain(mattes.flat_map(Cryptomatte::attributes));
     for (name, text) in said {
         let text = AttributeValue::Text(Text::new_or_panic(text));
         own.other.insert(Text::new_or_panic(name), text);
@@ -176,11 +159,7 @@ fn header(content: &Content<'_>, planes: &[Plane<'_>], (rows, columns): (usize, 
         ..ImageAttributes::with_size((columns, rows))
     };
     Header::new(Text::default(), (columns, rows), described.collect())
-        .with_encoding(
-            Compression::ZIP16,
-            BlockDescription::ScanLines,
-            LineOrder::Increasing,
-        )
+        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_shared_attributes(shared)
         .with_attributes(own)
 }

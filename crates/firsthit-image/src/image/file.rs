@@ -102,10 +102,7 @@ fn reported(path: &Path, watch: &dyn Watch, written: io::Result<()>) -> Result<(
         if watch.is_stopped() {
             return Error::Interrupted;
         }
-        Error::Write {
-            path: path.to_owned(),
-            source,
-        }
+        Error::Write { path: path.to_owned(), source }
     })
 }
 
@@ -127,10 +124,9 @@ fn target(path: &Path) -> io::Result<Target> {
         Ok(there) if there.is_dir() => Err(is_folder()),
         Ok(there) if !there.is_file() || is_open_file(&path) => Ok(Target::Stream(path)),
         // A rename would replace it without asking: that is not what its owner protected it for.
-        Ok(there) if there.permissions().readonly() => Err(io::Error::new(
-            io::ErrorKind::PermissionDenied,
-            "the file is read-only",
-        )),
+        Ok(there) if there.permissions().readonly() => {
+            Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"))
+        }
         Ok(_) if inputs::is_input(&path) => Err(io::Error::other(
             "is an input; it will not be overwritten (remove it first, or take another name)",
         )),
@@ -193,11 +189,7 @@ fn prepare(
         temporary.file().set_permissions(permissions)?;
     }
     temporary.file().sync_all()?;
-    Ok(Prepared {
-        temporary,
-        path,
-        replaces,
-    })
+    Ok(Prepared { temporary, path, replaces })
 }
 
 /// [`prepare`] for a path that must not lead to a stream.
@@ -289,9 +281,7 @@ fn copied(mut file: File, path: &Path) -> io::Result<NamedTempFile<File>> {
     let named = beside(path, create)?;
     file.seek(io::SeekFrom::Start(0))?;
     io::copy(&mut file, &mut named.as_file())?;
-    named
-        .as_file()
-        .set_permissions(file.metadata()?.permissions())?;
+    named.as_file().set_permissions(file.metadata()?.permissions())?;
     named.as_file().sync_all()?;
     Ok(named)
 }
@@ -305,13 +295,7 @@ fn path_of_open(file: &File) -> String {
 #[cfg(target_os = "linux")]
 fn give_name(file: &File, name: &Path) -> io::Result<()> {
     use rustix::fs::{AtFlags, CWD, linkat};
-    Ok(linkat(
-        CWD,
-        path_of_open(file),
-        CWD,
-        name,
-        AtFlags::SYMLINK_FOLLOW,
-    )?)
+    Ok(linkat(CWD, path_of_open(file), CWD, name, AtFlags::SYMLINK_FOLLOW)?)
 }
 
 /// Calls `make` with a free name, `.NAME.XXXXXX.tmp` beside `path`.
@@ -381,9 +365,8 @@ mod tests {
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
-        let mut names: Vec<String> = entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
     }

@@ -220,14 +220,14 @@ impl Frame {
 pub fn format_of(path: &Path) -> Result<&'static Format> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     let extension = extension.to_lowercase();
-    (FORMATS.iter())
-        .find(|format| format.extensions.contains(&extension.as_str()))
-        .ok_or_else(|| {
+    (FORMATS.iter()).find(|format| format.extensions.contains(&extension.as_str())).ok_or_else(
+        || {
             let known = FORMATS.iter().flat_map(|format| format.extensions);
             let known: Vec<String> = known.map(|known| format!(".{known}")).collect();
             let got = format!("{} (known: {})", escaped(path), known.join(", "));
             Error::argument("path", "a name with a known format's extension", got)
-        })
+        },
+    )
 }
 
 /// The format called `name`, in upper or lower case: for outputs without an extension.
@@ -236,13 +236,11 @@ pub fn format_of(path: &Path) -> Result<&'static Format> {
 ///
 /// [`Error::Argument`] if there is no such format.
 pub fn format_named(name: &str) -> Result<&'static Format> {
-    (FORMATS.iter())
-        .find(|format| format.name.eq_ignore_ascii_case(name))
-        .ok_or_else(|| {
-            let known: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-            let got = format!("{} (known: {})", escaped(Path::new(name)), known.join(", "));
-            Error::argument("format", "a known format", got)
-        })
+    (FORMATS.iter()).find(|format| format.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+        let known: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+        let got = format!("{} (known: {})", escaped(Path::new(name)), known.join(", "));
+        Error::argument("format", "a known format", got)
+    })
 }
 
 /// Refuses channels of which the file would have two numbers under one name: `a` has two and is stored as `a_0` and `a_1`, and so is
@@ -309,10 +307,7 @@ impl Format {
         let mut out = io::BufWriter::new(out);
         (self.encode)(&content, &mut out)
             .and_then(|()| out.flush())
-            .map_err(|source| Error::Write {
-                path: target.to_owned(),
-                source,
-            })
+            .map_err(|source| Error::Write { path: target.to_owned(), source })
     }
 
     /// Checks a frame as [`write`](Self::write) does before it opens anything. Call it first where several files are to

@@ -136,11 +136,7 @@ impl Debug for Data {
 impl Frame {
     /// A frame without channels: `[rows, columns]` of a picture, `[n]` of a batch, or any other shape.
     pub fn new(shape: impl Into<Vec<usize>>) -> Self {
-        Self {
-            shape: shape.into(),
-            channels: Vec::new(),
-            origin: Origin::default(),
-        }
+        Self { shape: shape.into(), channels: Vec::new(), origin: Origin::default() }
     }
 
     /// The frame with another origin.
@@ -212,10 +208,7 @@ impl Frame {
     pub fn select(&mut self, names: &[&str], is_last: impl Fn(&str) -> bool) -> Result<Self> {
         let mut frame = Self::new(self.shape.clone()).from_origin(self.origin.clone());
         for &name in names {
-            let place = self
-                .channels
-                .iter()
-                .position(|channel| channel.name == name);
+            let place = self.channels.iter().position(|channel| channel.name == name);
             let missing = || Error::argument("channel", "one of the frame", name);
             let place = place.ok_or_else(missing)?;
             frame.push(if is_last(name) {
@@ -273,13 +266,7 @@ impl Channel {
         data: Data,
         display: Display,
     ) -> Self {
-        Self {
-            name: name.into(),
-            components,
-            data,
-            display,
-            description: Description::default(),
-        }
+        Self { name: name.into(), components, data, display, description: Description::default() }
     }
 
     /// The name of the channel in errors.

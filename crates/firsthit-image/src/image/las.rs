@@ -89,12 +89,7 @@ pub(super) fn encode(frame: &Frame, is_packed: bool) -> Result<Vec<u8>> {
     let mut out = file.into_inner();
     let end = out.len() as u64;
     let said = frame.metadata().to_json();
-    out.extend(record_header::<8>(
-        KEY,
-        1,
-        said.len() as u64,
-        "metadata, JSON",
-    ));
+    out.extend(record_header::<8>(KEY, 1, said.len() as u64, "metadata, JSON"));
     out.extend(said.bytes());
     let header = header(frame, [u64::from(start), end], is_packed, &steps, bounds)?;
     out[..HEADER as usize].copy_from_slice(&header);
@@ -115,10 +110,7 @@ fn header(
     head.extend([0; 16]);
     head.extend([1, 4]);
     head.extend(padded::<32>("firsthit"));
-    head.extend(padded::<32>(concat!(
-        "firsthit ",
-        env!("CARGO_PKG_VERSION")
-    )));
+    head.extend(padded::<32>(concat!("firsthit ", env!("CARGO_PKG_VERSION"))));
     // There is no day: the same scan has the same bytes.
     head.extend([0; 4]);
     head.extend((HEADER as u16).to_le_bytes());
@@ -165,23 +157,10 @@ fn rows(frame: &Frame, points: &[[f64; 3]], steps: &Steps) -> Result<(Vec<u8>, C
         let intensity = intensities.map_or(0.0, |values| values[k].clamp(0.0, 1.0) * 65535.0);
         rows.extend((intensity.round_ties_even() as u16).to_le_bytes());
         let class = classes.map_or(0, |values| values[k] as u8);
-        rows.extend([
-            told(numbers[k]) | told(totals[k]) << 4,
-            0,
-            class,
-            0,
-            0,
-            0,
-            0,
-            0,
-        ]);
+        rows.extend([told(numbers[k]) | told(totals[k]) << 4, 0, class, 0, 0, 0, 0, 0]);
         rows.extend([times[k], ranges[k]].map(f64::to_le_bytes).concat());
         rows.extend(single(incidences[k]).to_le_bytes());
-        rows.extend(
-            identifiers
-                .iter()
-                .flat_map(|values| values[k].to_le_bytes()),
-        );
+        rows.extend(identifiers.iter().flat_map(|values| values[k].to_le_bytes()));
         std::array::from_fn(|axis| at[axis] * steps.scale + steps.offset[axis])
     });
     let bounds = corners(stored);
@@ -192,9 +171,7 @@ impl Steps {
     /// Steps that reach over a box.
     fn over([low, high]: Corners) -> Result<Self> {
         let offset = low.map(f64::floor);
-        let extent = (0..3)
-            .map(|axis| high[axis] - offset[axis])
-            .fold(0.0, f64::max);
+        let extent = (0..3).map(|axis| high[axis] - offset[axis]).fold(0.0, f64::max);
         let scales = (-4..12).filter_map(|exponent| format!("1e{exponent}").parse().ok());
         let scale = { scales }.find(|scale: &f64| extent / scale < f64::from(i32::MAX));
         let scale = scale.ok_or_else(|| Error::argument("point", "within 1e20 for LAS", extent))?;
@@ -242,22 +219,14 @@ fn channel<'a>(frame: &'a Frame, name: &str) -> Result<&'a Channel> {
 fn doubles<'a>(frame: &'a Frame, name: &str) -> Result<&'a [f64]> {
     match &channel(frame, name)?.data {
         Data::Float64(values) => Ok(values),
-        other => Err(Error::argument(
-            "channel",
-            "float64",
-            format!("{} of {name}", other.kind()),
-        )),
+        other => Err(Error::argument("channel", "float64", format!("{} of {name}", other.kind()))),
     }
 }
 
 fn integers<'a>(frame: &'a Frame, name: &str) -> Result<&'a [i32]> {
     match &channel(frame, name)?.data {
         Data::Int32(values) => Ok(values),
-        other => Err(Error::argument(
-            "channel",
-            "int32",
-            format!("{} of {name}", other.kind()),
-        )),
+        other => Err(Error::argument("channel", "int32", format!("{} of {name}", other.kind()))),
     }
 }
 

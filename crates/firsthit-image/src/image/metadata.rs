@@ -219,13 +219,7 @@ impl Metadata {
             state: has(STATE).then(|| digest(channels)),
             channels: (channels.iter())
                 .map(|channel| ChannelRecord::of(channel, has_units, stored(channel)))
-                .map(|record| {
-                    if scan.is_some() {
-                        record.of_returns()
-                    } else {
-                        record
-                    }
-                })
+                .map(|record| if scan.is_some() { record.of_returns() } else { record })
                 .collect(),
             camera,
             sensor,
@@ -239,11 +233,7 @@ impl Metadata {
     /// The metadata of a point cloud, whose elements are a list and no longer pixels.
     #[cfg(feature = "cloud")]
     pub(super) fn of_points(self, count: u64) -> Self {
-        Self {
-            shape: vec![count],
-            pixels: None,
-            ..self
-        }
+        Self { shape: vec![count], pixels: None, ..self }
     }
 
     /// The metadata as JSON in one line of ASCII.

@@ -71,13 +71,7 @@ impl Names {
         });
         let objects: Vec<ObjectNames> = objects.collect();
         names.lack("object", count, &objects);
-        Self {
-            object: Some(objects),
-            node,
-            mesh,
-            material,
-            ..names
-        }
+        Self { object: Some(objects), node, mesh, material, ..names }
     }
 
     fn lack<T>(&mut self, of: &str, count: usize, taken: &[T]) {
@@ -98,9 +92,7 @@ impl Names {
             node: self.node.filter(|_| has("node")),
             mesh: self.mesh.filter(|_| has("mesh")),
             material: self.material.filter(|_| has("material")),
-            left_out: (self.left_out.into_iter())
-                .filter(|(of, _)| has(of))
-                .collect(),
+            left_out: (self.left_out.into_iter()).filter(|(of, _)| has(of)).collect(),
         };
         let is_none = names.node.is_none() && names.mesh.is_none() && names.material.is_none();
         (!is_none).then_some(names)
@@ -137,9 +129,6 @@ mod tests {
         assert_eq!((of_meshes.mesh, of_meshes.node), (Some(vec![]), None));
         assert!(of_meshes.left_out.is_empty());
         assert_eq!(names.clone().of_channels(|name| name == "t"), None);
-        assert_eq!(
-            names.clone().of_channels(|name| name == "object"),
-            Some(names)
-        );
+        assert_eq!(names.clone().of_channels(|name| name == "object"), Some(names));
     }
 }

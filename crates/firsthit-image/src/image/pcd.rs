@@ -38,9 +38,6 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
     }
     let count = points(content).count();
     write!(out, "{MARK}{comments}VERSION 0.7\n{}\n", lines.join("\n"))?;
-    write!(
-        out,
-        "WIDTH {count}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA binary\n"
-    )?;
+    write!(out, "WIDTH {count}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA binary\n")?;
     LAYOUT.write(content, out)
 }

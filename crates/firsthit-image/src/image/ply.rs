@@ -8,11 +8,8 @@ use super::points::{Layout, Type, comments, points};
 /// All that comes before the metadata's own words.
 pub(super) const MARK: &str = "ply\nformat binary_little_endian 1.0\ncomment ";
 
-pub(super) const LAYOUT: Layout = Layout {
-    normal: ["nx", "ny", "nz"],
-    has_doubles: true,
-    has_packed_colors: false,
-};
+pub(super) const LAYOUT: Layout =
+    Layout { normal: ["nx", "ny", "nz"], has_doubles: true, has_packed_colors: false };
 
 /// Writes a header in text, then the points as the element `vertex`.
 pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<()> {

@@ -22,14 +22,8 @@ const BLOCK: usize = 1 << 19;
 /// Refuses a frame that is no picture, distances that do not fit into 16 bits of the chosen steps, and colours of an exposure that
 /// is no number.
 pub(super) fn check(content: &Content<'_>) -> Result<()> {
-    picture_sides(
-        content.shape,
-        "[rows, columns], each from 1 to 2^31 - 1, for a PNG",
-    )?;
-    refuse_mattes(
-        content,
-        "a channel other than a Cryptomatte for a PNG (use exr)",
-    )?;
+    picture_sides(content.shape, "[rows, columns], each from 1 to 2^31 - 1, for a PNG")?;
+    refuse_mattes(content, "a channel other than a Cryptomatte for a PNG (use exr)")?;
     let has_too_many = |c: &&&Channel| c.display == Display::Quantity && c.components > 3;
     if let Some(channel) = content.channels.iter().find(has_too_many) {
         let expected = "a channel of one to three numbers for a PNG (or use npz)";
@@ -50,9 +44,7 @@ pub(super) fn check(content: &Content<'_>) -> Result<()> {
 
 /// The length of a step, for a channel that is stored in steps.
 fn scale(channel: &Channel, settings: &WriteSettings) -> Option<f64> {
-    settings
-        .png_scale
-        .filter(|_| channel.display == Display::Distance)
+    settings.png_scale.filter(|_| channel.display == Display::Distance)
 }
 
 /// Whether a channel is stored as numbers plus one.
@@ -108,11 +100,7 @@ pub(super) fn encode(content: &Content<'_>, out: &mut dyn Write) -> io::Result<(
         }
         writer.finish()?;
     } else {
-        let color = if channel.is_transparent() {
-            ColorType::Rgba
-        } else {
-            ColorType::Rgb
-        };
+        let color = if channel.is_transparent() { ColorType::Rgba } else { ColorType::Rgb };
         let mut writer = header((rows, columns), color, &text, out)?;
         let mut writer = writer.stream_writer_with_size(CHUNK)?;
         let row = columns * color.samples();

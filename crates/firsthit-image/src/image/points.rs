@@ -134,10 +134,7 @@ fn is_time(channel: &Channel) -> bool {
 /// The content with metadata that count its points.
 pub(super) fn counted(content: Content<'_>) -> Content<'_> {
     let count = points(&content).count() as u64;
-    Content {
-        metadata: content.metadata.clone().of_points(count),
-        ..content
-    }
+    Content { metadata: content.metadata.clone().of_points(count), ..content }
 }
 
 /// The elements that are points.

@@ -65,11 +65,7 @@ pub fn read_bytes(name: &Path, bytes: &[u8], max_memory: u64) -> Result<Output> 
 }
 
 pub(super) fn wrong(path: &Path, what: String) -> Error {
-    Error::Parse {
-        path: path.to_owned(),
-        place: Place::File,
-        what,
-    }
+    Error::Parse { path: path.to_owned(), place: Place::File, what }
 }
 
 fn read_sidecar(path: &Path, output: &mut Output) -> Result<()> {
@@ -121,10 +117,7 @@ pub fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
 }
 
 fn regular(path: &Path, limit: u64) -> Result<Vec<u8>> {
-    let refuse = |source| Error::Read {
-        path: path.to_owned(),
-        source,
-    };
+    let refuse = |source| Error::Read { path: path.to_owned(), source };
     // Asked before opening: to open a pipe waits for its other end.
     let there = fs::metadata(path).map_err(refuse)?;
     if !there.is_file() {

@@ -74,10 +74,7 @@ fn decoded(bytes: &[u8]) -> std::result::Result<Points, String> {
     let output = if bytes.starts_with(b"ply") {
         points::vertices(bytes, most)?
     } else if bytes.starts_with(b"LASF") {
-        points::las(
-            bytes,
-            most.max((bytes.len() as u64).saturating_mul(MOST_UNPACKED)),
-        )?
+        points::las(bytes, most.max((bytes.len() as u64).saturating_mul(MOST_UNPACKED)))?
     } else if is_pcd.iter().any(|mark| bytes.starts_with(mark.as_bytes())) {
         points::pcd(bytes, most)?
     } else if let Some(output) = array(bytes, most) {
@@ -103,9 +100,7 @@ fn array(bytes: &[u8], most: u64) -> Option<std::result::Result<Output, String>>
 
 /// Takes the coordinates out of a file's arrays.
 fn of_output(output: Output) -> std::result::Result<Points, String> {
-    let Output {
-        mut arrays, notes, ..
-    } = output;
+    let Output { mut arrays, notes, .. } = output;
     let named = |arrays: &[Array], wanted: &str| {
         let is_it = |array: &Array| array.name.as_deref() == Some(wanted);
         arrays.iter().position(is_it)
@@ -116,9 +111,7 @@ fn of_output(output: Output) -> std::result::Result<Points, String> {
         let array = arrays.remove(place);
         let Some((&3, shape)) = array.shape.split_last() else {
             let shape = &array.shape;
-            return Err(format!(
-                "points must be an array of the shape (n, 3), got {shape:?}"
-            ));
+            return Err(format!("points must be an array of the shape (n, 3), got {shape:?}"));
         };
         let numbers = floats(&array)?;
         (shape.to_vec(), numbers.as_chunks().0.to_vec())
@@ -143,11 +136,7 @@ fn of_output(output: Output) -> std::result::Result<Points, String> {
         return Err(format!("{expected}, got {}", names.join(", ")));
     };
     let columns = arrays.into_iter().filter_map(|array| column(array, &shape));
-    Ok(Points {
-        positions,
-        columns: columns.collect(),
-        notes,
-    })
+    Ok(Points { positions, columns: columns.collect(), notes })
 }
 
 /// An array as a column of points of this shape, if it has as many elements.
@@ -162,11 +151,7 @@ fn column(array: Array, shape: &[usize]) -> Option<Array> {
         1 => vec![count],
         _ => vec![count, components],
     };
-    array.name.is_some().then_some(Array {
-        shape,
-        components,
-        ..array
-    })
+    array.name.is_some().then_some(Array { shape, components, ..array })
 }
 
 fn floats(array: &Array) -> std::result::Result<Vec<f64>, String> {

@@ -44,10 +44,8 @@ pub fn write_scan(frame: &Frame, path: &Path, watch: &dyn Watch) -> Result<()> {
             format_of(path)?.write(frame, None, WriteSettings::default(), path, watch)
         }
         _ => {
-            let known: Vec<String> = SCAN_EXTENSIONS
-                .iter()
-                .map(|known| format!(".{known}"))
-                .collect();
+            let known: Vec<String> =
+                SCAN_EXTENSIONS.iter().map(|known| format!(".{known}")).collect();
             let expected = format!("a name that ends in one of {}", known.join(", "));
             Err(Error::argument("path", expected, escaped(path)))
         }
@@ -57,10 +55,7 @@ pub fn write_scan(frame: &Frame, path: &Path, watch: &dyn Watch) -> Result<()> {
 /// Writes a line for each return, after one with the names of the columns; numbers have as many digits as tell them apart.
 #[cfg(feature = "cloud")]
 fn write_csv(frame: &Frame, out: &mut dyn Write) -> io::Result<()> {
-    let names = frame
-        .channels()
-        .iter()
-        .flat_map(|channel| ply::LAYOUT.names(channel));
+    let names = frame.channels().iter().flat_map(|channel| ply::LAYOUT.names(channel));
     writeln!(out, "{}", names.collect::<Vec<_>>().join(","))?;
     for row in 0..frame.shape().iter().product() {
         let mut separator = "";

@@ -103,14 +103,7 @@ mod tests {
             let linear = f64::from(k) / 999_983.0 * 1.2 - 0.1;
             assert_eq!(srgb().byte(linear), formula(linear), "{linear}");
         }
-        let outside = [
-            f64::NAN,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            -0.0,
-            5e-324,
-            1e308,
-        ];
+        let outside = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, 5e-324, 1e308];
         for linear in outside {
             assert_eq!(srgb().byte(linear), formula(linear), "{linear}");
         }
@@ -120,10 +113,7 @@ mod tests {
     #[test]
     fn bytes_are_those_of_the_formula_around_every_step() {
         for step in &srgb().steps[..255] {
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "the nearest float32 is wanted"
-            )]
+            #[expect(clippy::cast_possible_truncation, reason = "the nearest float32 is wanted")]
             let near = *step as f32;
             for linear in [near.next_down(), near, near.next_up()] {
                 let linear = f64::from(linear);

@@ -25,11 +25,7 @@ pub(super) fn check(
         let distance = channel.data.value(index);
         if distance.is_nan() {
             let got = format!("NaN at {}", pixel(index, shape));
-            return Err(Error::argument(
-                channel.argument(),
-                "a distance, for a 16 bit PNG",
-                got,
-            ));
+            return Err(Error::argument(channel.argument(), "a distance, for a 16 bit PNG", got));
         }
         if distance < nearest.0 {
             nearest = (distance, index);
@@ -74,9 +70,7 @@ fn fitting(distance: f64) -> f64 {
     let hundredths = digits.replace('.', "").parse::<u32>().unwrap_or(0) + 1;
     let exponent = exponent.parse::<i32>().unwrap_or(0) - 2;
     // By way of text, because a power of ten is no number of float64.
-    format!("{hundredths}e{exponent}")
-        .parse()
-        .unwrap_or(distance)
+    format!("{hundredths}e{exponent}").parse().unwrap_or(distance)
 }
 
 /// Writes what was checked.

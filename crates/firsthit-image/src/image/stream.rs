@@ -43,10 +43,7 @@ pub(super) fn opened_stream(path: &Path, _watch: &dyn Watch) -> io::Result<File>
 #[cfg(target_os = "linux")]
 pub(super) fn wait_for_room(file: &File) {
     use rustix::event::{PollFd, PollFlags, Timespec, poll};
-    let patience = Timespec {
-        tv_sec: 0,
-        tv_nsec: PATIENCE.subsec_nanos().into(),
-    };
+    let patience = Timespec { tv_sec: 0, tv_nsec: PATIENCE.subsec_nanos().into() };
     // What is wrong with the stream, the next write tells.
     let _ = poll(&mut [PollFd::new(file, PollFlags::OUT)], Some(&patience));
 }

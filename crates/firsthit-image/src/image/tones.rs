@@ -10,10 +10,7 @@ pub(super) struct Tones {
 
 impl Tones {
     pub(super) fn of(display: DisplayTransform) -> Self {
-        Self {
-            gain: display.gain(),
-            tone_map: display.tone_map,
-        }
+        Self { gain: display.gain(), tone_map: display.tone_map }
     }
 
     /// Fills `bytes` from colours, three for each.

@@ -65,8 +65,5 @@ pub fn before_viewplane(scene: &Scene, camera: &Camera) -> BeforeViewplane {
     });
     let objects = met.collect::<BTreeSet<_>>().len();
     let is_seen = |(row, column)| engine.any_hit(scene, &camera.ray(row, column));
-    BeforeViewplane {
-        objects,
-        is_all: objects > 0 && !pixels().any(is_seen),
-    }
+    BeforeViewplane { objects, is_all: objects > 0 && !pixels().any(is_seen) }
 }

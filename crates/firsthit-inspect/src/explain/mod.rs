@@ -45,13 +45,7 @@ pub struct ExplainSettings {
 impl Default for ExplainSettings {
     /// The ray keeps its ends, everything is met, and ten crossings are listed.
     fn default() -> Self {
-        Self {
-            t_min: None,
-            t_max: None,
-            filter: RayFilter::NONE,
-            among: None,
-            behind: 10,
-        }
+        Self { t_min: None, t_max: None, filter: RayFilter::NONE, among: None, behind: 10 }
     }
 }
 
@@ -251,12 +245,7 @@ fn behind<'a>(
         let hit = all.hits.get(k);
         if let (Some(surface), Some(object)) = (scene.interaction(ray, &hit), scene.object(&hit)) {
             let is_front = surface.is_front();
-            found.push(Behind {
-                hit,
-                name: object.name(),
-                shape: object.shape().name(),
-                is_front,
-            });
+            found.push(Behind { hit, name: object.name(), shape: object.shape().name(), is_front });
         }
     }
     Ok((found, count))

@@ -56,11 +56,7 @@ impl Crossed {
         if t == f64::NEG_INFINITY {
             return Ordering::Greater;
         }
-        self.compare(Self {
-            plane: t,
-            origin: 0.0,
-            step: 1.0,
-        })
+        self.compare(Self { plane: t, origin: 0.0, step: 1.0 })
     }
 }
 
@@ -80,11 +76,7 @@ pub(super) fn passage(ray: &Ray, bounds: &Bounds, hit: f64) -> Passage {
         let (near, far) = if step > 0.0 { (low, high) } else { (high, low) };
         let crossed = |plane: f64| {
             let is_there = plane.is_finite();
-            is_there.then_some(Crossed {
-                plane,
-                origin,
-                step,
-            })
+            is_there.then_some(Crossed { plane, origin, step })
         };
         enters.extend(crossed(near));
         leaves.extend(crossed(far));
@@ -93,10 +85,7 @@ pub(super) fn passage(ray: &Ray, bounds: &Bounds, hit: f64) -> Passage {
     let is_missed = |enter: &Crossed| leaves.iter().any(|&leave| enter.compare(leave).is_gt());
     if enters.iter().any(is_missed) {
         Passage::Missed
-    } else if leaves
-        .iter()
-        .any(|leave| leave.compare_to(ray.t_min).is_le())
-    {
+    } else if leaves.iter().any(|leave| leave.compare_to(ray.t_min).is_le()) {
         Passage::BehindStart
     } else if is_after(ray.t_max) {
         Passage::BeyondEnd

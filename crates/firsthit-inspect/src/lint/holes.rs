@@ -109,9 +109,7 @@ pub(super) fn check(
 /// The number of connected components of boundary edges. A hole is one; two that have a vertex in
 /// common are one together.
 fn components(open: &[BoundaryEdge]) -> usize {
-    let ends = open
-        .iter()
-        .flat_map(|edge| edge.places.map(|place| (edge.subject, place)));
+    let ends = open.iter().flat_map(|edge| edge.places.map(|place| (edge.subject, place)));
     let mut order: Vec<((usize, u32), u32)> = ends.zip(0..).collect();
     order.par_sort_unstable();
     let mut sets = DisjointSets::new(open.len());

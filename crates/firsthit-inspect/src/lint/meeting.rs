@@ -39,13 +39,7 @@ pub(super) fn meet(p: &Face, q: &Face) -> bool {
 /// arithmetic to find.
 fn sides(of: &Face, corners: &[DVec3; 3], shared: Option<usize>) -> [Ordering; 3] {
     let [a, b, c] = of.corners;
-    [0, 1, 2].map(|k| {
-        if Some(k) == shared {
-            Equal
-        } else {
-            orient_3d([a, b, c, corners[k]])
-        }
-    })
+    [0, 1, 2].map(|k| if Some(k) == shared { Equal } else { orient_3d([a, b, c, corners[k]]) })
 }
 
 /// Whether all corners but a shared one are on one side.

@@ -50,10 +50,7 @@ pub struct LintSettings {
 impl Default for LintSettings {
     /// Every kind, with ten places.
     fn default() -> Self {
-        Self {
-            ignore: Vec::new(),
-            places: 10,
-        }
+        Self { ignore: Vec::new(), places: 10 }
     }
 }
 
@@ -90,10 +87,7 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
     let checked: Vec<&'static FindingKind> = KINDS.iter().filter(is_wanted).collect();
     let (mut marks, of_objects) = distinct(scene)?;
     let mut drafts: Vec<Draft> = checked.iter().map(|&kind| Draft::new(kind)).collect();
-    let mut facts = Facts {
-        scene,
-        meshes: Vec::new(),
-    };
+    let mut facts = Facts { scene, meshes: Vec::new() };
     let of_boundary_edges = |kind: &&FindingKind| matches!(kind.check, Check::BoundaryEdges(_));
     let wants_boundary_edges = checked.iter().any(of_boundary_edges);
     let mut boundary_edges = Vec::new();
@@ -110,11 +104,7 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         watch.advance(triangles);
         facts.meshes.push((marks[index].objects[0], mesh));
         if wants_boundary_edges {
-            add_boundary_edges(
-                scene,
-                (&subject, &marks[index].objects),
-                &mut boundary_edges,
-            )?;
+            add_boundary_edges(scene, (&subject, &marks[index].objects), &mut boundary_edges)?;
         }
         for draft in &mut drafts {
             if let Check::Mesh(check) = draft.kind.check {
@@ -126,9 +116,8 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
     for draft in &mut drafts {
         match draft.kind.check {
             Check::Mesh(_) => continue,
-            Check::BoundaryEdges(check) => draft.take(&mut marks, settings, |found| {
-                check(&mut boundary_edges, found, watch)
-            })?,
+            Check::BoundaryEdges(check) => draft
+                .take(&mut marks, settings, |found| check(&mut boundary_edges, found, watch))?,
             Check::Scene(check) => {
                 draft.take(&mut marks, settings, |found| check(&facts, found, watch))?;
             }
@@ -136,12 +125,7 @@ pub fn lint(scene: &Scene, settings: &LintSettings, watch: &dyn Watch) -> Result
         watch.advance(all);
     }
     let findings = drafts.into_iter().filter_map(Draft::finding).collect();
-    Ok(Report {
-        findings,
-        checked,
-        marks,
-        of_objects,
-    })
+    Ok(Report { findings, checked, marks, of_objects })
 }
 
 /// Adds the edges with one face, of all objects that have a mesh.
@@ -153,9 +137,7 @@ fn add_boundary_edges(
     let single = holes::boundary_edges(subject, 0, &Transform::IDENTITY).count();
     let count = single.saturating_mul(objects.len());
     // They are copied once more, and sorted by their places.
-    let bytes = count
-        .saturating_add(all.len())
-        .saturating_mul(3 * size_of::<BoundaryEdge>());
+    let bytes = count.saturating_add(all.len()).saturating_mul(3 * size_of::<BoundaryEdge>());
     memory::check("the edges of holes", bytes)?;
     for &object in objects {
         let placed = with_mesh(scene, usize::try_from(object).unwrap_or(0));

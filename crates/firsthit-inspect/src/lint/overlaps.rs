@@ -132,13 +132,7 @@ impl<'a> Beside<'a> {
         touched: &mut Vec<u32>,
         watch: &dyn Watch,
     ) -> Result<()> {
-        let Self {
-            subject,
-            boxes,
-            shell_of,
-            faces,
-            ..
-        } = self;
+        let Self { subject, boxes, shell_of, faces, .. } = self;
         let mut seen: HashSet<u32> = touched.iter().copied().collect();
         for &triangle in &self.shells[k].faces {
             stop_if_asked(watch)?;
@@ -252,10 +246,7 @@ impl<'a> Beside<'a> {
     /// Whether rounding decides on which side of a face of some shells a point is.
     fn is_near(&mut self, point: DVec3, shells: &[u32]) -> bool {
         let reach = DVec3::splat(self.rounding);
-        let bounds = Bounds {
-            low: point - reach,
-            high: point + reach,
-        };
+        let bounds = Bounds { low: point - reach, high: point + reach };
         self.tree.any_overlapping(bounds, &mut self.stack, |other| {
             let other = self.faces[other as usize];
             let corners = self.subject.corners(other);

@@ -134,11 +134,7 @@ impl FindingCollector<'_> {
     pub(super) fn add_elsewhere(&mut self, object: Option<i32>, position: DVec3) {
         self.count += 1;
         if self.places.len() < self.most_places {
-            self.places.push(Place {
-                object,
-                primitive: None,
-                position,
-            });
+            self.places.push(Place { object, primitive: None, position });
         }
     }
 }

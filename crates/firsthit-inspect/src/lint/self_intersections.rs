@@ -106,8 +106,5 @@ pub(super) fn meets(subject: &Subject<'_>, face: &Face, bounds: Bounds, other: u
 }
 
 pub(super) fn face(subject: &Subject<'_>, triangle: u32) -> Face {
-    Face {
-        corners: subject.corners(triangle),
-        places: subject.welded[triangle as usize],
-    }
+    Face { corners: subject.corners(triangle), places: subject.welded[triangle as usize] }
 }

@@ -29,9 +29,7 @@ pub(super) fn inside_out(
     let boxes: Vec<Bounds> = shells.iter().map(|shell| shell.bounds(subject)).collect();
     let of_sign = |wanted: Ordering| {
         let numbers = 0..shells.len();
-        numbers
-            .filter(|&k| shells[k].sign == wanted)
-            .collect::<Vec<_>>()
+        numbers.filter(|&k| shells[k].sign == wanted).collect::<Vec<_>>()
     };
     let outer = of_sign(Ordering::Greater);
     let count = u32::try_from(outer.len()).unwrap_or(u32::MAX);
@@ -185,11 +183,8 @@ fn sign_of_volume(
         let [a, b, c] = subject.corners(triangle).map(|corner| corner - origin);
         volume += way(triangle) * a.cross(b).dot(c);
         let [a, b, c] = [a, b, c].map(DVec3::abs);
-        let minors = DVec3::new(
-            b.y * c.z + b.z * c.y,
-            b.z * c.x + b.x * c.z,
-            b.x * c.y + b.y * c.x,
-        );
+        let minors =
+            DVec3::new(b.y * c.z + b.z * c.y, b.z * c.x + b.x * c.z, b.x * c.y + b.y * c.x);
         size += a.dot(minors);
     }
     // A sum of n terms, each off by less than 8 roundings of its permanent.

@@ -55,12 +55,7 @@ pub(super) struct EdgeUse {
 impl EdgeUse {
     /// One number in the order of edges and triangles: it is compared in two instructions.
     fn key(&self) -> u128 {
-        packed([
-            self.ends[0],
-            self.ends[1],
-            self.triangle,
-            u32::from(self.is_forward),
-        ])
+        packed([self.ends[0], self.ends[1], self.triangle, u32::from(self.is_forward)])
     }
 }
 
@@ -78,17 +73,12 @@ impl<'a> Subject<'a> {
     ) -> Result<Self> {
         let count = mesh.triangles().len();
         memory::check("the check of a mesh", count.saturating_mul(TRIANGLE_BYTES))?;
-        let Welded {
-            triangles: welded,
-            vertices,
-        } = mesh.welded()?;
+        let Welded { triangles: welded, vertices } = mesh.welded()?;
         stop_if_asked(watch)?;
         let has_area = parallel::gather((0..count).step_by(CHUNK), |first| {
             let triangles = first..count.min(first + CHUNK);
             let corners = triangles.map(|triangle| mesh.corners(triangle));
-            corners
-                .map(|corners| projection_axis(&corners).is_some())
-                .collect()
+            corners.map(|corners| projection_axis(&corners).is_some()).collect()
         });
         let copies = copies(&welded, watch)?;
         let edges = uses_of_edges(&welded, &repeated(&welded, &copies), watch)?;
@@ -160,9 +150,7 @@ fn copies(welded: &[[u32; 3]], watch: &dyn Watch) -> Result<Vec<Vec<u32>>> {
     sort_by_key(&mut order, |&key| key, watch)?;
     let same = order.chunk_by(|a, b| a >> 32 == b >> 32);
     let copies = same.filter(|same| same.len() > 1);
-    Ok(copies
-        .map(|same| same.iter().map(|&key| lowest(key)).collect())
-        .collect())
+    Ok(copies.map(|same| same.iter().map(|&key| lowest(key)).collect()).collect())
 }
 
 /// Sorts by keys that all differ, part by part, so that a stop is soon noticed.
@@ -179,10 +167,8 @@ fn sort_by_key<T: Send>(
         return Ok(());
     }
     let (low, _, high) = all.select_nth_unstable_by_key(all.len() / 2, key);
-    let (low, high) = rayon::join(
-        || sort_by_key(low, key, watch),
-        || sort_by_key(high, key, watch),
-    );
+    let (low, high) =
+        rayon::join(|| sort_by_key(low, key, watch), || sort_by_key(high, key, watch));
     low.and(high)
 }
 
@@ -214,11 +200,7 @@ fn uses_of_edges(
     let wanted = triangles
         .filter(|((_, [a, b, c]), is_repeated)| !**is_repeated && a != b && b != c && c != a);
     let of_triangle = |((triangle, &places), _): ((u32, &[u32; 3]), &bool)| {
-        edges(places).map(move |(ends, is_forward)| EdgeUse {
-            ends,
-            triangle,
-            is_forward,
-        })
+        edges(places).map(move |(ends, is_forward)| EdgeUse { ends, triangle, is_forward })
     };
     let mut edges: Vec<EdgeUse> = wanted.flat_map(of_triangle).collect();
     sort_by_key(&mut edges, EdgeUse::key, watch)?;

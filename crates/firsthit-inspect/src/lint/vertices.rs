@@ -35,9 +35,7 @@ fn add(
     (found, watch): (&mut FindingCollector<'_>, &dyn Watch),
 ) -> Result<()> {
     stop_if_asked(watch)?;
-    let in_scene = usize::try_from(object)
-        .ok()
-        .and_then(|k| scene.objects().get(k));
+    let in_scene = usize::try_from(object).ok().and_then(|k| scene.objects().get(k));
     let in_world =
         |point| in_scene.map_or(point, |object| object.transform().point_in_world(point));
     let count = u32::try_from(positions.len()).unwrap_or(u32::MAX);
@@ -55,17 +53,9 @@ pub(super) fn non_finite(
 ) -> Result<()> {
     for (object, positions, _) in buffers(facts) {
         let is_nowhere = |vertex: u32| !positions.get(vertex).is_finite();
-        add(
-            facts.scene,
-            (object, positions),
-            is_nowhere,
-            (&mut *found, watch),
-        )?;
+        add(facts.scene, (object, positions), is_nowhere, (&mut *found, watch))?;
     }
-    found
-        .places
-        .iter_mut()
-        .for_each(|place| place.position = DVec3::NAN);
+    found.places.iter_mut().for_each(|place| place.position = DVec3::NAN);
     Ok(())
 }
 
@@ -82,12 +72,7 @@ pub(super) fn unreferenced(
             is_used[vertex as usize] = true;
         }
         let is_free = |vertex: u32| !is_used[vertex as usize];
-        add(
-            facts.scene,
-            (object, positions),
-            is_free,
-            (&mut *found, watch),
-        )?;
+        add(facts.scene, (object, positions), is_free, (&mut *found, watch))?;
     }
     Ok(())
 }

@@ -69,10 +69,8 @@ pub(super) fn arrange(
     for extent in &section.extents[first..] {
         let points = &section.points[extent.points[0]..extent.points[1]];
         let primitives = &section.primitives[extent.segments[0]..extent.segments[1]];
-        let numbers: Vec<u32> = points
-            .iter()
-            .map(|&point| nodes.number(in_plane(section, point), point))
-            .collect();
+        let numbers: Vec<u32> =
+            points.iter().map(|&point| nodes.number(in_plane(section, point), point)).collect();
         for (k, &primitive) in primitives.iter().enumerate() {
             let ends = [numbers[k], numbers[(k + 1) % numbers.len()]];
             edges.push(Edge { ends, primitive });
@@ -117,16 +115,10 @@ fn split(nodes: &mut Nodes, mut edges: Vec<Edge>, watch: &dyn Watch) -> Result<O
             for point in cuts {
                 let share = along(&point) / way.length_squared();
                 let to = nodes.number(point, start.lerp(end, share.clamp(0.0, 1.0)));
-                pieces.push(Edge {
-                    ends: [from, to],
-                    ..*edge
-                });
+                pieces.push(Edge { ends: [from, to], ..*edge });
                 from = to;
             }
-            pieces.push(Edge {
-                ends: [from, edge.ends[1]],
-                ..*edge
-            });
+            pieces.push(Edge { ends: [from, edge.ends[1]], ..*edge });
         }
         edges = pieces;
     }
@@ -153,11 +145,7 @@ fn crossing(a: Line, b: Line) -> DVec3 {
     let slope = way.x * across.y - way.y * across.x;
     let offset = b.from - a.from;
     let share = (offset.x * across.y - offset.y * across.x) / slope;
-    let share = if share.is_finite() {
-        share.clamp(0.0, 1.0)
-    } else {
-        0.5
-    };
+    let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 };
     let low = a.from.min(a.to).max(b.from.min(b.to));
     let high = a.from.max(a.to).min(b.from.max(b.to));
     (a.from + share * way).min(high).max(low) + DVec3::ZERO
@@ -209,9 +197,8 @@ fn boundary(
 fn join(nodes: &Nodes, edges: &[Edge], object: i32, section: &mut Section) {
     let mut order: Vec<u32> = (0..).take(edges.len()).collect();
     order.sort_by_key(|&k| (edges[k as usize].primitive, k));
-    let mut onwards: Vec<(u32, u32)> = (edges.iter().zip(0..))
-        .map(|(edge, k)| (edge.ends[0], k))
-        .collect();
+    let mut onwards: Vec<(u32, u32)> =
+        (edges.iter().zip(0..)).map(|(edge, k)| (edge.ends[0], k)).collect();
     onwards.sort_unstable();
     let mut is_done = vec![false; edges.len()];
     for first in order {
@@ -254,10 +241,7 @@ fn is_sharper(line: Line, p: DVec3, q: DVec3) -> bool {
         Ordering::Equal => 0,
     };
     let (of_p, of_q) = (rank(p), rank(q));
-    let between = Line {
-        from: line.to,
-        to: q,
-    };
+    let between = Line { from: line.to, to: q };
     of_p > of_q || of_p == of_q && side(between, p) == Ordering::Greater
 }
 

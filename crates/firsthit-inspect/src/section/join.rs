@@ -46,10 +46,7 @@ pub(super) fn join(
     watch: &dyn Watch,
 ) -> Result<()> {
     let count = segments.len();
-    memory::check(
-        "the ends of a section's segments",
-        count.saturating_mul(SEGMENT_BYTES),
-    )?;
+    memory::check("the ends of a section's segments", count.saturating_mul(SEGMENT_BYTES))?;
     let no_room = |_| memory::no_room_for("the points of a section");
     section.points.try_reserve(2 * count).map_err(no_room)?;
     section.primitives.try_reserve(count).map_err(no_room)?;
@@ -68,10 +65,7 @@ pub(super) fn join(
     Ok(())
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "a mesh holds at most `i32::MAX` triangles"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "a mesh holds at most `i32::MAX` triangles")]
 fn number(segment: usize) -> End {
     2 * segment as End
 }
@@ -100,11 +94,7 @@ impl<'a> Links<'a> {
             }
             link(meeting, &mut unpaired, &mut links);
         }
-        Ok(Self {
-            segments,
-            met: links,
-            points,
-        })
+        Ok(Self { segments, met: links, points })
     }
 
     /// The end from which a polyline through a segment, given by its start, is followed: that start, or the open end before it.
@@ -130,9 +120,7 @@ impl<'a> Links<'a> {
             is_done[start as usize / 2] = true;
             if from != to {
                 section.points.push(from);
-                section
-                    .primitives
-                    .push(self.segments[start as usize / 2].primitive);
+                section.primitives.push(self.segments[start as usize / 2].primitive);
             }
             match self.met[end as usize] {
                 NONE => {

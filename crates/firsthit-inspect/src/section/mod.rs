@@ -87,11 +87,7 @@ pub struct Polyline<'a> {
 impl Polyline<'_> {
     /// The length of all segments, in scene units.
     pub fn length(&self) -> f64 {
-        let inner: f64 = self
-            .points
-            .windows(2)
-            .map(|two| (two[1] - two[0]).length())
-            .sum();
+        let inner: f64 = self.points.windows(2).map(|two| (two[1] - two[0]).length()).sum();
         match self.points {
             [first, .., last] if self.is_closed => inner + (*first - *last).length(),
             _ => inner,
@@ -109,10 +105,7 @@ impl Polyline<'_> {
             let offset = *point - first;
             DVec2::new(plane.u().dot(offset), plane.v().dot(offset))
         };
-        let twice: f64 = rest
-            .windows(2)
-            .map(|two| place(&two[0]).perp_dot(place(&two[1])))
-            .sum();
+        let twice: f64 = rest.windows(2).map(|two| place(&two[0]).perp_dot(place(&two[1]))).sum();
         Some(0.5 * twice)
     }
 }
@@ -164,10 +157,7 @@ impl Section {
 
     /// The length of all polylines, in scene units.
     pub fn perimeter(&self) -> f64 {
-        0.0 + self
-            .polylines()
-            .map(|polyline| polyline.length())
-            .sum::<f64>()
+        0.0 + self.polylines().map(|polyline| polyline.length()).sum::<f64>()
     }
 
     /// The objects that could not be cut, since they are no meshes, or reach beyond 10^150.
@@ -231,10 +221,7 @@ pub fn section_with(
         left_out: Vec::new(),
         warnings: Vec::new(),
     };
-    let mut reasons = [
-        Reason::new("not a mesh"),
-        Reason::new("at coordinates beyond 1e150"),
-    ];
+    let mut reasons = [Reason::new("not a mesh"), Reason::new("at coordinates beyond 1e150")];
     let objects = (0..).zip(scene.objects());
     let visible = objects.filter(|(_, object)| !object.is_hidden());
     let triangles = visible.clone().map(|(_, object)| object.triangles() as u64);
@@ -251,9 +238,7 @@ pub fn section_with(
         }
         watch.advance(object.triangles() as u64);
     }
-    section
-        .warnings
-        .extend(reasons.iter().filter_map(Reason::line));
+    section.warnings.extend(reasons.iter().filter_map(Reason::line));
     section.warnings.extend(section.gap_warning());
     if section.is_empty() {
         section.warnings.push("the plane cuts nothing".to_owned());

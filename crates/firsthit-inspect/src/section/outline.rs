@@ -76,10 +76,7 @@ pub(super) fn judge(
 ) -> Result<Outlines> {
     let extents = &section.extents[first..];
     let count: usize = extents.iter().map(Extent::len).sum();
-    memory::check(
-        "the outlines of a section",
-        count.saturating_mul(LINE_BYTES),
-    )?;
+    memory::check("the outlines of a section", count.saturating_mul(LINE_BYTES))?;
     let (mut lines, mut places) = (Vec::new(), Vec::new());
     for (polyline, extent) in extents.iter().enumerate() {
         let points = &section.points[extent.points[0]..extent.points[1]];
@@ -93,9 +90,7 @@ pub(super) fn judge(
         }
     }
     let lines = Lines::new(&lines);
-    let meetings = lines.each(watch, |line, stack| {
-        look(&lines, &places, extents, line, stack)
-    })?;
+    let meetings = lines.each(watch, |line, stack| look(&lines, &places, extents, line, stack))?;
     if meetings.iter().any(|seen| seen.is_tangled) {
         return Ok(Outlines::Tangled);
     }
@@ -114,11 +109,7 @@ pub(super) fn judge(
         }
         let mut above = Winding::default();
         lines.above(line, &mut stack, |other| {
-            above.turns -= if lines.all[other].is_rightwards() {
-                1
-            } else {
-                -1
-            };
+            above.turns -= if lines.all[other].is_rightwards() { 1 } else { -1 };
             above.crossings += 1;
         });
         let is_rightwards = lines.all[line].is_rightwards();
@@ -163,11 +154,7 @@ fn look(
     line: usize,
     stack: &mut Vec<u32>,
 ) -> LineRelations {
-    let mut seen = LineRelations {
-        is_tangled: false,
-        is_pinched: false,
-        is_back: false,
-    };
+    let mut seen = LineRelations { is_tangled: false, is_pinched: false, is_back: false };
     let own = places[line];
     lines.near(line, stack, |other| {
         let that = places[other];

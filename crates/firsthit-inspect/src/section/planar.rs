@@ -54,10 +54,7 @@ impl Line {
         if self.is_rightwards() {
             return self;
         }
-        Self {
-            from: self.to,
-            to: self.from,
-        }
+        Self { from: self.to, to: self.from }
     }
 
     /// Whether a point on the endless line is between the ends, or at one.
@@ -89,12 +86,8 @@ impl Line {
         }
         let is_same = self.from == other.from && self.to == other.to;
         let is_inside = is_same
-            || [other.from, other.to]
-                .into_iter()
-                .any(|end| self.has_inside(end))
-            || [self.from, self.to]
-                .into_iter()
-                .any(|end| other.has_inside(end))
+            || [other.from, other.to].into_iter().any(|end| self.has_inside(end))
+            || [self.from, self.to].into_iter().any(|end| other.has_inside(end))
             || self.crosses(other);
         let ends = [other.from, other.to];
         if is_inside {
@@ -128,11 +121,7 @@ impl<'a> Lines<'a> {
         let count = u32::try_from(lines.len()).unwrap_or(u32::MAX);
         let tree = Bvh::build(count, |k| lines[k as usize].bounds(), 0.0);
         let tops = lines.iter().map(|line| line.from.y.max(line.to.y));
-        Self {
-            all: lines,
-            tree,
-            top: tops.fold(f64::NEG_INFINITY, f64::max),
-        }
+        Self { all: lines, tree, top: tops.fold(f64::NEG_INFINITY, f64::max) }
     }
 
     /// Calls `visit` with each other line that may meet a line.
@@ -150,10 +139,7 @@ impl<'a> Lines<'a> {
     pub(super) fn above(&self, line: usize, stack: &mut Vec<u32>, mut visit: impl FnMut(usize)) {
         let own = self.all[line].rightwards();
         let start = own.from;
-        let bounds = Bounds {
-            low: start,
-            high: DVec3::new(start.x, self.top, 0.0),
-        };
+        let bounds = Bounds { low: start, high: DVec3::new(start.x, self.top, 0.0) };
         self.tree.any_overlapping(bounds, stack, |other| {
             let that = self.all[other as usize].rightwards();
             let is_there = order(that.from, start) != Ordering::Greater

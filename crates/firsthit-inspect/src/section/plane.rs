@@ -131,11 +131,8 @@ impl SectionPlane {
         }
         let [from_a, from_b] = [a, b].map(|point| self.distance(point));
         // From the nearer end on: then the other is not reached.
-        let (near, far, distance) = if from_a.high <= from_b.high {
-            (a, b, from_a)
-        } else {
-            (b, a, from_b)
-        };
+        let (near, far, distance) =
+            if from_a.high <= from_b.high { (a, b, from_a) } else { (b, a, from_b) };
         let whole = added(from_a, from_b);
         if whole.high <= 0.0 {
             return near;
@@ -153,14 +150,7 @@ impl SectionPlane {
     fn distance(&self, point: DVec3) -> Double<f64> {
         let offset = between(Scalar, &point.to_array(), &self.origin.to_array());
         let Double { high, low } = dot_plain(Scalar, &offset, &self.direction.to_array());
-        if high < 0.0 {
-            Double {
-                high: -high,
-                low: -low,
-            }
-        } else {
-            Double { high, low }
-        }
+        if high < 0.0 { Double { high: -high, low: -low } } else { Double { high, low } }
     }
 }
 
@@ -191,10 +181,9 @@ mod tests {
 
     fn distance(plane: &SectionPlane, point: DVec3) -> BigRational {
         let [p, o, n] = [point, plane.origin, plane.given].map(exact);
-        (0..3).fold(
-            p[0].clone() * BigRational::from_integer(0.into()),
-            |sum, k| sum + &n[k] * (&p[k] - &o[k]),
-        )
+        (0..3).fold(p[0].clone() * BigRational::from_integer(0.into()), |sum, k| {
+            sum + &n[k] * (&p[k] - &o[k])
+        })
     }
 
     /// Numbers that are round, tiny, huge, or a little beside round ones.

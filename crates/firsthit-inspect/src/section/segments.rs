@@ -43,11 +43,7 @@ impl<'a> Placed<'a> {
     /// `None` for an object that is not a mesh.
     pub(super) fn new(object: &'a Object) -> Option<Self> {
         let transform = object.transform();
-        Some(Self {
-            mesh: object.mesh()?,
-            transform,
-            is_mirrored: is_mirrored(transform),
-        })
+        Some(Self { mesh: object.mesh()?, transform, is_mirrored: is_mirrored(transform) })
     }
 
     /// A box around its points as they are in the world, to the last bit: a point and the box's corners go through the same
@@ -105,10 +101,7 @@ impl<'a> Placed<'a> {
         if self.mesh.bounds().is_empty() || self.is_on_one_side(plane) {
             return Ok(Vec::new());
         }
-        memory::check(
-            "the triangles of a section",
-            count.saturating_mul(size_of::<u32>()),
-        )?;
+        memory::check("the triangles of a section", count.saturating_mul(size_of::<u32>()))?;
         let crossed = in_chunks(count, watch, |triangle| {
             let above = above(plane, &self.corners(triangle));
             (above[0] != above[1] || above[0] != above[2]).then_some(triangle)
@@ -132,11 +125,7 @@ impl<'a> Placed<'a> {
             Some(edge_between(corners[k], corners[(k + 1) % 3]))
         };
         let [start, end] = [edge(true)?, edge(false)?];
-        let edges = if self.is_mirrored == is_turned {
-            [start, end]
-        } else {
-            [end, start]
-        };
+        let edges = if self.is_mirrored == is_turned { [start, end] } else { [end, start] };
         let primitive = i32::try_from(triangle).unwrap_or(i32::MAX);
         (start != end).then_some(Segment { edges, primitive })
     }
@@ -148,11 +137,7 @@ fn above(plane: &SectionPlane, corners: &[DVec3; 3]) -> [bool; 3] {
 }
 
 fn edge_between(a: DVec3, b: DVec3) -> Edge {
-    if compare_points(a, b) == Ordering::Greater {
-        [b, a]
-    } else {
-        [a, b]
-    }
+    if compare_points(a, b) == Ordering::Greater { [b, a] } else { [a, b] }
 }
 
 /// Whether a transform makes a left hand of a right one.

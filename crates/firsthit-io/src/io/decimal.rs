@@ -32,11 +32,7 @@ pub(super) fn number(text: &[u8]) -> Option<(f64, &[u8])> {
     };
     let power = exponent - i32::try_from(after).ok()?;
     let size = *TENS.get(power.unsigned_abs() as usize)?;
-    let magnitude = if power < 0 {
-        digits as f64 / size
-    } else {
-        digits as f64 * size
-    };
+    let magnitude = if power < 0 { digits as f64 / size } else { digits as f64 * size };
     Some((if is_negative { -magnitude } else { magnitude }, rest))
 }
 
@@ -55,9 +51,7 @@ fn sign(text: &[u8]) -> (bool, &[u8]) {
 fn digits(mut number: u64, text: &[u8]) -> (u64, &[u8], usize) {
     let mut rest = text;
     while let [digit @ b'0'..=b'9', more @ ..] = rest {
-        number = number
-            .wrapping_mul(10)
-            .wrapping_add(u64::from(digit - b'0'));
+        number = number.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
         rest = more;
     }
     (number, rest, text.len() - rest.len())
@@ -67,9 +61,7 @@ fn exponent(text: &[u8]) -> Option<(i32, &[u8])> {
     let (is_negative, rest) = sign(text);
     let (exponent, rest, count) = digits(0, rest);
     let exponent = i32::try_from(exponent).ok()?;
-    (1..=4)
-        .contains(&count)
-        .then_some((if is_negative { -exponent } else { exponent }, rest))
+    (1..=4).contains(&count).then_some((if is_negative { -exponent } else { exponent }, rest))
 }
 
 /// The integer at the start of `text`, of at most nine digits, and what follows it.
@@ -81,9 +73,7 @@ pub(super) fn integer(text: &[u8]) -> Option<(i64, &[u8])> {
     };
     let (number, rest, count) = digits(0, rest);
     let number = i64::try_from(number).ok()?;
-    (1..=9)
-        .contains(&count)
-        .then_some((if is_negative { -number } else { number }, rest))
+    (1..=9).contains(&count).then_some((if is_negative { -number } else { number }, rest))
 }
 
 #[cfg(test)]
@@ -96,9 +86,7 @@ mod tests {
     fn what_is_read_fast_is_what_the_standard_library_reads() {
         let mut state = 1_u64;
         let mut random = |below: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             usize::try_from((state >> 33) % below).unwrap()
         };
         let mut fast = 0;
@@ -122,20 +110,8 @@ mod tests {
     fn a_number_ends_where_its_digits_end() {
         assert_eq!(number(b"-.5 7"), Some((-0.5, &b" 7"[..])));
         assert_eq!(number(b"5.e1x"), Some((50.0, &b"x"[..])));
-        assert_eq!(
-            number(b"-0").map(|(zero, _)| zero.is_sign_negative()),
-            Some(true)
-        );
-        for text in [
-            &b""[..],
-            b".",
-            b"-",
-            b"e5",
-            b"nan",
-            b"1e",
-            b"1e+",
-            b"12345678901234567890",
-        ] {
+        assert_eq!(number(b"-0").map(|(zero, _)| zero.is_sign_negative()), Some(true));
+        for text in [&b""[..], b".", b"-", b"e5", b"nan", b"1e", b"1e+", b"12345678901234567890"] {
             assert_eq!(number(text), None);
         }
         assert_eq!(integer(b"-12/3"), Some((-12, &b"/3"[..])));

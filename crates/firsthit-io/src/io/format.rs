@@ -78,11 +78,7 @@ impl ModelFormat {
     pub fn load(&self, bytes: Cow<'_, [u8]>, report: &mut Report) -> Result<Model> {
         let model = self.format.read(bytes, report, self.read)?;
         let scale = report.settings.scale;
-        if scale == 1.0 {
-            Ok(model)
-        } else {
-            scaled(model, scale)
-        }
+        if scale == 1.0 { Ok(model) } else { scaled(model, scale) }
     }
 }
 
@@ -103,9 +99,7 @@ pub fn format_of<F: AsRef<Format>>(
 ) -> Result<F> {
     let known: Vec<String> = (formats.clone())
         .flat_map(|format| {
-            let Format {
-                name, extensions, ..
-            } = *format.as_ref();
+            let Format { name, extensions, .. } = *format.as_ref();
             (extensions.iter()).map(move |extension| format!(".{extension} ({name})"))
         })
         .collect();

@@ -23,52 +23,27 @@ use crate::geometry::DVec3;
 pub const FORMATS: &[ModelFormat] = &[
     #[cfg(feature = "gltf")]
     ModelFormat {
-        format: Format {
-            name: "glTF",
-            extensions: &["gltf", "glb"],
-            up: DVec3::Y,
-            rules_up: true,
-        },
+        format: Format { name: "glTF", extensions: &["gltf", "glb"], up: DVec3::Y, rules_up: true },
         read: gltf::read,
     },
     #[cfg(feature = "obj")]
     ModelFormat {
-        format: Format {
-            name: "OBJ",
-            extensions: &["obj"],
-            up: DVec3::Y,
-            rules_up: false,
-        },
+        format: Format { name: "OBJ", extensions: &["obj"], up: DVec3::Y, rules_up: false },
         read: obj::read,
     },
     #[cfg(feature = "ply")]
     ModelFormat {
-        format: Format {
-            name: "PLY",
-            extensions: &["ply"],
-            up: DVec3::Z,
-            rules_up: false,
-        },
+        format: Format { name: "PLY", extensions: &["ply"], up: DVec3::Z, rules_up: false },
         read: ply::read,
     },
     #[cfg(feature = "stl")]
     ModelFormat {
-        format: Format {
-            name: "STL",
-            extensions: &["stl"],
-            up: DVec3::Z,
-            rules_up: false,
-        },
+        format: Format { name: "STL", extensions: &["stl"], up: DVec3::Z, rules_up: false },
         read: stl::read,
     },
     #[cfg(feature = "off")]
     ModelFormat {
-        format: Format {
-            name: "OFF",
-            extensions: &["off"],
-            up: DVec3::Z,
-            rules_up: false,
-        },
+        format: Format { name: "OFF", extensions: &["off"], up: DVec3::Z, rules_up: false },
         read: off::read,
     },
 ];

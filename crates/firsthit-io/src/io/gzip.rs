@@ -28,9 +28,7 @@ pub(super) fn unpacked<'a>(bytes: Cow<'a, [u8]>, report: &mut Report) -> Checked
             format!("{trailing} bytes after the packed content are not read")
         });
     }
-    report
-        .budget
-        .charge_content(content.len() as u64, "its unpacked content")?;
+    report.budget.charge_content(content.len() as u64, "its unpacked content")?;
     Ok(content.into())
 }
 
@@ -116,10 +114,7 @@ mod tests {
         assert!(bomb.len() < 5000);
         assert_eq!(unpack(&bomb, 3 << 20, &()).unwrap().0.len(), 3 << 20);
         for most in [0, 1, 1 << 20, (3 << 20) - 1] {
-            assert!(matches!(
-                unpack(&bomb, most, &()),
-                Err(Fault::TooLarge { .. })
-            ));
+            assert!(matches!(unpack(&bomb, most, &()), Err(Fault::TooLarge { .. })));
         }
     }
 

@@ -68,10 +68,7 @@ impl MemoryBudget {
 
     /// The budget of a file that this one names: all that is left.
     pub(crate) fn part(&self) -> Self {
-        Self {
-            room: self.room,
-            ..Self::new(self.left)
-        }
+        Self { room: self.room, ..Self::new(self.left) }
     }
 
     /// Takes back what a [`part`](Self::part) left.

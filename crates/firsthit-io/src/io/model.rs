@@ -21,10 +21,7 @@ pub struct Model {
 
 impl Model {
     pub fn of(objects: Vec<Object>) -> Self {
-        Self {
-            objects,
-            ..Self::default()
-        }
+        Self { objects, ..Self::default() }
     }
 }
 

@@ -111,10 +111,7 @@ mod tests {
     #[test]
     fn too_large_is_said_before_anything_is_decoded() {
         let mut bytes = png(40, 2);
-        let small = LoadSettings {
-            max_texture: 39,
-            ..LoadSettings::default()
-        };
+        let small = LoadSettings { max_texture: 39, ..LoadSettings::default() };
         let error = decoded(&bytes, None, small).unwrap_err();
         assert!(error.contains("40"), "{error}");
         // A header that lies: 2^31 - 1 squared.
@@ -127,10 +124,8 @@ mod tests {
     fn a_texture_takes_twice_its_texels_of_the_memory_allowed() {
         let bytes = png(256, 128);
         let with_left = |left| {
-            let settings = LoadSettings {
-                max_memory: left + bytes.len() as u64,
-                ..LoadSettings::default()
-            };
+            let settings =
+                LoadSettings { max_memory: left + bytes.len() as u64, ..LoadSettings::default() };
             let path = "a.png".as_ref();
             let mut report = Report::new(path, settings, &());
             report.budget.charge_read(path, bytes.len()).unwrap();

@@ -79,10 +79,7 @@ fn opened(path: &Path) -> Result<(File, u64)> {
 }
 
 fn refused(path: &Path, source: io::Error) -> Error {
-    Error::Read {
-        path: path.to_owned(),
-        source,
-    }
+    Error::Read { path: path.to_owned(), source }
 }
 
 /// Fails for a folder, in the words that [`regular_file`] has for one.
@@ -157,10 +154,7 @@ pub(crate) fn sibling(
         let wrong = |error: io::Error| format!("the folder {}: {error}", escaped(folder));
         tops.push(folder.canonicalize().map_err(wrong)?);
     }
-    let last = name
-        .rsplit('/')
-        .next()
-        .filter(|last| check_name(last).is_ok());
+    let last = name.rsplit('/').next().filter(|last| check_name(last).is_ok());
     let is_relative = !name.starts_with('/') && !name.contains(':');
     let beside = is_relative.then(|| folder.join(&name));
     let within = tops.iter().skip(1).flat_map(|top| {
@@ -213,17 +207,12 @@ pub fn sibling_to_be(scene: &Path, name: &str) -> std::result::Result<PathBuf, S
     // The parts of the path that exist must not lead out of the folder. The others cannot be links.
     let there = path.ancestors().find_map(|part| part.canonicalize().ok());
     let is_within = there.is_none_or(|there| there.starts_with(&top));
-    let is_link = path
-        .ancestors()
-        .any(|part| part.is_symlink() && part.canonicalize().is_err());
+    let is_link = path.ancestors().any(|part| part.is_symlink() && part.canonicalize().is_err());
     if !is_within || is_link {
         return Err("refused: it leads outside the scene's folder".to_owned());
     }
     // To write to a FIFO waits for a reader, and a device is no place for a picture.
-    if path
-        .metadata()
-        .is_ok_and(|there| !there.is_file() && !there.is_dir())
-    {
+    if path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         return Err("refused: it is no regular file".to_owned());
     }
     Ok(path)
@@ -258,10 +247,7 @@ fn check_name(name: &str) -> std::result::Result<(), Refused> {
             return Ok(());
         }
     };
-    Err(Refused {
-        why,
-        is_mended_by_folder,
-    })
+    Err(Refused { why, is_mended_by_folder })
 }
 
 #[cfg(test)]

@@ -30,9 +30,7 @@ const WAYS: &[(&[&str], &str)] = &[
         "meshio reads {}: meshio convert FILE part.ply",
     ),
     (
-        &[
-            "sldprt", "sldasm", "ipt", "iam", "prt", "catpart", "x_t", "sat",
-        ],
+        &["sldprt", "sldasm", "ipt", "iam", "prt", "catpart", "x_t", "sat"],
         "the CAD program that made it exports .stl, or .step for FreeCAD",
     ),
     (
@@ -86,9 +84,7 @@ pub(super) fn hinted(fault: Fault, format: &Format, bytes: &[u8]) -> Fault {
         let mut models = FORMATS.iter().map(|model| &model.format);
         if let Some(other) = models.find(|other| other.extensions.contains(&extension)) {
             let name = other.name;
-            return Some(format!(
-                "by its content this is {name}: name it .{extension}"
-            ));
+            return Some(format!("by its content this is {name}: name it .{extension}"));
         }
         let way = way_of(Path::new(&format!("x.{extension}")))?;
         Some(format!("by its content this is .{extension}: {way}"))

@@ -47,14 +47,8 @@ impl<'w> Report<'w> {
 
     /// The report about a file that this one names, within this one's budget.
     pub fn part(&self, path: &Path) -> Self {
-        let settings = LoadSettings {
-            scale: 1.0,
-            ..self.settings.clone()
-        };
-        Self {
-            budget: self.budget.part(),
-            ..Self::new(path, settings, self.watch)
-        }
+        let settings = LoadSettings { scale: 1.0, ..self.settings.clone() };
+        Self { budget: self.budget.part(), ..Self::new(path, settings, self.watch) }
     }
 
     /// The file that the one that is read calls `name`, see [`read::sibling`].

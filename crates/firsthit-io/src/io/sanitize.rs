@@ -30,16 +30,12 @@ impl ValueKind {
     /// The key of the warning, the name of the values, and the name of their replacement.
     fn words(self) -> (&'static str, &'static str, &'static str) {
         match self {
-            Self::Normals => (
-                "bad normals",
-                "normals that are not finite",
-                "the triangles' own are taken",
-            ),
-            Self::Coordinates => (
-                "bad texture coordinates",
-                "texture coordinates that are not finite",
-                "0 is taken",
-            ),
+            Self::Normals => {
+                ("bad normals", "normals that are not finite", "the triangles' own are taken")
+            }
+            Self::Coordinates => {
+                ("bad texture coordinates", "texture coordinates that are not finite", "0 is taken")
+            }
             Self::Colors => (
                 "bad colours",
                 "colours that are not from 0 to 1",
@@ -52,11 +48,7 @@ impl ValueKind {
 /// The linear value of a level that is encoded as sRGB. What is not from 0 to 1 stays as it is:
 /// [`sanitize_levels`] tells what it means.
 pub(super) fn linear(encoded: f64) -> f32 {
-    if (0.0..=1.0).contains(&encoded) {
-        single(srgb_decode(encoded))
-    } else {
-        single(encoded)
-    }
+    if (0.0..=1.0).contains(&encoded) { single(srgb_decode(encoded)) } else { single(encoded) }
 }
 
 /// Mends colours whose levels came through [`linear`]. Levels above 1 say that a file counts from 0 to 255, which is a warning.
@@ -104,9 +96,8 @@ pub(super) fn sanitize<const N: usize>(
     }
     if count > 0 {
         let (key, name, instead) = kind.words();
-        report.warn(key, place, || {
-            format!("{name}: {count}, the first at index {first}; {instead}")
-        });
+        report
+            .warn(key, place, || format!("{name}: {count}, the first at index {first}; {instead}"));
     }
 }
 
@@ -118,11 +109,8 @@ mod tests {
     #[test]
     fn numbers_that_are_none_are_replaced_and_counted() {
         let mut report = Report::new("x".as_ref(), LoadSettings::default(), &());
-        let mut colors = [
-            [0.5, -0.0, 1.0],
-            [f32::NAN, -5.0, f32::INFINITY],
-            [f32::NEG_INFINITY, 1e30, 2.0],
-        ];
+        let mut colors =
+            [[0.5, -0.0, 1.0], [f32::NAN, -5.0, f32::INFINITY], [f32::NEG_INFINITY, 1e30, 2.0]];
         sanitize(&mut colors, ValueKind::Colors, &Place::File, &mut report);
         assert_eq!(colors, [[0.5, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]);
         let mut normals = [[0.0, 0.0, 1.0], [0.0, f32::NAN, 1.0]];

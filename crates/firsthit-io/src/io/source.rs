@@ -16,9 +16,7 @@ pub(crate) fn without_gz(path: &Path) -> PathBuf {
 pub fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     let unpacked = without_gz(path);
     let own = unpacked.extension().unwrap_or_default();
-    extensions
-        .iter()
-        .any(|known| own.eq_ignore_ascii_case(known))
+    extensions.iter().any(|known| own.eq_ignore_ascii_case(known))
 }
 
 /// The file that is read.
@@ -33,11 +31,7 @@ pub struct SourceFile {
 
 impl SourceFile {
     pub(crate) fn new(path: &Path) -> Self {
-        Self {
-            path: path.to_owned(),
-            in_memory: false,
-            further: Vec::new(),
-        }
+        Self { path: path.to_owned(), in_memory: false, further: Vec::new() }
     }
 
     /// The path, as messages call it.

@@ -33,9 +33,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
         }
         report.budget.charge_growth(facets.len())?;
         colors = facet_colors(bytes.get(..HEADER).unwrap_or_default(), facets);
-        report
-            .budget
-            .charge_content(size_of_val(&*colors) as u64, "the facets' colours")?;
+        report.budget.charge_content(size_of_val(&*colors) as u64, "the facets' colours")?;
         (Positions::Single(read_binary(facets).into()), None)
     } else {
         let (points, name) = read_text(&text::decode(bytes), report)?;
@@ -70,11 +68,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
 /// by a bit of 1, and blue is lowest.
 fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
     let (facets, _) = facets.as_chunks::<FACET>();
-    let words = || {
-        facets
-            .iter()
-            .map(|&[.., low, high]| u16::from_le_bytes([low, high]))
-    };
+    let words = || facets.iter().map(|&[.., low, high]| u16::from_le_bytes([low, high]));
     let grey = Object::NEUTRAL.to_array().map(single);
     let of_all = memchr::memmem::find(header, b"COLOR=").map(|start| header.get(start + 6..));
     let level = |word: u16, shift: u32| linear(f64::from((word >> shift) & 31) / 31.0);
@@ -87,11 +81,7 @@ fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
             _ => grey,
         };
         let color = |word| {
-            if is_marked(word) {
-                of_all
-            } else {
-                [0, 5, 10].map(|shift| level(word, shift))
-            }
+            if is_marked(word) { of_all } else { [0, 5, 10].map(|shift| level(word, shift)) }
         };
         return words().map(color).collect();
     }
@@ -99,11 +89,7 @@ fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
         return Vec::new();
     }
     let color = |word| {
-        if is_marked(word) {
-            [10, 5, 0].map(|shift| level(word, shift))
-        } else {
-            grey
-        }
+        if is_marked(word) { [10, 5, 0].map(|shift| level(word, shift)) } else { grey }
     };
     words().map(color).collect()
 }
@@ -113,9 +99,7 @@ fn facet_colors(header: &[u8], facets: &[u8]) -> Vec<[f32; 3]> {
 fn binary_of(bytes: &[u8]) -> Checked<Option<(&[u8], &[u8])>> {
     let start = bytes.trim_ascii_start();
     let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
-    let solid = start
-        .get(..5)
-        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let solid = start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     let is_text = utf16 || (solid && !bytes.contains(&0));
     let Some((count, body)) = bytes.get(HEADER..).and_then(<[u8]>::split_first_chunk::<4>) else {
@@ -178,9 +162,7 @@ fn read_text(text: &[u8], report: &mut Report) -> Checked<(Vec<[f64; 3]>, Option
     let mut lines = Lines::new(text);
     while let Some(line) = lines.next() {
         if lines.number.is_multiple_of(CHECK_EVERY) {
-            report
-                .budget
-                .charge_growth(size_of_val(reader.points.as_slice()))?;
+            report.budget.charge_growth(size_of_val(reader.points.as_slice()))?;
             report.advance_until(lines.rest().len())?;
         }
         reader.line(line, lines.number, report)?;

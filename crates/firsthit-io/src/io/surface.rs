@@ -22,16 +22,12 @@ pub(super) struct Vertices {
 impl Vertices {
     pub(super) fn new(positions: Positions) -> Self {
         let all_usable = match &positions {
-            Positions::Single(points) => points
-                .iter()
-                .flatten()
-                .all(|&x| f64::from(x).abs() < TOO_FAR),
+            Positions::Single(points) => {
+                points.iter().flatten().all(|&x| f64::from(x).abs() < TOO_FAR)
+            }
             Positions::Double(points) => points.iter().flatten().all(|&x| x.abs() < TOO_FAR),
         };
-        Self {
-            positions: Arc::new(positions),
-            all_usable,
-        }
+        Self { positions: Arc::new(positions), all_usable }
     }
 
     fn is_usable(&self, corners: &[u32; 3]) -> bool {
@@ -114,9 +110,7 @@ impl Surface {
             return self.push_triangle([a, b, c]);
         }
         let (first, triangles) = (self.triangles.len(), ring.len().saturating_sub(2));
-        let faces = self
-            .faces
-            .get_or_insert_with(|| (0..self.face_count).collect());
+        let faces = self.faces.get_or_insert_with(|| (0..self.face_count).collect());
         faces.extend(std::iter::repeat_n(self.face_count, triangles));
         push_fan(&mut self.triangles, ring);
         if triangles > 0 {
@@ -177,18 +171,13 @@ impl Surface {
         if vertices.all_usable {
             return;
         }
-        let keep: Vec<bool> = self
-            .triangles
-            .iter()
-            .map(|triangle| vertices.is_usable(triangle))
-            .collect();
+        let keep: Vec<bool> =
+            self.triangles.iter().map(|triangle| vertices.is_usable(triangle)).collect();
         let Some(first) = keep.iter().position(|&keep| !keep) else {
             return;
         };
         let dropped = keep.iter().filter(|&&keep| !keep).count() as u64;
-        report
-            .warnings
-            .drop_triangles(dropped, || format!("triangle {first} of '{name}'"));
+        report.warnings.drop_triangles(dropped, || format!("triangle {first} of '{name}'"));
         // Those that stay keep their faces.
         let count = self.face_count;
         let faces = self.faces.get_or_insert_with(|| (0..count).collect());
@@ -213,10 +202,7 @@ pub fn polygons(
     sizes: &[u32],
 ) -> Result<(Vec<[u32; 3]>, Vec<u32>)> {
     let expected = "indices of points";
-    if let Some(&corner) = corners
-        .iter()
-        .find(|&&corner| corner as usize >= points.len())
-    {
+    if let Some(&corner) = corners.iter().find(|&&corner| corner as usize >= points.len()) {
         let got = format!("{corner} for {} points", points.len());
         return Err(Error::argument("corners", expected, got));
     }
@@ -273,13 +259,9 @@ fn replace_fan(fan: &mut [[u32; 3]], cut: &[[u32; 3]]) {
 /// Colours of whole faces, for a mesh whose faces they are.
 pub(super) fn face_attribute(mesh: &Mesh, values: Vec<[f32; 3]>) -> Attribute<3> {
     #[expect(clippy::cast_possible_truncation, reason = "faces are counted in u32")]
-    let corners = (0..mesh.triangles().len())
-        .map(|triangle| [mesh.face(triangle) as u32; 3])
-        .collect();
-    Attribute {
-        values: values.into(),
-        corners: Some(corners),
-    }
+    let corners =
+        (0..mesh.triangles().len()).map(|triangle| [mesh.face(triangle) as u32; 3]).collect();
+    Attribute { values: values.into(), corners: Some(corners) }
 }
 
 #[cfg(test)]
@@ -289,12 +271,7 @@ mod tests {
 
     #[test]
     fn dropped_triangles_take_their_faces_and_corners_along() {
-        let points = vec![
-            [0.0; 3],
-            [1.0, 0.0, 0.0],
-            [1.0, 1.0, 0.0],
-            [f64::NAN, 0.0, 0.0],
-        ];
+        let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [f64::NAN, 0.0, 0.0]];
         let vertices = Vertices::new(Positions::compact(points));
         let mut surface = Surface::default();
         surface.push(&[0, 1, 2, 3]);
@@ -306,9 +283,7 @@ mod tests {
         assert_eq!(mesh.triangles(), [[0, 1, 2], [2, 1, 0]]);
         assert_eq!([mesh.face(0), mesh.face(1)], [0, 2]);
         assert_eq!(corners[0], [[5; 3], [7; 3]]);
-        let [line] = &report.take_lines()[..] else {
-            panic!("one warning")
-        };
+        let [line] = &report.take_lines()[..] else { panic!("one warning") };
         assert!(line.contains("dropped: 1 triangle has"), "{line}");
     }
 }

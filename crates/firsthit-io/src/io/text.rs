@@ -39,11 +39,7 @@ pub(super) struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     pub(super) fn new(text: &'a [u8]) -> Self {
-        Self {
-            rest: text,
-            number: 0,
-            bare_cr: false,
-        }
+        Self { rest: text, number: 0, bare_cr: false }
     }
 
     /// Passes over a line that was read from [`Lines::rest`], to what follows it.
@@ -175,12 +171,7 @@ mod tests {
 
     #[test]
     fn numbers_are_spelled_in_many_ways() {
-        for (word, value) in [
-            (".5", 0.5),
-            ("-5.", -5.0),
-            ("1E+05", 1e5),
-            ("+1e-007", 1e-7),
-        ] {
+        for (word, value) in [(".5", 0.5), ("-5.", -5.0), ("1E+05", 1e5), ("+1e-007", 1e-7)] {
             assert_eq!(number(word.as_bytes()), Some(value));
         }
         assert!(number(b"nan").is_some_and(f64::is_nan));

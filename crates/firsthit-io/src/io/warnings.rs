@@ -75,11 +75,7 @@ impl Warnings {
     fn dropped(&self) -> Option<String> {
         (self.dropped > 0).then(|| {
             let (count, first) = (self.dropped, &self.first_dropped);
-            let have = if count == 1 {
-                "triangle has"
-            } else {
-                "triangles have"
-            };
+            let have = if count == 1 { "triangle has" } else { "triangles have" };
             format!(
                 "{count} {have} a corner that is not finite or not below 1e30; \
                  the first is {first}"

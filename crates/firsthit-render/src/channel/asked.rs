@@ -54,10 +54,7 @@ impl ChannelKind {
         let expected = "a Cryptomatte of an even number of pairs from 2 to 64";
         let got = || format!("{}:{ranks}", self.name);
         let count = count.ok_or_else(|| Error::argument("channel", expected, got()))?;
-        Ok(Self {
-            components: 2 * count,
-            ..self.clone()
-        })
+        Ok(Self { components: 2 * count, ..self.clone() })
     }
 
     /// The ambient occlusion up to a distance.
@@ -66,10 +63,7 @@ impl ChannelKind {
         let expected = "ambient occlusion up to a positive distance, such as ao:0.5";
         let got = || format!("{}:{reach}", self.name);
         let length = length.ok_or_else(|| Error::argument("channel", expected, got()))?;
-        Ok(Self {
-            make: Make::Occlusion(length),
-            ..self.clone()
-        })
+        Ok(Self { make: Make::Occlusion(length), ..self.clone() })
     }
 
     /// The kind of an attribute of the meshes, as [`attribute()`](super::attribute()) gives it. The channel's name is `attribute:` and the attribute's

@@ -66,12 +66,7 @@ pub fn attribute(
     let fill = |(index, values): (usize, &mut [f64])| {
         stop_if_asked(watch)?;
         let first = index * CHUNK;
-        let mut known = Known {
-            scene,
-            name,
-            of,
-            last: None,
-        };
+        let mut known = Known { scene, name, of, last: None };
         for (k, value) in values.chunks_exact_mut(components).enumerate() {
             known.look_up(hits, first + k, value);
         }
@@ -111,11 +106,7 @@ pub fn attributes(scene: &Scene) -> Vec<AttributeName<'_>> {
         let most = known.entry((found.name(), found.of())).or_default();
         *most = found.components().max(*most);
     }
-    let name = |((name, of), components)| AttributeName {
-        name,
-        of,
-        components,
-    };
+    let name = |((name, of), components)| AttributeName { name, of, components };
     known.into_iter().map(name).collect()
 }
 
@@ -137,11 +128,7 @@ fn unknown(name: &str, of: Option<PropertyOf>, scene: &Scene) -> Error {
     names.dedup();
     let there = there_are(&names, "no mesh has any");
     let got = format!("'{}'; {there}", escape_controls(name));
-    Error::argument(
-        "attribute",
-        "the name of one that a mesh of the scene has",
-        got,
-    )
+    Error::argument("attribute", "the name of one that a mesh of the scene has", got)
 }
 
 /// The attribute of the object that was hit last: the next hit is often of the same.

@@ -34,11 +34,8 @@ pub const THICKNESS: &ChannelKind = &elsewhere(
 
 /// The distance to the nearest point. It is no channel of hits, so not among [`KINDS`];
 /// `closest_points` has its data.
-pub const DISTANCE: &ChannelKind = &elsewhere(
-    "distance",
-    Distance,
-    "how far away the nearest point is; inf if there is none",
-);
+pub const DISTANCE: &ChannelKind =
+    &elsewhere("distance", Distance, "how far away the nearest point is; inf if there is none");
 
 /// The distance with a sign; `signed_distances` has its data.
 pub const SIGNED_DISTANCE: &ChannelKind = &elsewhere(
@@ -48,11 +45,8 @@ pub const SIGNED_DISTANCE: &ChannelKind = &elsewhere(
 );
 
 /// The number of the point that each nearest point belongs to, where a point may have several.
-pub const POINT: &ChannelKind = &elsewhere(
-    "point",
-    Identifier,
-    "number of the point that was given, from 0",
-);
+pub const POINT: &ChannelKind =
+    &elsewhere("point", Identifier, "number of the point that was given, from 0");
 
 /// Every channel. A new one is a new row.
 #[rustfmt::skip]
@@ -144,9 +138,7 @@ fn of_object(hit: &Hit, number: impl FnOnce(usize) -> i32) -> i32 {
 }
 
 fn material(catalog: &Catalog, object: &Object, hit: &Hit) -> i32 {
-    of_object(hit, |number| {
-        catalog.material_of(number, object, hit.primitive)
-    })
+    of_object(hit, |number| catalog.material_of(number, object, hit.primitive))
 }
 
 /// A row of the table: name, components, display, unit, frame if there is one, and what it is.

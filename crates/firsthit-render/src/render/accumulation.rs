@@ -217,9 +217,7 @@ impl Activity {
             let (top, left) = (tile / across * TILE, tile % across * TILE);
             let mut pixels = (top..rows.min(top + TILE))
                 .flat_map(|row| (left..columns.min(left + TILE)).map(move |c| row * columns + c));
-            let mut goes_on = pixels
-                .clone()
-                .any(|pixel| accumulation.counts[pixel] == sample);
+            let mut goes_on = pixels.clone().any(|pixel| accumulation.counts[pixel] == sample);
             if is_asked && goes_on {
                 goes_on = pixels.any(|pixel| accumulation.error(pixel) > noise);
             }
@@ -233,11 +231,7 @@ impl Activity {
         } else {
             loud
         };
-        Self {
-            columns,
-            tiles,
-            across,
-        }
+        Self { columns, tiles, across }
     }
 
     /// Whether any tile is active.
@@ -264,9 +258,7 @@ fn spread(
         let mut around = near(row, down).flat_map(|r| near(column, across).map(move |c| (r, c)));
         around.any(|(r, c)| loud[r * across + c])
     };
-    (0..loud.len())
-        .map(|tile| may_go_on(tile) && is_near(tile))
-        .collect()
+    (0..loud.len()).map(|tile| may_go_on(tile) && is_near(tile)).collect()
 }
 
 #[cfg(test)]
@@ -284,11 +276,8 @@ mod tests {
             for pixel in 0..48 * 64 {
                 let is_loud = pixel == 20 * 64 + 60;
                 let value = if is_loud && sample % 2 == 0 { 1.0 } else { 0.4 };
-                let one = (
-                    &mut known.sums[pixel],
-                    &mut known.squares[pixel],
-                    &mut known.counts[pixel],
-                );
+                let one =
+                    (&mut known.sums[pixel], &mut known.squares[pixel], &mut known.counts[pixel]);
                 Accumulation::add(one, (Color::splat(value), 1.0), false);
             }
         }

@@ -91,10 +91,7 @@ impl Appearance {
         let is_within = camera.is_some_and(|camera| is_within(scene, camera));
         let lit = match (rig, camera) {
             (Some(rig), Some(camera)) => {
-                let Lighting {
-                    lights,
-                    environment,
-                } = rig.lighting(camera, up);
+                let Lighting { lights, environment } = rig.lighting(camera, up);
                 if is_rig_guessed {
                     guessed.push(of_rig(rig));
                 }
@@ -223,8 +220,5 @@ fn borrowing(scene: &Scene, lights: Vec<Light>, environment: Option<Arc<Environm
 
 /// Light that is the same from everywhere.
 fn fill(color: Color) -> Arc<Environment> {
-    Arc::new(Environment {
-        is_seen: false,
-        ..Environment::new(EnvironmentKind::Uniform(color))
-    })
+    Arc::new(Environment { is_seen: false, ..Environment::new(EnvironmentKind::Uniform(color)) })
 }

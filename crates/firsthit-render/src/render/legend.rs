@@ -5,14 +5,7 @@ use crate::scene::{Colored, Coloring};
 
 /// The legend of a scene's colours.
 pub(super) fn record(colored: &Colored) -> ColorsRecord {
-    let Coloring {
-        by,
-        map,
-        below,
-        above,
-        missing,
-        ..
-    } = colored.coloring();
+    let Coloring { by, map, below, above, missing, .. } = colored.coloring();
     ColorsRecord {
         by: by.text(),
         map: map.name().to_owned(),

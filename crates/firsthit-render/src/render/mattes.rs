@@ -68,11 +68,7 @@ impl PixelShares {
 fn portion(count: u32, samples: u32) -> f32 {
     let exact = f64::from(count) / f64::from(samples);
     let nearest = exact as f32;
-    if f64::from(nearest) > exact {
-        nearest.next_down()
-    } else {
-        nearest
-    }
+    if f64::from(nearest) > exact { nearest.next_down() } else { nearest }
 }
 
 impl Mattes {
@@ -82,11 +78,7 @@ impl Mattes {
             return Ok(None);
         };
         let ids = names(scene, of).map(|name| matte_id(&name));
-        Ok(Some(Self {
-            of,
-            ids: ids.collect(),
-            pixels: filled(pixels, PixelShares::default())?,
-        }))
+        Ok(Some(Self { of, ids: ids.collect(), pixels: filled(pixels, PixelShares::default())? }))
     }
 
     /// Counts what a sample of each pixel met.
@@ -124,9 +116,7 @@ fn number(scene: &Scene, of: Matte, hit: &Hit) -> Option<usize> {
         Matte::Object => Some(object),
         Matte::Material => {
             let of_object = scene.object(hit)?;
-            let material = scene
-                .catalog()
-                .material_of(object, of_object, hit.primitive);
+            let material = scene.catalog().material_of(object, of_object, hit.primitive);
             usize::try_from(material).ok()
         }
     }
@@ -135,11 +125,7 @@ fn number(scene: &Scene, of: Matte, hit: &Hit) -> Option<usize> {
 /// The name of every object or material, by its number. Those without one are called after the number.
 fn names(scene: &Scene, of: Matte) -> Box<dyn Iterator<Item = String> + '_> {
     let named = move |(number, name): (usize, &str)| {
-        if name.is_empty() {
-            format!("{}_{number}", of.name())
-        } else {
-            name.to_owned()
-        }
+        if name.is_empty() { format!("{}_{number}", of.name()) } else { name.to_owned() }
     };
     match of {
         Matte::Object => {
@@ -173,10 +159,7 @@ mod tests {
         seen.write(16, &mut out);
         let ids = [0, 2, 4, 6].map(|k| out[k].to_bits());
         assert_eq!(ids, [3, 9, 1, 5]);
-        assert_eq!(
-            [1, 3, 5, 7].map(|k| out[k]),
-            [3.0 / 16.0, 2.0 / 16.0, 1.0 / 16.0, 1.0 / 16.0]
-        );
+        assert_eq!([1, 3, 5, 7].map(|k| out[k]), [3.0 / 16.0, 2.0 / 16.0, 1.0 / 16.0, 1.0 / 16.0]);
     }
 
     #[test]

@@ -20,10 +20,7 @@ pub struct Region {
 impl Region {
     /// All pixels of a sensor.
     pub fn all([rows, columns]: [usize; 2]) -> Self {
-        Self {
-            rows: 0..rows,
-            columns: 0..columns,
-        }
+        Self { rows: 0..rows, columns: 0..columns }
     }
 
     /// Rows and columns.
@@ -36,12 +33,7 @@ impl Region {
         let fits = |part: &Range<usize>, all| part.start < part.end && part.end <= all;
         let is_part = fits(&self.rows, rows) && fits(&self.columns, columns);
         let got = format!("rows {:?} and columns {:?}", self.rows, self.columns);
-        require(
-            "region",
-            "a part of the picture that is not empty",
-            is_part,
-            got,
-        )
+        require("region", "a part of the picture that is not empty", is_part, got)
     }
 }
 
@@ -55,10 +47,7 @@ pub(super) struct RegionRays<'a> {
 impl<'a> RegionRays<'a> {
     /// The rays of the first sample, which go through the pixels' centres.
     pub(super) fn new(sensor: &'a dyn Sensor, region: Region) -> Self {
-        Self {
-            region,
-            sample: Sample::new(sensor, 0),
-        }
+        Self { region, sample: Sample::new(sensor, 0) }
     }
 
     /// Goes on to another sample.
@@ -103,8 +92,7 @@ impl Rays for RegionRays<'_> {
     }
 
     fn ray(&self, index: usize) -> Ray {
-        self.sensor()
-            .ray_within(self.pixel(index), self.sample.offset())
+        self.sensor().ray_within(self.pixel(index), self.sample.offset())
     }
 
     fn grid(&self) -> Option<PixelGrid> {
@@ -120,8 +108,7 @@ impl Rays for RegionRays<'_> {
         let mut rest = rays;
         while !rest.is_empty() {
             let (of_row, after) = rest.split_at_mut(rest.len().min(width - first % width));
-            self.sensor()
-                .row_within(self.pixel(first), self.sample.offset(), of_row);
+            self.sensor().row_within(self.pixel(first), self.sample.offset(), of_row);
             (first, rest) = (first + of_row.len(), after);
         }
     }

@@ -27,11 +27,7 @@ pub struct Sample<'a> {
 impl<'a> Sample<'a> {
     /// The sample of a number, from 0 on.
     pub fn new(sensor: &'a dyn Sensor, number: u32) -> Self {
-        let mut sample = Self {
-            sensor,
-            moved: None,
-            offset: DVec2::ZERO,
-        };
+        let mut sample = Self { sensor, moved: None, offset: DVec2::ZERO };
         sample.go_to(number);
         sample
     }
@@ -44,11 +40,7 @@ impl<'a> Sample<'a> {
     pub(super) fn go_to(&mut self, number: u32) {
         self.offset = offset(number);
         // The middle of the lens is the sensor itself, bit for bit.
-        self.moved = if number == 0 {
-            None
-        } else {
-            self.sensor.through(on_lens(number))
-        };
+        self.moved = if number == 0 { None } else { self.sensor.through(on_lens(number)) };
     }
 
     /// The sensor that the rays come from.

@@ -263,13 +263,7 @@ impl<'a> Render<'a> {
         };
         let shader = match self.look {
             Some(Look::Own(shade)) => {
-                let Appearance {
-                    rig,
-                    background,
-                    ground,
-                    coloring,
-                    ..
-                } = &self.appearance;
+                let Appearance { rig, background, ground, coloring, .. } = &self.appearance;
                 for (what, is_left_out) in [
                     ("color_by", coloring.is_none()),
                     ("light", rig.is_none()),
@@ -284,10 +278,7 @@ impl<'a> Render<'a> {
             Some(Look::Shader(shader)) => Some(shader),
             None => None,
         };
-        let appearance = Appearance {
-            shader,
-            ..self.appearance.clone()
-        };
+        let appearance = Appearance { shader, ..self.appearance.clone() };
         let resolved = appearance.resolve(self.scene, Some(&camera))?;
         let shading = resolved.shading(self.engine);
         picture(&resolved.scene, &shading, Some(resolved.samples))

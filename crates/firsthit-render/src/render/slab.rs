@@ -55,12 +55,7 @@ impl<'a> Slab<'a> {
     /// Another part of the picture, in the same memory.
     pub(super) fn next(self, part: (Region, Option<&Lines>), watch: &dyn Watch) -> Result<Self> {
         // All else goes first: there may not be room for both.
-        let Self {
-            picture,
-            hits,
-            known,
-            ..
-        } = self;
+        let Self { picture, hits, known, .. } = self;
         Self::in_memory((hits, known), picture, part, watch)
     }
 
@@ -146,10 +141,7 @@ impl<'a> Slab<'a> {
         self.part.go_to(self.samples);
         let answers = (First, &mut self.hits);
         let cull = picture.cull;
-        let filter = RayFilter {
-            cull,
-            ..RayFilter::NONE
-        };
+        let filter = RayFilter { cull, ..RayFilter::NONE };
         let rays = Filtered::new(&self.part, filter);
         trace_into(picture.engine, picture.scene, &rays, answers, watch)?;
         if self.samples == 0 {
@@ -177,16 +169,9 @@ impl<'a> Slab<'a> {
     fn shade(&mut self, activity: Option<&Activity>, watch: &dyn Watch) -> Result<()> {
         let (part, hits, sample) = (&self.part, &self.hits, self.samples);
         let width = part.region.columns.len();
-        let Picture {
-            scene, shade, cull, ..
-        } = *self.picture;
+        let Picture { scene, shade, cull, .. } = *self.picture;
         let is_transparent = shade.is_transparent();
-        let Accumulation {
-            sums,
-            squares,
-            counts,
-            ..
-        } = &mut self.known;
+        let Accumulation { sums, squares, counts, .. } = &mut self.known;
         let blocks = Block::all(sums.len(), width).into_iter();
         let rest = split(squares, width).into_iter().zip(split(counts, width));
         let blocks = blocks.zip(split(sums, width).into_iter().zip(rest));

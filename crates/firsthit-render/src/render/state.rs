@@ -34,14 +34,9 @@ impl<'a> Picture<'a> {
         }
         let (shaded, plain): (Vec<&ChannelKind>, Vec<&ChannelKind>) =
             self.channels.iter().partition(|kind| kind.needs_shade());
-        let shaded = Picture {
-            channels: &shaded,
-            ..self.clone()
-        };
-        let is_there = path.try_exists().map_err(|source| Error::Read {
-            path: path.to_owned(),
-            source,
-        })?;
+        let shaded = Picture { channels: &shaded, ..self.clone() };
+        let is_there =
+            path.try_exists().map_err(|source| Error::Read { path: path.to_owned(), source })?;
         let mut progressive = if is_there {
             shaded.resume_checked(watch, |own| read_state(path, own))?
         } else {
@@ -198,11 +193,7 @@ fn channel(array: Array) -> Result<Channel> {
         ArrayValues::Float64(values) => Data::Float64(values),
         ArrayValues::Integer(values) => {
             let values = values.into_iter().map(i32::try_from);
-            Data::Int32(
-                values
-                    .collect::<std::result::Result<_, _>>()
-                    .map_err(|_| wrong_numbers())?,
-            )
+            Data::Int32(values.collect::<std::result::Result<_, _>>().map_err(|_| wrong_numbers())?)
         }
         ArrayValues::Float32(_) => return Err(wrong_numbers()),
     };
@@ -211,10 +202,6 @@ fn channel(array: Array) -> Result<Channel> {
         components: array.components,
         data,
         display: Display::Quantity,
-        description: Description {
-            about: "",
-            unit: Unit::None,
-            frame: None,
-        },
+        description: Description { about: "", unit: Unit::None, frame: None },
     })
 }

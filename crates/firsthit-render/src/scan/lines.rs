@@ -43,21 +43,13 @@ impl<'a> Lines<'a> {
             ways = filled(beams.len().saturating_mul(each), DVec3::ZERO)?;
             // As many beams as have some thousand lines.
             let part = (parallel::MANY / each).max(1);
-            let parts = ways
-                .chunks_mut(part * each)
-                .zip(beams.clone().step_by(part));
+            let parts = ways.chunks_mut(part * each).zip(beams.clone().step_by(part));
             parallel::try_each(parts, |(ways, first)| {
                 let cones = ways.chunks_exact_mut(each).zip(first..);
                 { cones }.try_for_each(|(cone, beam)| lidar.spread(beam, divergence, cone))
             })?;
         }
-        Ok(Self {
-            lidar,
-            beams,
-            each,
-            ways,
-            far: settings.max_range,
-        })
+        Ok(Self { lidar, beams, each, ways, far: settings.max_range })
     }
 
     /// Shoots them. Lines of a cone, and those whose first return is wanted alone, end at their first hit.
@@ -75,11 +67,7 @@ impl<'a> Lines<'a> {
             (hits, offsets)
         };
         let near = settings.min_range;
-        Ok(Met {
-            hits,
-            offsets,
-            near,
-        })
+        Ok(Met { hits, offsets, near })
     }
 }
 
@@ -117,8 +105,6 @@ impl Met {
         }
         let counts = self.offsets.windows(2).map(|ends| ends[1] - ends[0]);
         let lines = numbers(self.offsets.len()).zip(counts);
-        lines
-            .flat_map(|(line, count)| std::iter::repeat_n(line, count))
-            .collect()
+        lines.flat_map(|(line, count)| std::iter::repeat_n(line, count)).collect()
     }
 }

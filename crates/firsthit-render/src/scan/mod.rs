@@ -102,10 +102,7 @@ pub fn scan(
     watch: &dyn Watch,
 ) -> Result<Scan> {
     let columns = columns(lidar, scene, settings, watch)?;
-    let origin = Origin {
-        scan: Some(settings.record()),
-        ..origin(scene, Some(lidar), None, &[])
-    };
+    let origin = Origin { scan: Some(settings.record()), ..origin(scene, Some(lidar), None, &[]) };
     Scan::of(columns, lidar.shape(), origin)
 }
 
@@ -127,9 +124,7 @@ pub fn columns(
         let met = lines.shot(scene, settings, watch)?;
         let kept = returns::of(&met, &lines, scene, settings, watch)?;
         let angles = incidences(&met.hits, &lines, scene, &kept, watch)?;
-        let parts = kept
-            .chunks(parallel::MANY)
-            .zip(angles.chunks(parallel::MANY));
+        let parts = kept.chunks(parallel::MANY).zip(angles.chunks(parallel::MANY));
         let mut more = parallel::gather(parts, |(kept, angles)| {
             let row = |(kept, &incidence): (&Kept, &f64)| {
                 let range = noise.of_return(kept, settings)?;
@@ -174,12 +169,8 @@ fn incidences(
         barycentric: kept.iter().map(|kept| hits.barycentric[kept.at]).collect(),
     };
     let numbers: Vec<i32> = kept.iter().map(|kept| kept.line).collect();
-    let shots = ChannelInput {
-        scene,
-        rays: &RaysOfHits::new(lines, &numbers),
-        hits: &some,
-        sensor: None,
-    };
+    let shots =
+        ChannelInput { scene, rays: &RaysOfHits::new(lines, &numbers), hits: &some, sensor: None };
     let made = make(&[kind("incidence")?], &shots, &OnlyStops(watch))?;
     let angles = made.into_iter().next().map(|channel| channel.data);
     match angles {
@@ -288,9 +279,7 @@ impl Scan {
         };
         let class = |&object: &i32| {
             let object = usize::try_from(object).ok();
-            object
-                .and_then(|object| classes.get(object))
-                .map_or(0, |&class| i32::from(class))
+            object.and_then(|object| classes.get(object)).map_or(0, |&class| i32::from(class))
         };
         let data = Data::Int32(objects.iter().map(class).collect());
         self.frame.push(table::channel("classification", data)?)?;
@@ -335,20 +324,13 @@ impl Scan {
         let mut origin = all.frame.origin().clone();
         origin.scans = Some(Value::Array(digests));
         let Self { frame, shape } = all;
-        Ok(Self {
-            frame: frame.from_origin(origin),
-            shape,
-        })
+        Ok(Self { frame: frame.from_origin(origin), shape })
     }
 
     /// The returns with those of another scan behind, whose columns begin at `before`.
     fn then(self, other: Self, before: i32) -> Result<Self> {
         let (origin, shape) = (self.frame.origin().clone(), self.shape);
-        let pairs = self
-            .frame
-            .into_channels()
-            .into_iter()
-            .zip(other.frame.into_channels());
+        let pairs = self.frame.into_channels().into_iter().zip(other.frame.into_channels());
         let joined = pairs.map(|(mut channel, mut more)| {
             if let ("column", Data::Int32(columns)) = (&*more.name, &mut more.data) {
                 for column in columns {
@@ -393,11 +375,7 @@ impl Scan {
 }
 
 fn names(scan: &Scan) -> Vec<&str> {
-    scan.frame
-        .channels()
-        .iter()
-        .map(|channel| &*channel.name)
-        .collect()
+    scan.frame.channels().iter().map(|channel| &*channel.name).collect()
 }
 
 /// Of each scan in one the digests of the scanner and the scene, and the settings.

@@ -32,9 +32,7 @@ impl Noise {
             return Some(kept.range);
         }
         let number = kept.number.unsigned_abs().into();
-        let mut draws = Draws::new(kept.beam as u64, 0)
-            .split(self.seed)
-            .split(number);
+        let mut draws = Draws::new(kept.beam as u64, 0).split(self.seed).split(number);
         // The first are for the noise, also where there is none.
         let (normal, lost) = (normal(&mut draws), draws.one());
         let spread = |[constant, relative]: [f64; 2]| constant + relative * kept.range;

@@ -12,15 +12,8 @@ const KINDS: [&str; 2] = ["lidar", "rays"];
 
 /// Reads a scan from an NPZ.
 pub(super) fn scan(path: &Path) -> Result<Scan> {
-    let wrong = |what: String| Error::Parse {
-        path: path.to_owned(),
-        place: Place::File,
-        what,
-    };
-    if !path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("npz"))
-    {
+    let wrong = |what: String| Error::Parse { path: path.to_owned(), place: Place::File, what };
+    if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz")) {
         return Err(wrong("a scan is read from an .npz".to_owned()));
     }
     let scan = fitting(read(path)?);
@@ -29,11 +22,7 @@ pub(super) fn scan(path: &Path) -> Result<Scan> {
 
 /// The scan of arrays that fit together.
 fn fitting(output: Output) -> std::result::Result<Scan, String> {
-    let Output {
-        mut arrays,
-        metadata,
-        ..
-    } = output;
+    let Output { mut arrays, metadata, .. } = output;
     let metadata = metadata.filter(|metadata| {
         let sensor = metadata.sensor.as_ref();
         sensor.is_some_and(|sensor| KINDS.contains(&&*sensor.kind))
@@ -60,10 +49,9 @@ fn fitting(output: Output) -> std::result::Result<Scan, String> {
         };
         let fits = |&number: &i32| usize::try_from(number).is_ok_and(|number| number < most);
         match &data {
-            Data::Int32(values) if most < usize::MAX && !values.iter().all(fits) => Err(format!(
-                "{} must be from 0 on and below {most}",
-                column.name
-            )),
+            Data::Int32(values) if most < usize::MAX && !values.iter().all(fits) => {
+                Err(format!("{} must be from 0 on and below {most}", column.name))
+            }
             _ => Ok((column.name.to_owned(), data)),
         }
     });
@@ -87,17 +75,14 @@ fn shape(metadata: &Metadata) -> std::result::Result<[usize; 2], String> {
         Some(scans) => {
             let each = scans.as_array().into_iter().flatten();
             let each: Option<Vec<u64>> = each.map(|scan| scan["columns"].as_u64()).collect();
-            each.filter(|each| !each.is_empty())
-                .ok_or("its scans have no columns")?
+            each.filter(|each| !each.is_empty()).ok_or("its scans have no columns")?
         }
     };
     if !each.iter().all(|count| (1..1 << 31).contains(count)) {
         return Err(format!("its scans have {each:?} columns"));
     }
     let columns: u64 = each.iter().sum();
-    let beams = rows
-        .checked_mul(columns)
-        .filter(|beams| (1..1 << 62).contains(beams));
+    let beams = rows.checked_mul(columns).filter(|beams| (1..1 << 62).contains(beams));
     let sides =
         beams.and_then(|_| Some([usize::try_from(rows).ok()?, usize::try_from(columns).ok()?]));
     sides.ok_or_else(|| format!("its lidar has {rows} x {columns} beams"))

@@ -80,12 +80,7 @@ fn shares(
     }
     let numbers = met.lines();
     let rays = RaysOfHits::new(lines, &numbers);
-    let shots = ChannelInput {
-        scene,
-        rays: &rays,
-        hits: &met.hits,
-        sensor: None,
-    };
+    let shots = ChannelInput { scene, rays: &rays, hits: &met.hits, sensor: None };
     let kinds = [kind("base_color")?, kind("normal")?];
     let made = make(&kinds, &shots, &OnlyStops(watch))?;
     let [Data::Float64(colors), Data::Float64(normals)] = [&made[0].data, &made[1].data] else {
@@ -98,9 +93,7 @@ fn shares(
     };
     let parts = (0..met.hits.len()).step_by(parallel::MANY);
     Ok(parallel::gather(parts, |first| {
-        (first..met.hits.len().min(first + parallel::MANY))
-            .map(share)
-            .collect()
+        (first..met.hits.len().min(first + parallel::MANY)).map(share).collect()
     }))
 }
 
@@ -118,11 +111,7 @@ fn keep(echoes: &[Echo], beam: usize, settings: &ScanSettings, kept: &mut Vec<Ke
     let joins = settings.range_gate > 0.0 || settings.divergence.is_some();
     while let Some(nearest) = rest.first() {
         let is_near = |echo: &&Echo| echo.range - nearest.range <= settings.range_gate;
-        let size = if joins {
-            rest.iter().take_while(is_near).count()
-        } else {
-            1
-        };
+        let size = if joins { rest.iter().take_while(is_near).count() } else { 1 };
         let (own, others) = rest.split_at(size);
         let power = sum(own, |echo| {
             let range = echo.range.max(1e-150);

@@ -103,12 +103,7 @@ impl ScanSettings {
         if let Some(angle) = self.divergence {
             within("divergence", angle, PI, "from 0 to below pi")?;
         }
-        within(
-            "range_gate",
-            self.range_gate,
-            f64::INFINITY,
-            "from 0 on, and finite",
-        )?;
+        within("range_gate", self.range_gate, f64::INFINITY, "from 0 on, and finite")?;
         let (near, far) = (self.min_range, self.max_range);
         let rises = 0.0 <= near && near < far;
         require(
@@ -121,12 +116,7 @@ impl ScanSettings {
             within("noise", spread, MOST_NOISE, "from 0 to below 1e100")?;
         }
         if let Some(share) = self.dropout {
-            require(
-                "dropout",
-                "from 0 to 1",
-                (0.0..=1.0).contains(&share),
-                share,
-            )?;
+            require("dropout", "from 0 to 1", (0.0..=1.0).contains(&share), share)?;
         }
         let is_random = self.noise.is_some() || self.dropout.is_some();
         let expected = "given with noise or dropout, which are random";

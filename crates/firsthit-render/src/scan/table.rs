@@ -36,17 +36,11 @@ const fn column(
 
 const fn point(name: &'static str, frame: &'static str, about: &'static str) -> Column {
     let column = column(name, false, Unit::SceneLength, Some(frame), about);
-    Column {
-        components: 3,
-        ..column
-    }
+    Column { components: 3, ..column }
 }
 
 const fn optional(column: Column) -> Column {
-    Column {
-        is_optional: true,
-        ..column
-    }
+    Column { is_optional: true, ..column }
 }
 
 /// All of them, in their order.
@@ -71,10 +65,7 @@ pub(super) const COLUMNS: [Column; 14] = [
 /// The channel of that name with `data`.
 pub(super) fn channel(name: &str, data: Data) -> Result<Channel> {
     let unknown = || Error::argument("channel", "one of a scan", name);
-    let column = COLUMNS
-        .iter()
-        .find(|column| column.name == name)
-        .ok_or_else(unknown)?;
+    let column = COLUMNS.iter().find(|column| column.name == name).ok_or_else(unknown)?;
     Ok(Channel {
         name: column.name.into(),
         components: column.components,
@@ -97,19 +88,10 @@ pub(super) fn channel(name: &str, data: Data) -> Result<Channel> {
 pub fn metadata(names: &[String], count: u64, origin: Origin) -> Result<Metadata> {
     let mut frame = Frame::new([0]).from_origin(origin);
     for name in names {
-        let is_whole = COLUMNS
-            .iter()
-            .any(|column| column.name == name && column.is_whole);
-        let none = if is_whole {
-            Data::Int32(Vec::new())
-        } else {
-            Data::Float64(Vec::new())
-        };
+        let is_whole = COLUMNS.iter().any(|column| column.name == name && column.is_whole);
+        let none = if is_whole { Data::Int32(Vec::new()) } else { Data::Float64(Vec::new()) };
         frame.push(channel(name, none)?)?;
     }
     let metadata = frame.metadata();
-    Ok(Metadata {
-        shape: vec![count],
-        ..metadata
-    })
+    Ok(Metadata { shape: vec![count], ..metadata })
 }

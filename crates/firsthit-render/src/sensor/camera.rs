@@ -21,9 +21,8 @@ pub fn camera_of(record: &CameraRecord) -> Result<Camera> {
             ("height", record.height),
         ];
         let lengths = lengths.into_iter();
-        let lengths: Vec<(&str, f64)> = lengths
-            .filter_map(|(name, length)| Some((name, length?)))
-            .collect();
+        let lengths: Vec<(&str, f64)> =
+            lengths.filter_map(|(name, length)| Some((name, length?))).collect();
         Lens::named(projection, &lengths)?
     } else {
         let parameters = record.parameters.iter();
@@ -98,9 +97,7 @@ pub fn camera_record(camera: &Camera) -> CameraRecord {
     let viewplane = view.lens.viewplane();
     let named = |parameters: Vec<(&str, f64)>| {
         let parameters = parameters.into_iter();
-        parameters
-            .map(|(name, value)| (name.to_owned(), value))
-            .collect()
+        parameters.map(|(name, value)| (name.to_owned(), value)).collect()
     };
     let intrinsics = |k: DMat3| Intrinsics {
         k: [0, 1, 2].map(|row_index| row(&k, row_index)),
@@ -117,9 +114,7 @@ pub fn camera_record(camera: &Camera) -> CameraRecord {
         rows: view.rows as u64,
         columns: view.columns as u64,
         projection: view.lens.projection().name().to_owned(),
-        ray_start: viewplane
-            .map_or("eye", |viewplane| viewplane.ray_start.name())
-            .to_owned(),
+        ray_start: viewplane.map_or("eye", |viewplane| viewplane.ray_start.name()).to_owned(),
         parameters: named(view.lens.parameters()),
         intrinsics: camera.intrinsic_matrix().map(intrinsics),
         pose: Pose {

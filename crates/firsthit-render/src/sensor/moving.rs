@@ -32,12 +32,7 @@ impl Lines {
         for (camera, &time) in cameras.iter_mut().zip(&times) {
             *camera = mounted.moved(&body.at(time)?.world_from_body())?;
         }
-        Ok(Self {
-            mounted: *mounted,
-            cameras,
-            trajectory: trajectory_record(body, &times)?,
-            times,
-        })
+        Ok(Self { mounted: *mounted, cameras, trajectory: trajectory_record(body, &times)?, times })
     }
 
     /// The lines as they are from a point of the camera's lens, if it has an aperture.
@@ -123,15 +118,9 @@ pub(super) fn trajectory_record(body: &Trajectory, times: &[f64]) -> Result<Traj
     for k in 0..count {
         // The ends are taken as they are: rounding may leave the trajectory's times.
         let share = k as f64 / (count - 1).max(1) as f64;
-        let time = if k + 1 == count {
-            last
-        } else {
-            first + share * (last - first)
-        };
-        sampled.push(TimedPose {
-            time,
-            world_from_body: rows_of(&body.at(time)?.world_from_body()),
-        });
+        let time = if k + 1 == count { last } else { first + share * (last - first) };
+        sampled
+            .push(TimedPose { time, world_from_body: rows_of(&body.at(time)?.world_from_body()) });
     }
     Ok(TrajectoryRecord {
         digest: digest.name(),
@@ -153,12 +142,7 @@ mod tests {
     fn a_digest_of_many_rays_is_that_of_their_vectors_one_by_one() {
         for count in [0, 1, 1024, 2500] {
             let rays: Vec<Ray> = (0..count)
-                .map(|k| {
-                    Ray::new(
-                        DVec3::splat(f64::from(k)),
-                        DVec3::new(1.0, f64::from(k), 0.5),
-                    )
-                })
+                .map(|k| Ray::new(DVec3::splat(f64::from(k)), DVec3::new(1.0, f64::from(k), 0.5)))
                 .collect();
             let mut expected = Digest::default();
             expected.count(rays.len());

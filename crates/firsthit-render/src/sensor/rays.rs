@@ -55,12 +55,7 @@ impl RaySensor {
             let fits = vectors.len() == 1 || vectors.len() == pixels;
             require(name, "one, or one for each pixel", fits, vectors.len())?;
         }
-        Ok(Self {
-            origins,
-            directions,
-            shape: [rows, columns],
-            aim: None,
-        })
+        Ok(Self { origins, directions, shape: [rows, columns], aim: None })
     }
 
     /// The rays that a sensor has through its pixels' centres. They are those rays, bit for bit, whatever becomes of the sensor.
@@ -161,9 +156,7 @@ impl Sensor for RaySensor {
             rows: self.shape[0] as u64,
             columns: self.shape[1] as u64,
             digest: digest.name(),
-            parameters: parameters
-                .map(|(name, value)| (name.to_owned(), value))
-                .collect(),
+            parameters: parameters.map(|(name, value)| (name.to_owned(), value)).collect(),
             ..SensorRecord::default()
         }))
     }

@@ -84,26 +84,13 @@ impl RollingShutter {
         require("start", "finite", start.is_finite(), start)?;
         let fine = readout >= 0.0 && readout.is_finite();
         require("readout", "finite and not negative", fine, readout)?;
-        let count = if direction.is_by_rows() {
-            camera.rows()
-        } else {
-            camera.columns()
-        };
+        let count = if direction.is_by_rows() { camera.rows() } else { camera.columns() };
         let mut times = memory::filled(count, 0.0)?;
         for (line, time) in times.iter_mut().enumerate() {
-            let number = if direction.is_reversed() {
-                count - 1 - line
-            } else {
-                line
-            };
+            let number = if direction.is_reversed() { count - 1 - line } else { line };
             *time = start + (number as f64 + 0.5) / count as f64 * readout;
         }
-        Ok(Self {
-            lines: Lines::new(camera, body, times)?,
-            start,
-            readout,
-            direction,
-        })
+        Ok(Self { lines: Lines::new(camera, body, times)?, start, readout, direction })
     }
 
     /// The time of each row, or of each column where it is read out sideways, in seconds.
@@ -124,11 +111,7 @@ impl RollingShutter {
     fn place_of(&self, pixel: usize) -> (usize, usize, usize) {
         let columns = self.lines.mounted.columns();
         let (row, column) = (pixel / columns, pixel % columns);
-        let line = if self.direction.is_by_rows() {
-            row
-        } else {
-            column
-        };
+        let line = if self.direction.is_by_rows() { row } else { column };
         (line, row, column)
     }
 }

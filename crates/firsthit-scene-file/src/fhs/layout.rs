@@ -152,10 +152,7 @@ impl Sections {
 
     fn check_structure(&self) -> Checked<()> {
         let bytes = self.block.bytes();
-        let record = self
-            .entries
-            .first()
-            .filter(|entry| entry.kind == SectionKind::Record);
+        let record = self.entries.first().filter(|entry| entry.kind == SectionKind::Record);
         let record = record.ok_or_else(|| wrong(UNIT, "the first section is not the record"))?;
         let sum = sum_of_structure(
             part(bytes, 0..BEFORE_DIGEST)?,
@@ -163,10 +160,7 @@ impl Sections {
             part(bytes, record.range.clone())?,
         );
         if part(bytes, BEFORE_DIGEST..UNIT)? != sum {
-            return Err(wrong(
-                BEFORE_DIGEST,
-                "the file is damaged: its checksum does not match",
-            ));
+            return Err(wrong(BEFORE_DIGEST, "the file is damaged: its checksum does not match"));
         }
         Ok(())
     }
@@ -190,12 +184,7 @@ impl Sections {
         };
         // The first, whichever thread is faster.
         let damaged = parallel::try_map(&self.entries, is_damaged)?;
-        match self
-            .entries
-            .iter()
-            .zip(damaged)
-            .find(|(_, is_damaged)| *is_damaged)
-        {
+        match self.entries.iter().zip(damaged).find(|(_, is_damaged)| *is_damaged) {
             None => Ok(()),
             Some((entry, _)) => {
                 let what = "the file is damaged: the checksum of this section does not match";
@@ -221,10 +210,7 @@ impl Sections {
     pub(super) fn finish(&self) -> Checked<()> {
         match self.entries.iter().find(|entry| !entry.is_taken) {
             None => Ok(()),
-            Some(entry) => Err(wrong(
-                entry.range.start,
-                "the record has no use for this section",
-            )),
+            Some(entry) => Err(wrong(entry.range.start, "the record has no use for this section")),
         }
     }
 }
@@ -283,9 +269,7 @@ fn entry(bytes: &[u8], start: usize, length: usize) -> Result<Entry, String> {
     if from != start as u64 {
         return Err(format!("it begins at {from}, and should at {start}"));
     }
-    let end = from
-        .checked_add(size)
-        .and_then(|end| usize::try_from(end).ok());
+    let end = from.checked_add(size).and_then(|end| usize::try_from(end).ok());
     let Some(end) = end.filter(|&end| end <= length) else {
         return Err(format!("its {size} bytes go beyond the end of the file"));
     };
@@ -296,29 +280,18 @@ fn entry(bytes: &[u8], start: usize, length: usize) -> Result<Entry, String> {
     if u64::from(u32_at(bytes, 4)) | u64_at(bytes, 24) != 0 {
         return Err("bytes that must be zero are not".to_owned());
     }
-    let sum = bytes
-        .get(BEFORE_DIGEST..)
-        .and_then(|sum| sum.try_into().ok());
-    Ok(Entry {
-        kind,
-        range: start..end,
-        sum: sum.ok_or("it is not whole")?,
-        is_taken: false,
-    })
+    let sum = bytes.get(BEFORE_DIGEST..).and_then(|sum| sum.try_into().ok());
+    Ok(Entry { kind, range: start..end, sum: sum.ok_or("it is not whole")?, is_taken: false })
 }
 
 /// A number that must be there, as lengths were checked; else zero.
 fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    let bytes = bytes
-        .get(at..at + 4)
-        .and_then(|bytes| bytes.try_into().ok());
+    let bytes = bytes.get(at..at + 4).and_then(|bytes| bytes.try_into().ok());
     bytes.map_or(0, u32::from_le_bytes)
 }
 
 fn u64_at(bytes: &[u8], at: usize) -> u64 {
-    let bytes = bytes
-        .get(at..at + 8)
-        .and_then(|bytes| bytes.try_into().ok());
+    let bytes = bytes.get(at..at + 8).and_then(|bytes| bytes.try_into().ok());
     bytes.map_or(0, u64::from_le_bytes)
 }
 
@@ -329,15 +302,7 @@ mod tests {
     /// The numbers and sizes are those of `docs/fhs.md`.
     #[test]
     fn kinds_have_their_codes_and_sizes() {
-        for (code, size) in [
-            (1, 1),
-            (2, 4),
-            (7, 12),
-            (10, 48),
-            (12, 448),
-            (13, 256),
-            (14, 16),
-        ] {
+        for (code, size) in [(1, 1), (2, 4), (7, 12), (10, 48), (12, 448), (13, 256), (14, 16)] {
             let kind = SectionKind::of(code).unwrap();
             assert_eq!((kind.code(), kind.size()), (code, size));
         }

@@ -48,12 +48,7 @@ pub use write::{encode, save};
 
 /// The row of the list of formats.
 pub(crate) static FORMAT: WorldFormat = WorldFormat {
-    format: Format {
-        name: "built scene",
-        extensions: &["fhs"],
-        up: DVec3::Z,
-        rules_up: true,
-    },
+    format: Format { name: "built scene", extensions: &["fhs"], up: DVec3::Z, rules_up: true },
     read: read_copy,
 };
 
@@ -95,10 +90,7 @@ pub fn open(path: &Path, verify: bool) -> Result<Loaded> {
 ///
 /// The errors of [`open`], and [`Error::Interrupted`](crate::error::Error::Interrupted).
 pub fn open_watched(path: &Path, verify: bool, watch: &dyn Watch) -> Result<Loaded> {
-    let settings = LoadSettings {
-        verify,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { verify, ..LoadSettings::default() };
     let block = Arc::new(mapped_file(path)?);
     open_mapped(block, &mut Report::new(path, settings, watch))
 }
@@ -139,9 +131,7 @@ pub(crate) fn open_part(path: &Path, whole: &mut Report) -> Result<World> {
 
 /// Reads content in memory, which may be anywhere: sections are aligned in a copy.
 fn read_copy(bytes: &[u8], report: &mut Report) -> Checked<World> {
-    report
-        .budget
-        .charge_content(bytes.len() as u64, "a copy of its content")?;
+    report.budget.charge_content(bytes.len() as u64, "a copy of its content")?;
     let copy = Block::read(bytes, bytes.len());
     let no_room = |_| crate::memory::no_room_for("a copy of the file's content");
     let copy = Arc::new(copy.map_err(no_room)?);

@@ -11,18 +11,13 @@ use crate::geometry::DVec3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Number(pub(super) f64);
 
-const WORDS: [(&str, f64); 3] = [
-    ("inf", f64::INFINITY),
-    ("-inf", f64::NEG_INFINITY),
-    ("nan", f64::NAN),
-];
+const WORDS: [(&str, f64); 3] =
+    [("inf", f64::INFINITY), ("-inf", f64::NEG_INFINITY), ("nan", f64::NAN)];
 
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let Self(number) = *self;
-        let word = WORDS
-            .iter()
-            .find(|(_, of)| *of == number || (of.is_nan() && number.is_nan()));
+        let word = WORDS.iter().find(|(_, of)| *of == number || (of.is_nan() && number.is_nan()));
         match word {
             Some((word, _)) => to.serialize_str(word),
             None => to.serialize_f64(number),
@@ -86,9 +81,7 @@ mod tests {
     #[test]
     fn numbers_are_read_back_to_the_last_bit() {
         let numbers = [0.0, -0.0, 0.1, 1e300, 5e-324, -1.0 / 3.0, f64::MAX, 3.0];
-        let all = numbers
-            .into_iter()
-            .chain([f64::INFINITY, f64::NEG_INFINITY]);
+        let all = numbers.into_iter().chain([f64::INFINITY, f64::NEG_INFINITY]);
         for number in all {
             let text = serde_json::to_string(&Number(number)).unwrap();
             let Number(again) = serde_json::from_str(&text).unwrap();

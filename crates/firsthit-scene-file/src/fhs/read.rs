@@ -34,9 +34,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
     if report.settings.verify {
         sections.verify(&format!("comparing checksums of {path}"), report.watch)?;
     }
-    report
-        .watch
-        .begin(&format!("opening {path}"), bytes, "bytes");
+    report.watch.begin(&format!("opening {path}"), bytes, "bytes");
     let record = record(&mut sections)?;
     let meshes = meshes(&record, &mut sections)?;
     let looks = looks(&record, &mut sections)?;
@@ -46,10 +44,9 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
     let trees = trees(&record, (&meshes, &objects), &mut sections)?;
     stop_if_asked(report.watch)?;
     let boxes = sections.take::<[f64; 6]>(record.boxes)?;
-    let boxes = boxes.iter().map(|&[a, b, c, d, e, f]| Bounds {
-        low: DVec3::new(a, b, c),
-        high: DVec3::new(d, e, f),
-    });
+    let boxes = boxes
+        .iter()
+        .map(|&[a, b, c, d, e, f]| Bounds { low: DVec3::new(a, b, c), high: DVec3::new(d, e, f) });
     let duplicates = sections.take::<[u32; 2]>(record.duplicates)?;
     let environment = record.shading.environment(|texels| sections.take(texels))?;
     sections.finish()?;
@@ -65,10 +62,7 @@ pub(super) fn world(block: Arc<Block>, report: &mut Report) -> Checked<World> {
     let world = of_record(described(&record, objects))?;
     of_record(check_cameras(&world.cameras))?;
     report.scene = Some(scene);
-    Ok(World {
-        environment,
-        ..world
-    })
+    Ok(World { environment, ..world })
 }
 
 /// All but the scene and the environment.
@@ -76,16 +70,8 @@ fn described(record: &Record, objects: Vec<Object>) -> Result<World> {
     let up = DVec3::from(record.up);
     Ok(World {
         objects,
-        cameras: record
-            .cameras
-            .iter()
-            .map(CameraRecord::camera)
-            .collect::<Result<_>>()?,
-        lights: record
-            .lights
-            .iter()
-            .map(KindRecord::light)
-            .collect::<Result<_>>()?,
+        cameras: record.cameras.iter().map(CameraRecord::camera).collect::<Result<_>>()?,
+        lights: record.lights.iter().map(KindRecord::light).collect::<Result<_>>()?,
         has_view: record.has_view && !record.cameras.is_empty(),
         background: record.shading.background()?,
         shader: record.shading.shader()?,
@@ -98,11 +84,7 @@ fn described(record: &Record, objects: Vec<Object>) -> Result<World> {
         edges: record.shading.edges()?,
         outputs: Vec::new(),
         // Zero says that nothing is known.
-        up: if up == DVec3::ZERO {
-            up
-        } else {
-            direction_of(record.up)?
-        },
+        up: if up == DVec3::ZERO { up } else { direction_of(record.up)? },
         up_is_guessed: record.up_is_guessed,
     })
 }
@@ -133,10 +115,7 @@ pub(super) fn of_record<T>(made: Result<T>) -> Checked<T> {
 }
 
 fn bounds_of([low, high]: [Triple; 2]) -> Bounds {
-    Bounds {
-        low: low.into(),
-        high: high.into(),
-    }
+    Bounds { low: low.into(), high: high.into() }
 }
 
 type Built = (Arc<Mesh>, Option<Arc<MeshTree>>);
@@ -152,9 +131,7 @@ fn meshes(record: &Record, sections: &mut Sections) -> Checked<Vec<Built>> {
         vertices.push((Arc::new(positions), is_finite));
     }
     let meshes = record.meshes.iter().enumerate();
-    meshes
-        .map(|mesh| built(mesh, &vertices, sections))
-        .collect()
+    meshes.map(|mesh| built(mesh, &vertices, sections)).collect()
 }
 
 fn built(
@@ -179,9 +156,7 @@ fn built(
         tangents: attribute(record.tangents.as_ref(), sections)?,
         colors: attribute(record.colors.as_ref(), sections)?,
         alphas: attribute(record.alphas.as_ref(), sections)?,
-        properties: properties
-            .map(|named| property(named, sections))
-            .collect::<Checked<_>>()?,
+        properties: properties.map(|named| property(named, sections)).collect::<Checked<_>>()?,
     };
     let of_mesh = |what: &str| Fault::file(format!("mesh {number}: {what}"));
     let mesh = Mesh::from_parts(parts).map_err(of_mesh)?;
@@ -202,11 +177,7 @@ fn tree_parts(tree: &TreeRecord, sections: &mut Sections) -> Checked<TreeParts> 
         leaves: sections.take(tree.leaves)?,
         order: sections.take(tree.order)?,
         copies: sections.take(tree.copies)?,
-        facts: TreeFacts {
-            is_exact: tree.exact,
-            is_welded: tree.welded,
-            cost: tree.cost.0,
-        },
+        facts: TreeFacts { is_exact: tree.exact, is_welded: tree.welded, cost: tree.cost.0 },
     })
 }
 
@@ -230,11 +201,8 @@ fn trees(
         let parts = tree_parts(&group.tree, sections)?;
         let tree = |meshes: Meshes<'_>| MeshTree::from_parts(meshes, parts);
         let group = Group::from_parts(&members, objects, tree).map_err(of_group)?;
-        let has_tree = |&member: &u32| {
-            trees
-                .get(member as usize)
-                .is_some_and(|tree| tree.any().is_some())
-        };
+        let has_tree =
+            |&member: &u32| trees.get(member as usize).is_some_and(|tree| tree.any().is_some());
         if members.iter().any(has_tree) {
             return Err(of_group("it joins an object that has a tree"));
         }
@@ -244,9 +212,7 @@ fn trees(
     let lacks =
         |(object, tree): (&Object, &ObjectTree)| object.mesh().is_some() && tree.any().is_none();
     if let Some(object) = pairs.position(lacks) {
-        return Err(Fault::file(format!(
-            "object {object}: its mesh has no tree"
-        )));
+        return Err(Fault::file(format!("object {object}: its mesh has no tree")));
     }
     Ok(trees)
 }
@@ -262,10 +228,7 @@ where
         return Ok(None);
     };
     let corners = record.corners.map(|corners| sections.take(corners));
-    Ok(Some(Attribute {
-        values: sections.take(record.values)?,
-        corners: corners.transpose()?,
-    }))
+    Ok(Some(Attribute { values: sections.take(record.values)?, corners: corners.transpose()? }))
 }
 
 fn property(record: &PropertyRecord, sections: &mut Sections) -> Checked<Property> {
@@ -281,11 +244,7 @@ fn property(record: &PropertyRecord, sections: &mut Sections) -> Checked<Propert
             }
         },
         components: record.components.unwrap_or(1),
-        between: if record.of_nearest {
-            Between::NearestCorner
-        } else {
-            Between::Interpolated
-        },
+        between: if record.of_nearest { Between::NearestCorner } else { Between::Interpolated },
         values: match record.values {
             ValuesRecord::Single(values) => PropertyValues::Single(sections.take(values)?),
             ValuesRecord::Double(values) => PropertyValues::Double(sections.take(values)?),
@@ -298,12 +257,7 @@ type Looks = Vec<Arc<[Material]>>;
 
 fn looks(record: &Record, sections: &mut Sections) -> Checked<Looks> {
     let mut textures = Vec::new();
-    for &TextureRecord {
-        columns,
-        rows,
-        texels,
-    } in &record.textures
-    {
+    for &TextureRecord { columns, rows, texels } in &record.textures {
         let texels = sections.take(texels)?;
         textures.push(Arc::new(of_record(Texture::new(columns, rows, texels))?));
     }
@@ -320,10 +274,7 @@ fn looks(record: &Record, sections: &mut Sections) -> Checked<Looks> {
 const MOST_LOOKS: usize = 1 << 28;
 
 fn label(record: &LabelRecord) -> Label {
-    Label {
-        number: record.number,
-        name: escape_controls(&record.name).into(),
-    }
+    Label { number: record.number, name: escape_controls(&record.name).into() }
 }
 
 /// The label that an object names, if it names one.

@@ -41,12 +41,8 @@ impl LensRecord {
         let parameters = lens.parameters().into_iter();
         Self {
             projection: lens.projection().name().to_owned(),
-            ray_start: lens
-                .viewplane()
-                .map(|viewplane| viewplane.ray_start.name().to_owned()),
-            parameters: parameters
-                .map(|(name, value)| (name.to_owned(), Number(value)))
-                .collect(),
+            ray_start: lens.viewplane().map(|viewplane| viewplane.ray_start.name().to_owned()),
+            parameters: parameters.map(|(name, value)| (name.to_owned(), Number(value))).collect(),
         }
     }
 
@@ -110,14 +106,7 @@ enum OpeningRecord {
 
 impl CameraRecord {
     pub(super) fn new(camera: &NamedCamera) -> Self {
-        let View {
-            position,
-            aim,
-            up,
-            rows,
-            columns,
-            lens,
-        } = camera.view;
+        let View { position, aim, up, rows, columns, lens } = camera.view;
         Self {
             name: camera.name.clone(),
             own_name: camera.own_name.clone(),
@@ -148,9 +137,7 @@ impl CameraRecord {
             own_name: escape_controls(&self.own_name),
             view,
             has_size: self.has_size,
-            description: description
-                .map(DescriptionRecord::description)
-                .transpose()?,
+            description: description.map(DescriptionRecord::description).transpose()?,
         })
     }
 }
@@ -181,11 +168,7 @@ impl DescriptionRecord {
             up: up.map(Triple::from),
             opening: opening.map(|opening| match opening {
                 Opening::Fov(degrees) => OpeningRecord::Fov(Number(degrees)),
-                Opening::Viewplane {
-                    width,
-                    height,
-                    focal_length,
-                } => {
+                Opening::Viewplane { width, height, focal_length } => {
                     let focal_length = focal_length.map(Number);
                     OpeningRecord::Viewplane(Number(width), Number(height), focal_length)
                 }
@@ -223,10 +206,9 @@ impl DescriptionRecord {
                         focal_length: focal_length.as_ref().map(|Number(length)| *length),
                     }
                 }
-                OpeningRecord::Lens(lens, size) => Opening::Lens {
-                    lens: lens.lens()?,
-                    size: *size,
-                },
+                OpeningRecord::Lens(lens, size) => {
+                    Opening::Lens { lens: lens.lens()?, size: *size }
+                }
             })
         });
         let focus = self.focus.as_ref().map(|focus| match focus {
@@ -293,11 +275,9 @@ fn check_description(described: &Description) -> Result<()> {
             require("fov", "above 0 and up to 360", is_possible, degrees)?;
             [None; 3]
         }
-        Some(Opening::Viewplane {
-            width,
-            height,
-            focal_length,
-        }) => [Some(width), Some(height), focal_length],
+        Some(Opening::Viewplane { width, height, focal_length }) => {
+            [Some(width), Some(height), focal_length]
+        }
         _ => [None; 3],
     };
     for length in lengths.into_iter().chain([distance]).flatten() {
@@ -307,10 +287,5 @@ fn check_description(described: &Description) -> Result<()> {
     }
     let aperture = described.aperture.unwrap_or(0.0);
     let is_possible = aperture >= 0.0 && aperture.is_finite();
-    require(
-        "aperture",
-        "zero or positive, and finite",
-        is_possible,
-        aperture,
-    )
+    require("aperture", "zero or positive, and finite", is_possible, aperture)
 }

@@ -18,10 +18,7 @@ pub(super) struct Shared<'a, T> {
 
 impl<T> Default for Shared<'_, T> {
     fn default() -> Self {
-        Self {
-            numbers: HashMap::new(),
-            list: Vec::new(),
-        }
+        Self { numbers: HashMap::new(), list: Vec::new() }
     }
 }
 
@@ -67,10 +64,7 @@ impl<'a> Tables<'a> {
 
     fn label(&mut self, label: &'a Label) -> usize {
         *self.label_numbers.entry(label).or_insert_with(|| {
-            self.labels.push(LabelRecord {
-                number: label.number,
-                name: label.name.to_string(),
-            });
+            self.labels.push(LabelRecord { number: label.number, name: label.name.to_string() });
             self.labels.len() - 1
         })
     }
@@ -89,8 +83,7 @@ impl<'a> Tables<'a> {
         });
         let records = records.collect();
         self.materials.push(records);
-        self.lists
-            .insert(Arc::as_ptr(list), self.materials.len() - 1);
+        self.lists.insert(Arc::as_ptr(list), self.materials.len() - 1);
         self.materials.len() - 1
     }
 

@@ -148,11 +148,7 @@ fn with_content<T>(
     watch.begin(&format!("computing checksums of {path}"), bytes, "bytes");
     let sums = sums(&sections, watch)?;
     let (header, table) = header_and_table(&sections, &sums, &record);
-    let content = Content {
-        header,
-        table,
-        sections,
-    };
+    let content = Content { header, table, sections };
     watch.begin(&format!("writing {path}"), bytes, "bytes");
     then(&content)
 }
@@ -293,11 +289,7 @@ impl<'a> Parts<'a> {
             tangents: self.attribute(mesh.tangents()),
             colors: self.attribute(mesh.colors()),
             alphas: self.attribute(mesh.alphas()),
-            properties: mesh
-                .properties()
-                .iter()
-                .map(|property| self.property(property))
-                .collect(),
+            properties: mesh.properties().iter().map(|property| self.property(property)).collect(),
             tree: tree.map(|tree| self.tree(tree)),
         }
     }
@@ -341,14 +333,10 @@ fn record<'a>(
         parts.mesh(mesh, tree.map(AsRef::as_ref), positions)
     });
     let meshes = meshes.collect();
-    let positions = tables
-        .positions
-        .list
-        .iter()
-        .map(|positions| match &***positions {
-            Positions::Single(points) => PositionsRecord::Single(parts.add(points)),
-            Positions::Double(points) => PositionsRecord::Double(parts.add(points)),
-        });
+    let positions = tables.positions.list.iter().map(|positions| match &***positions {
+        Positions::Single(points) => PositionsRecord::Single(parts.add(points)),
+        Positions::Double(points) => PositionsRecord::Double(parts.add(points)),
+    });
     let positions = positions.collect();
     let textures = tables.textures.list.iter().map(|texture| TextureRecord {
         columns: texture.columns(),
@@ -356,13 +344,10 @@ fn record<'a>(
         texels: parts.add(texture.texels()),
     });
     let textures = textures.collect();
-    let groups = scene
-        .groups()
-        .zip(&lists.members)
-        .map(|(group, members)| GroupRecord {
-            objects: parts.add(members),
-            tree: parts.tree(group.tree()),
-        });
+    let groups = scene.groups().zip(&lists.members).map(|(group, members)| GroupRecord {
+        objects: parts.add(members),
+        tree: parts.tree(group.tree()),
+    });
     let groups = groups.collect();
     let bounds = scene.bounds();
     Record {

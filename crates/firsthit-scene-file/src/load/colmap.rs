@@ -22,17 +22,11 @@ pub fn colmap_files(folder: &Path) -> Result<[PathBuf; 2]> {
         what: what.to_owned(),
     };
     let real = |path: &Path| {
-        path.canonicalize().map_err(|source| Error::Read {
-            path: path.to_owned(),
-            source,
-        })
+        path.canonicalize().map_err(|source| Error::Read { path: path.to_owned(), source })
     };
     let top = real(folder)?;
     if !top.is_dir() {
-        return Err(wrong(
-            folder,
-            "expected the folder of a COLMAP reconstruction",
-        ));
+        return Err(wrong(folder, "expected the folder of a COLMAP reconstruction"));
     }
     let named = |suffix| ["cameras", "images"].map(|name| folder.join(name).with_extension(suffix));
     let mut pairs = ["bin", "txt"].into_iter().map(named);
@@ -59,9 +53,6 @@ pub fn colmap_files(folder: &Path) -> Result<[PathBuf; 2]> {
 ///
 /// [`Error::Read`] if the system refuses, and the errors of [`ColmapImages::read`].
 pub fn read_colmap([cameras, images]: [&Path; 2]) -> Result<ColmapImages> {
-    let content = [
-        regular_file(cameras, LARGEST, &())?,
-        regular_file(images, LARGEST, &())?,
-    ];
+    let content = [regular_file(cameras, LARGEST, &())?, regular_file(images, LARGEST, &())?];
     ColmapImages::read(content.each_ref().map(Vec::as_slice), [cameras, images])
 }

@@ -274,19 +274,13 @@ macro_rules! rig_cameras {
             $pixels,
             [],
             [FOV, SKEW, TILT],
-            [
-                Rule::NotBoth("fov", "width"),
-                Rule::Needs("fov_axis", "fov")
-            ]
+            [Rule::NotBoth("fov", "width"), Rule::Needs("fov_axis", "fov")]
         )
     };
 }
 
-pub(super) static RIG_CAMERA: Record = Record {
-    name: "rig_camera",
-    about: "A camera on a rig.",
-    variants: rig_cameras!(BOTH_PIXELS),
-};
+pub(super) static RIG_CAMERA: Record =
+    Record { name: "rig_camera", about: "A camera on a rig.", variants: rig_cameras!(BOTH_PIXELS) };
 
 pub(super) static LINE_CAMERA: Record = Record {
     name: "line_camera",

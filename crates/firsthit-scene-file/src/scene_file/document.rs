@@ -38,10 +38,7 @@ impl<'t> Text<'t> {
         let line = before.bytes().filter(|&b| b == b'\n').count() + 1;
         let start = before.rfind('\n').map_or(0, |newline| newline + 1);
         let column = before.get(start..).unwrap_or_default().chars().count() + 1;
-        Place::Position {
-            line: line as u64,
-            column: column as u64,
-        }
+        Place::Position { line: line as u64, column: column as u64 }
     }
 
     /// The byte that a place is of.
@@ -49,16 +46,9 @@ impl<'t> Text<'t> {
         let Place::Position { line, column } = *place else {
             return None;
         };
-        let lines = self
-            .0
-            .split_inclusive('\n')
-            .take(usize::try_from(line).ok()? - 1);
+        let lines = self.0.split_inclusive('\n').take(usize::try_from(line).ok()? - 1);
         let start: usize = lines.map(str::len).sum();
-        let before = self
-            .0
-            .get(start..)?
-            .chars()
-            .take(usize::try_from(column).ok()? - 1);
+        let before = self.0.get(start..)?.chars().take(usize::try_from(column).ok()? - 1);
         Some(start + before.map(char::len_utf8).sum::<usize>())
     }
 

@@ -37,11 +37,8 @@ pub(super) fn read(scene: &Section<'_, '_>) -> Checked<Option<Edges>> {
     };
     let usual = Edges::default();
     let names = section.items("kinds").filter_map(|item| item.as_str());
-    let kinds = if section.has("kinds") {
-        section.checked(EdgeKinds::named(names))?
-    } else {
-        usual.kinds
-    };
+    let kinds =
+        if section.has("kinds") { section.checked(EdgeKinds::named(names))? } else { usual.kinds };
     let Dash { on, off } = Dash::default();
     let dash = Dash {
         on: section.number("dash").unwrap_or(on),

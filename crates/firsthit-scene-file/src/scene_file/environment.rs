@@ -53,11 +53,7 @@ const DAYLIGHT_KEY: &[Key] = keys! {
 };
 
 const fn with(key: &'static str, keys: &'static [&'static [Key]]) -> Variant {
-    Variant {
-        pick: Pick::Has(key),
-        keys,
-        rules: &[],
-    }
+    Variant { pick: Pick::Has(key), keys, rules: &[] }
 }
 
 pub(super) static ENVIRONMENT: Record = Record {
@@ -111,22 +107,15 @@ pub(super) fn read(
         EnvironmentKind::Hemispheres { above, below, up }
     } else if section.has("horizon") {
         let (horizon, zenith) = (color("horizon"), color("zenith"));
-        EnvironmentKind::Gradient {
-            horizon,
-            zenith,
-            up,
-        }
+        EnvironmentKind::Gradient { horizon, zenith, up }
     } else {
         let (day, with_sun) = daylight(&section, up)?;
         has_sun = with_sun;
         EnvironmentKind::Daylight(day)
     };
     let strength = section.number("strength").unwrap_or(1.0);
-    let environment = Environment {
-        kind,
-        strength,
-        is_seen: section.boolean("seen").unwrap_or(true),
-    };
+    let environment =
+        Environment { kind, strength, is_seen: section.boolean("seen").unwrap_or(true) };
     section.checked(environment.check())?;
     let sun = environment.sun().filter(|_| has_sun);
     Ok(Some((environment, sun)))

@@ -65,9 +65,7 @@ impl Form {
             Self::Range => numbers::<2>(raw).is_some_and(|[low, high]| low < high),
             Self::Span(end) => {
                 end.accepts(value) || {
-                    let ends = raw
-                        .as_array()
-                        .filter(|items| items.iter().all(|x| end.accepts(x)));
+                    let ends = raw.as_array().filter(|items| items.iter().all(|x| end.accepts(x)));
                     ends.is_some() && numbers::<2>(raw).is_some_and(|[low, high]| low <= high)
                 }
             }

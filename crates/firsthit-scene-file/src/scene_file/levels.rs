@@ -10,17 +10,13 @@ use crate::io::Report;
 const KEYS: &[&str] = &["color", "ambient", "horizon", "zenith"];
 
 fn entries<'v, 't>(table: &'v DeTable<'t>) -> impl Iterator<Item = (&'v str, &'v Value<'t>)> {
-    table
-        .iter()
-        .map(|(name, value)| (name.get_ref().as_ref(), value))
+    table.iter().map(|(name, value)| (name.get_ref().as_ref(), value))
 }
 
 /// Warns of linear colours in whole numbers up to 255 of which one is more than 1.
 pub(super) fn warn(text: Text<'_>, scene: &DeTable<'_>, report: &mut Report) {
     // Not recursive: a file may nest its tables deeply.
-    let mut open: Vec<_> = entries(scene)
-        .filter(|(name, _)| *name != "lights")
-        .collect();
+    let mut open: Vec<_> = entries(scene).filter(|(name, _)| *name != "lights").collect();
     // Only the first is told: to count the lines up to each would take long.
     let mut first = None;
     while let Some((name, value)) = open.pop() {

@@ -13,11 +13,7 @@ use crate::scene::Light;
 
 settings::variants!(Light::KINDS, |name| Pick::Tag("kind", name), &[]);
 
-pub(super) static LIGHT: Record = Record {
-    name: "light",
-    about: "A light.",
-    variants: &VARIANTS,
-};
+pub(super) static LIGHT: Record = Record { name: "light", about: "A light.", variants: &VARIANTS };
 
 pub(super) fn read(section: &Section<'_, '_>) -> Checked<Light> {
     let kind = section.tag().unwrap_or("directional");

@@ -19,11 +19,8 @@ const COMMON: &[Key] = keys! {
 
 settings::variants!(Model::KINDS, |name| Pick::Tag("kind", name), COMMON);
 
-pub(super) static MATERIAL: Record = Record {
-    name: "material",
-    about: "What a surface is made of.",
-    variants: &VARIANTS,
-};
+pub(super) static MATERIAL: Record =
+    Record { name: "material", about: "What a surface is made of.", variants: &VARIANTS };
 
 /// A material of this colour; without one it is white where light goes through, and neutral elsewhere.
 pub(super) fn read(section: &Section<'_, '_>, color: Option<Color>) -> Checked<Material> {

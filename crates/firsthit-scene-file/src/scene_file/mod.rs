@@ -66,12 +66,7 @@ use shading::SHADING;
 
 /// The row of the list of formats.
 pub(crate) static FORMAT: WorldFormat = WorldFormat {
-    format: Format {
-        name: "scene file",
-        extensions: EXTENSIONS,
-        up: DVec3::Z,
-        rules_up: true,
-    },
+    format: Format { name: "scene file", extensions: EXTENSIONS, up: DVec3::Z, rules_up: true },
     read,
 };
 

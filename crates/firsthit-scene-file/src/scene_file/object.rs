@@ -26,11 +26,7 @@ const SHAPE: &str = "shape";
 
 /// The variant of an object that is a shape.
 const fn shape(name: &'static str, keys: &'static [&'static [Key]]) -> Variant {
-    Variant {
-        pick: Pick::Tag(SHAPE, name),
-        keys,
-        rules: PLACED_RULES,
-    }
+    Variant { pick: Pick::Tag(SHAPE, name), keys, rules: PLACED_RULES }
 }
 
 /// The index of a vertex.
@@ -98,11 +94,7 @@ pub(super) static OBJECT: Record = Record {
     name: "object",
     about: "An object: a file's objects, or a shape.",
     variants: &[
-        Variant {
-            pick: Pick::Has("file"),
-            keys: &[FILE, PLACED],
-            rules: PLACED_RULES,
-        },
+        Variant { pick: Pick::Has("file"), keys: &[FILE, PLACED], rules: PLACED_RULES },
         shape("sphere", &[CENTER, RADIUS, PLACED]),
         shape("plane", &[POINT, NORMAL, PLACED]),
         shape("disc", &[CENTER, NORMAL, RADIUS, PLACED]),
@@ -163,9 +155,8 @@ pub(super) fn read(scene: &Section<'_, '_>, report: &mut Report) -> Checked<Vec<
             let of_file = files.read(&section, report)?;
             let unit = section.text("units").unwrap_or_default();
             let unit = UNITS.iter().find(|&&(name, _)| name == unit);
-            let placed = unit.map_or(placed, |&(_, metres)| {
-                placed * DAffine3::from_scale(DVec3::splat(metres))
-            });
+            let placed = unit
+                .map_or(placed, |&(_, metres)| placed * DAffine3::from_scale(DVec3::splat(metres)));
             let count = objects.len() + of_file.len();
             if count > MOST_OBJECTS {
                 let what = "objects in a scene file";

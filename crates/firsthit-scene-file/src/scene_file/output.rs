@@ -30,10 +30,7 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
         let name = escape_controls(name);
         section.fault_at("file", format!("'{name}' is not written: {reason}"))
     };
-    let scene = report
-        .source
-        .base()
-        .map_err(|reason| refused(name, reason))?;
+    let scene = report.source.base().map_err(|reason| refused(name, reason))?;
     let path = read::sibling_to_be(scene, name).map_err(|reason| refused(name, reason))?;
     let Ok(format) = format_of(&path) else {
         let known = FORMATS.iter().flat_map(|format| format.extensions);
@@ -42,10 +39,8 @@ pub(super) fn read(section: &Section<'_, '_>, report: &Report) -> Checked<Output
         let what = format!("'{name}' is not written: it must end in one of {known}");
         return Err(section.fault_at("file", what));
     };
-    let mut channels: Vec<String> = section
-        .items("channels")
-        .filter_map(|item| Some(item.as_str()?.to_owned()))
-        .collect();
+    let mut channels: Vec<String> =
+        section.items("channels").filter_map(|item| Some(item.as_str()?.to_owned())).collect();
     if channels.is_empty() {
         let default = format.holds.default_channels().iter();
         channels.extend(default.map(|&name| name.to_owned()));

@@ -95,9 +95,8 @@ fn from_rows(rows: &[[f64; 4]; 3]) -> DAffine3 {
 /// The rotation that a table says.
 pub(super) fn rotation_matrix(section: &Section<'_, '_>) -> DMat3 {
     let Some(axis) = section.vector("axis") else {
-        let [x, y, z, w] = (section.raw("quaternion"))
-            .and_then(numbers::<4>)
-            .unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let [x, y, z, w] =
+            (section.raw("quaternion")).and_then(numbers::<4>).unwrap_or([0.0, 0.0, 0.0, 1.0]);
         // Scaled first: squares of very large and very small numbers leave float64.
         let largest = [x, y, z, w].map(f64::abs).into_iter().fold(0.0, f64::max);
         let quaternion = DQuat::from_xyzw(x / largest, y / largest, z / largest, w / largest);

@@ -129,11 +129,8 @@ static STEREO: Record = record! {
 
 settings::variants!(Shader::KINDS, |name| Pick::Tag("name", name), &[]);
 
-static SHADE: Record = Record {
-    name: "shade",
-    about: "A shader and its settings.",
-    variants: &VARIANTS,
-};
+static SHADE: Record =
+    Record { name: "shade", about: "A shader and its settings.", variants: &VARIANTS };
 
 static COLOR_BY: Record = record! {
     "color_by", "Colours by numbers.";

@@ -58,10 +58,7 @@ mod tests {
 
     /// The tags of a record, for the lists that they must be the same as.
     fn tags(record: &Record) -> Vec<&'static str> {
-        let tags = record
-            .variants
-            .iter()
-            .filter_map(|variant| variant.pick.tag());
+        let tags = record.variants.iter().filter_map(|variant| variant.pick.tag());
         tags.map(|(_, value)| value).collect()
     }
 

@@ -28,11 +28,7 @@ fn of(root: &'static Record, title: &str) -> String {
         definitions.insert(record.name.to_owned(), definition(record, is_open));
     }
     let mut whole = definitions.remove(root.name).unwrap_or_default();
-    insert(
-        &mut whole,
-        "$schema",
-        json!("https://json-schema.org/draft/2020-12/schema"),
-    );
+    insert(&mut whole, "$schema", json!("https://json-schema.org/draft/2020-12/schema"));
     insert(&mut whole, "title", json!(title));
     definitions.insert("color".to_owned(), color_schema());
     insert(&mut whole, "$defs", Json::Object(definitions));

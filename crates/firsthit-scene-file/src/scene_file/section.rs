@@ -39,9 +39,7 @@ impl<'v, 't> Section<'v, 't> {
             table,
             at,
             variant,
-            more: also
-                .map(|record| pick(text, table, at, record))
-                .transpose()?,
+            more: also.map(|record| pick(text, table, at, record)).transpose()?,
         };
         section.check_keys()?;
         section.check_rules()?;
@@ -74,10 +72,7 @@ impl<'v, 't> Section<'v, 't> {
             };
             check_form(self.text, key.name, key.form, value)?;
         }
-        let Some(missing) = self
-            .keys()
-            .find(|key| key.is_required && !self.has(key.name))
-        else {
+        let Some(missing) = self.keys().find(|key| key.is_required && !self.has(key.name)) else {
             return Ok(());
         };
         let (title, expected) = (self.title(), missing.form.expected());
@@ -161,10 +156,7 @@ impl<'v, 't> Section<'v, 't> {
     /// The items of an array; none where it is not there.
     pub(super) fn items(&self, name: &str) -> impl Iterator<Item = &'v DeValue<'t>> + use<'v, 't> {
         let items = self.raw(name).and_then(DeValue::as_array);
-        items
-            .into_iter()
-            .flat_map(|items| items.iter())
-            .map(Spanned::get_ref)
+        items.into_iter().flat_map(|items| items.iter()).map(Spanned::get_ref)
     }
 
     pub(super) fn range(&self, name: &str) -> Option<[f64; 2]> {
@@ -190,9 +182,7 @@ impl<'v, 't> Section<'v, 't> {
 
     /// The table under a key, if it is there.
     pub(super) fn table(&self, name: &str, record: &'static Record) -> Checked<Option<Self>> {
-        self.get(name)
-            .and_then(|value| self.open(value, record))
-            .transpose()
+        self.get(name).and_then(|value| self.open(value, record)).transpose()
     }
 
     /// The tables of an array, or the only one.
@@ -201,10 +191,7 @@ impl<'v, 't> Section<'v, 't> {
             return Ok(Vec::new());
         };
         match value.get_ref().as_array() {
-            Some(items) => items
-                .iter()
-                .filter_map(|item| self.open(item, record))
-                .collect(),
+            Some(items) => items.iter().filter_map(|item| self.open(item, record)).collect(),
             None => self.open(value, record).into_iter().collect(),
         }
     }
@@ -273,9 +260,7 @@ impl<'v, 't> Section<'v, 't> {
 
     /// The byte at which a key stands; the table's where it is not there.
     fn key_at(&self, name: &str) -> usize {
-        self.table
-            .get_key_value(name)
-            .map_or(self.at, |(key, _)| key.span().start)
+        self.table.get_key_value(name).map_or(self.at, |(key, _)| key.span().start)
     }
 
     /// A fault of the table as a whole.

@@ -61,18 +61,8 @@ pub(super) const fn keys<const MOST: usize>(settings: &'static [Setting]) -> [Ke
     let mut keys = [optional(Form::NUMBER); MOST];
     let mut place = 0;
     while place < settings.len() {
-        let Setting {
-            name,
-            about,
-            domain,
-            is_required,
-        } = settings[place];
-        keys[place] = Key {
-            name,
-            form: Form::Of(domain),
-            is_required,
-            about,
-        };
+        let Setting { name, about, domain, is_required } = settings[place];
+        keys[place] = Key { name, form: Form::Of(domain), is_required, about };
         place += 1;
     }
     keys
@@ -115,8 +105,6 @@ pub(super) fn given(
     let kind = kinds.iter().find(|kind| kind.name == name);
     let list = kind.map_or(&[][..], |kind| kind.settings);
     let value = |setting: &Setting| value(section.raw(setting.name)?, setting.domain);
-    let given = list
-        .iter()
-        .map(|setting| Some((setting.name, value(setting)?)));
+    let given = list.iter().map(|setting| Some((setting.name, value(setting)?)));
     given.flatten().collect()
 }

@@ -29,11 +29,7 @@ const UNNAMED: &str = "lambert";
 settings::variants!(Shader::KINDS, |name| pick(name), COMMON);
 
 const fn pick(name: &'static str) -> Pick {
-    if same(name, UNNAMED) {
-        Pick::Default(SHADER, name)
-    } else {
-        Pick::Tag(SHADER, name)
-    }
+    if same(name, UNNAMED) { Pick::Default(SHADER, name) } else { Pick::Tag(SHADER, name) }
 }
 
 const fn same(a: &str, b: &str) -> bool {
@@ -45,11 +41,8 @@ const fn same(a: &str, b: &str) -> bool {
     place == a.len() && place == b.len()
 }
 
-pub(super) static SHADING: Record = Record {
-    name: "shading",
-    about: "How hits get their colour.",
-    variants: &VARIANTS,
-};
+pub(super) static SHADING: Record =
+    Record { name: "shading", about: "How hits get their colour.", variants: &VARIANTS };
 
 /// The shading that a scene file asks for; `None` where it does not say.
 #[derive(Debug, Default)]

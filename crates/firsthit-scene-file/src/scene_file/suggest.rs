@@ -30,8 +30,7 @@ pub(super) fn suggestion(word: &str, known: &[&'static str]) -> Option<&'static 
     let plain = word.to_ascii_lowercase().replace('-', "_");
     let synonym = || {
         let ours = OTHER_WORDS.iter().filter(|(theirs, _)| *theirs == plain);
-        ours.map(|&(_, ours)| ours)
-            .find(|ours| known.contains(ours))
+        ours.map(|&(_, ours)| ours).find(|ours| known.contains(ours))
     };
     nearest_word(&plain, known.iter().copied()).or_else(synonym)
 }
@@ -77,14 +76,7 @@ mod tests {
 
     #[test]
     fn slips_of_the_finger_are_understood() {
-        let known = [
-            "position",
-            "aim",
-            "up",
-            "look_at",
-            "focal_length",
-            "columns",
-        ];
+        let known = ["position", "aim", "up", "look_at", "focal_length", "columns"];
         for (word, meant) in [
             ("postion", Some("position")),
             ("Position", Some("position")),

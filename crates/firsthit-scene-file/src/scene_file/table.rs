@@ -14,20 +14,12 @@ pub(super) struct Key {
 
 /// A key that may be left out.
 pub(super) const fn optional(form: Form) -> Key {
-    Key {
-        name: "",
-        form,
-        is_required: false,
-        about: "",
-    }
+    Key { name: "", form, is_required: false, about: "" }
 }
 
 /// A key that must be there.
 pub(super) const fn required(form: Form) -> Key {
-    Key {
-        is_required: true,
-        ..optional(form)
-    }
+    Key { is_required: true, ..optional(form) }
 }
 
 /// A list of keys: each has a row, and its meaning as a doc comment.

@@ -25,9 +25,7 @@ pub(super) fn pick(
     if let Some(variant) = record.variants.iter().find(fits) {
         return Ok(variant);
     }
-    let tags: Vec<_> = (record.variants.iter())
-        .filter_map(|variant| variant.pick.tag())
-        .collect();
+    let tags: Vec<_> = (record.variants.iter()).filter_map(|variant| variant.pick.tag()).collect();
     let words: Vec<&str> = tags.iter().map(|&(_, value)| value).collect();
     let key = tags.first().map_or("", |&(key, _)| key);
     let Some((name, value)) = table.get_key_value(key) else {
@@ -55,10 +53,8 @@ fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &
             known.push(key);
         }
     }
-    let of_variants: Vec<&str> = (record.variants.iter())
-        .flat_map(Variant::keys)
-        .map(|key| key.name)
-        .collect();
+    let of_variants: Vec<&str> =
+        (record.variants.iter()).flat_map(Variant::keys).map(|key| key.name).collect();
     let mut names: Vec<_> = table.keys().collect();
     names.sort_unstable_by_key(|name| name.span().start);
     let misspelt = names.iter().find_map(|name| {
@@ -77,7 +73,5 @@ fn missing_tag(table: &DeTable<'_>, record: &Record, key: &'static str, words: &
 }
 
 fn has_text(table: &DeTable<'_>, key: &str, value: &str) -> bool {
-    table
-        .get(key)
-        .is_some_and(|came| came.get_ref().as_str() == Some(value))
+    table.get(key).is_some_and(|came| came.get_ref().as_str() == Some(value))
 }

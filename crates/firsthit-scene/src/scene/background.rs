@@ -39,11 +39,7 @@ impl Background {
         match *self {
             Self::Uniform(color) => color,
             Self::Transparent => Color::ZERO,
-            Self::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => {
+            Self::Gradient { horizon, zenith, up } => {
                 let height = unit(direction).dot(unit(up));
                 if height.is_nan() {
                     return Color::ZERO;
@@ -63,11 +59,7 @@ impl Background {
                 digest.word("uniform");
                 digest.vector(color);
             }
-            Self::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => {
+            Self::Gradient { horizon, zenith, up } => {
                 digest.word("gradient");
                 digest.vector(horizon);
                 digest.vector(zenith);

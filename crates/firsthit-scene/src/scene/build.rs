@@ -110,11 +110,7 @@ impl<'a> TreeBuilder<'a> {
         if triangles > 0 {
             watch.begin("building trees", triangles as u64, "triangles");
         }
-        Self {
-            is_fast: build.is_fast(triangles),
-            watch,
-            left: AtomicU64::new(triangles as u64),
-        }
+        Self { is_fast: build.is_fast(triangles), watch, left: AtomicU64::new(triangles as u64) }
     }
 
     /// The tree over a mesh.
@@ -143,9 +139,7 @@ pub(super) fn object_trees(
     // Fast, if there were triangles enough.
     let may_be_quick = build.is_fast(usize::MAX);
     let is_good_enough = |tree: &MeshTree| may_be_quick || !tree.is_quick();
-    let known = before
-        .into_iter()
-        .flat_map(|scene| scene.objects.iter().zip(&scene.trees));
+    let known = before.into_iter().flat_map(|scene| scene.objects.iter().zip(&scene.trees));
     let known = known.filter_map(|(object, tree)| Some((object.mesh()?, tree.own()?)));
     let mut built: HashMap<*const Mesh, Arc<MeshTree>> = known
         .filter(|(_, tree)| is_good_enough(tree))
@@ -196,10 +190,7 @@ pub(super) fn object_trees(
         made.push(tree(one)?);
     }
     let pointer = |k: usize| objects[k].mesh().map(Arc::as_ptr);
-    built.extend(
-        made.into_iter()
-            .filter_map(|(k, tree)| Some((pointer(k)?, tree))),
-    );
+    built.extend(made.into_iter().filter_map(|(k, tree)| Some((pointer(k)?, tree))));
     hand_out(&built, objects, &mut trees);
     Ok(trees)
 }
@@ -255,17 +246,11 @@ mod tests {
 
     #[test]
     fn few_rays_are_worth_a_fast_build_and_many_a_good_one() {
-        let auto = |rays| BuildSettings {
-            build: Build::Auto,
-            rays,
-        };
+        let auto = |rays| BuildSettings { build: Build::Auto, rays };
         assert!(auto(Some(1 << 20)).is_fast(4_000_000));
         assert!(!auto(Some(1 << 20)).is_fast(70_000));
         assert!(!auto(None).is_fast(4_000_000));
-        let asked = |build| BuildSettings {
-            build,
-            ..auto(Some(1))
-        };
+        let asked = |build| BuildSettings { build, ..auto(Some(1)) };
         assert!(asked(Build::Fast).is_fast(1) && !asked(Build::Best).is_fast(4_000_000));
     }
 

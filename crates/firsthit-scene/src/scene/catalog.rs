@@ -59,9 +59,7 @@ impl Scene {
     /// # Ok::<(), firsthit::Error>(())
     /// ```
     pub fn catalog(&self) -> &Catalog {
-        parallel::once::<Arc<_>>(&self.derived.catalog, || {
-            Arc::new(Catalog::of(&self.objects))
-        })
+        parallel::once::<Arc<_>>(&self.derived.catalog, || Arc::new(Catalog::of(&self.objects)))
     }
 }
 
@@ -153,10 +151,7 @@ struct Numbering<K> {
 
 impl<K> Default for Numbering<K> {
     fn default() -> Self {
-        Self {
-            known: HashMap::new(),
-            names: Vec::new(),
-        }
+        Self { known: HashMap::new(), names: Vec::new() }
     }
 }
 
@@ -225,10 +220,7 @@ impl MaterialKey {
             model: model.name(),
             flags: [*unlit, *double_sided],
             alpha_mode,
-            maps: maps
-                .roles()
-                .map(|(role, map)| (role, MapKey::of(map)))
-                .collect(),
+            maps: maps.roles().map(|(role, map)| (role, MapKey::of(map))).collect(),
         }
     }
 }

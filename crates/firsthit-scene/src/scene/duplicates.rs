@@ -26,18 +26,14 @@ pub struct Duplicates {
 impl Duplicates {
     /// An object that shares a tree has none, and is none.
     pub(super) fn new(objects: &[Object], trees: &[ObjectTree], bounds: &[Bounds]) -> Self {
-        let mut found = Self {
-            is_duplicate: vec![false; objects.len()],
-            of: HashMap::new(),
-        };
+        let mut found = Self { is_duplicate: vec![false; objects.len()], of: HashMap::new() };
         let ends = |&[_, index]: &[u32; 2]| ends(&bounds[index as usize]);
         let asked = (0..).zip(objects.iter().zip(trees));
         let asked =
             asked.filter(|(_, (object, tree))| !object.is_hidden() && tree.group().is_none());
         // Equal boxes have equal sums. To sort them takes a tenth of the memory of a map.
-        let mut asked: Vec<[u32; 2]> = asked
-            .map(|(index, _)| [check_sum(ends(&[0, index])), index])
-            .collect();
+        let mut asked: Vec<[u32; 2]> =
+            asked.map(|(index, _)| [check_sum(ends(&[0, index])), index]).collect();
         asked.sort_unstable();
         for alike in asked.chunk_by_mut(|[one, _], [other, _]| one == other) {
             if alike.len() > 1 {
@@ -69,10 +65,7 @@ impl Duplicates {
     /// Builds the lists from pairs of an object and its duplicate; `None` where an index is out of
     /// range, the first is the later one, or an object is a duplicate of two.
     pub(super) fn from_pairs(objects: usize, pairs: &[[u32; 2]]) -> Option<Self> {
-        let mut found = Self {
-            is_duplicate: vec![false; objects],
-            of: HashMap::new(),
-        };
+        let mut found = Self { is_duplicate: vec![false; objects], of: HashMap::new() };
         for &[first, other] in pairs {
             let is_duplicate = found.is_duplicate.get_mut(other as usize)?;
             if first >= other || *is_duplicate {
@@ -119,11 +112,8 @@ fn ends(bounds: &Bounds) -> [u64; 6] {
 
 /// Another number for nearly every other box.
 fn check_sum(ends: [u64; 6]) -> u32 {
-    let mix = |sum: u64, bits: u64| {
-        (sum ^ bits)
-            .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            .rotate_left(32)
-    };
+    let mix =
+        |sum: u64, bits: u64| (sum ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(32);
     (ends.into_iter().fold(0, mix) >> 32) as u32
 }
 
@@ -156,10 +146,7 @@ mod tests {
             let transform = Transform::translation(DVec3::new(0.0, 0.0, z)).unwrap();
             object.clone().placed(transform)
         };
-        let glass = Material {
-            alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
-            ..Material::default()
-        };
+        let glass = Material { alpha_mode: AlphaMode::Mask { cutoff: 0.5 }, ..Material::default() };
         let holes = triangle(0.0).with_materials([glass]);
         let half_turn = DAffine3::from_scale(DVec3::new(-1.0, -1.0, 1.0));
         let objects = [
@@ -176,9 +163,7 @@ mod tests {
             ball.placed(Transform::new(half_turn).unwrap()),
         ];
         let bounds: Vec<Bounds> = objects.iter().map(Object::bounds).collect();
-        let expected = [
-            false, false, true, true, false, false, false, false, true, false,
-        ];
+        let expected = [false, false, true, true, false, false, false, false, true, false];
         let duplicates = Duplicates::new(&objects, &vec![ObjectTree::None; objects.len()], &bounds);
         assert_eq!(duplicates.is_duplicate, expected);
         assert_eq!(duplicates.of(1), [2, 3]);

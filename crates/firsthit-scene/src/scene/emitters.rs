@@ -66,12 +66,7 @@ impl Emitters {
             }
         }
         let total = powers.iter().sum();
-        Self {
-            surfaces,
-            powers: Distribution::new(powers),
-            total,
-            has_others,
-        }
+        Self { surfaces, powers: Distribution::new(powers), total, has_others }
     }
 
     /// Whether there are no surfaces to draw.
@@ -131,25 +126,13 @@ impl Emitters {
         {
             return None;
         }
-        let hit = Hit {
-            t: 1.0,
-            object: surface.object,
-            primitive: surface.primitive,
-            barycentric,
-        };
+        let hit = Hit { t: 1.0, object: surface.object, primitive: surface.primitive, barycentric };
         let ray = Ray::new(at, towards);
         let met = scene.interaction(&ray, &hit)?;
         let pdf = share * pdf;
         let light = met.opacity() * met.emitted() / (PI * pdf);
-        is_light(light).then_some((
-            LightSample {
-                towards,
-                distance: 1.0,
-                light,
-                pdf: Some(pdf),
-            },
-            surface,
-        ))
+        is_light(light)
+            .then_some((LightSample { towards, distance: 1.0, light, pdf: Some(pdf) }, surface))
     }
 
     /// The radiance of a white matte surface at a point with a normal, lit by all emitters without
@@ -193,9 +176,7 @@ impl Emitters {
         let luminance = brightness(object, hit.primitive);
         let total = self.total;
         let key = |surface: &SurfaceId| (surface.object, surface.primitive);
-        let found = self
-            .surfaces
-            .binary_search_by_key(&(hit.object, hit.primitive), key);
+        let found = self.surfaces.binary_search_by_key(&(hit.object, hit.primitive), key);
         if found.is_err() {
             return 0.0;
         }
@@ -236,11 +217,7 @@ impl Object {
 
 /// The luminance of a material, whatever its map. One that is shown as it is gives no light.
 fn luminance_of(material: &Material) -> f64 {
-    if material.unlit {
-        0.0
-    } else {
-        luminance(material.emission)
-    }
+    if material.unlit { 0.0 } else { luminance(material.emission) }
 }
 
 /// The luminance of a primitive's material, whatever its map.
@@ -282,8 +259,7 @@ fn pdf_by_area(sphere: &SphereLight, length: f64, cosine: f64) -> f64 {
 /// The corners of a triangle in the world.
 fn corners(object: &Object, mesh: &Mesh, triangle: usize) -> [DVec3; 3] {
     let world_from_object = object.transform().world_from_object();
-    mesh.corners(triangle)
-        .map(|corner| world_from_object.transform_point3(corner))
+    mesh.corners(triangle).map(|corner| world_from_object.transform_point3(corner))
 }
 
 fn area([a, b, c]: [DVec3; 3]) -> f64 {

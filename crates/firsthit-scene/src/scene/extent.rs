@@ -26,11 +26,7 @@ impl Scene {
         for axis in 0..3 {
             for is_high in [false, true] {
                 let reach = |bounds: &Bounds| {
-                    if is_high {
-                        bounds.high[axis]
-                    } else {
-                        -bounds.low[axis]
-                    }
+                    if is_high { bounds.high[axis] } else { -bounds.low[axis] }
                 };
                 let mut farthest: Vec<(f64, usize)> = (0..boxes.len())
                     .filter(is_counted)
@@ -74,10 +70,7 @@ impl Scene {
         }
         let Bounds { low, high } = self.bounds();
         let margin = 1e-9 * low.abs().max(high.abs()).max_element();
-        Some(Bounds {
-            low: low - margin,
-            high: high + margin,
-        })
+        Some(Bounds { low: low - margin, high: high + margin })
     }
 
     /// The support function: the largest dot product of `direction` with a point of the scene, for a direction of any length.
@@ -172,9 +165,7 @@ mod tests {
     fn numbers() -> impl FnMut() -> f64 {
         let mut state = 7_u64;
         move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         }
     }
@@ -190,12 +181,7 @@ mod tests {
         let double =
             |points: Vec<DVec3>| Positions::Double(points.iter().map(DVec3::to_array).collect());
         let single = |points: Vec<DVec3>| {
-            Positions::Single(
-                points
-                    .iter()
-                    .map(|point| point.as_vec3().to_array())
-                    .collect(),
-            )
+            Positions::Single(points.iter().map(|point| point.as_vec3().to_array()).collect())
         };
         for (points, place) in [
             (single(cloud(1.0, DVec3::ZERO)), DVec3::ZERO),

@@ -50,13 +50,7 @@ impl Scene {
         for mesh in self.objects.iter().filter_map(Object::mesh) {
             let named = mesh.properties().iter();
             for property in named.filter(|property| property.name == name) {
-                let Property {
-                    name: _,
-                    of,
-                    components,
-                    between,
-                    values,
-                } = property;
+                let Property { name: _, of, components, between, values } = property;
                 digest.word(&format!("{of:?} {between:?}"));
                 digest.count(*components);
                 digest.count(values.len());
@@ -82,19 +76,12 @@ impl Scene {
         }
         // The first thread's value is equal.
         let _ = self.derived.digests.set(known);
-        let own: &[Light] = if self.has_own_lights {
-            &self.lights
-        } else {
-            &[]
-        };
+        let own: &[Light] = if self.has_own_lights { &self.lights } else { &[] };
         digest.count(own.len());
         for light in own {
             digest_light(light, &mut digest);
         }
-        let own = self
-            .environment
-            .as_deref()
-            .filter(|_| self.has_own_environment);
+        let own = self.environment.as_deref().filter(|_| self.has_own_environment);
         if let Some(environment) = own {
             digest_environment(environment, &mut digest);
         }
@@ -120,11 +107,7 @@ fn digest_object(object: &Object, known: &mut Known, digest: &mut Digest) {
     digest.numbers(&object.transform().world_from_object().to_cols_array());
     // An object without a look counts as one in the neutral colour.
     let neutral = [Material::colored(Object::NEUTRAL)];
-    let materials = if object.materials().is_empty() {
-        &neutral[..]
-    } else {
-        object.materials()
-    };
+    let materials = if object.materials().is_empty() { &neutral[..] } else { object.materials() };
     digest.count(materials.len());
     for material in materials {
         digest_material(material, known, digest);
@@ -191,13 +174,7 @@ fn digest_settings(settings: &[(&'static str, Value)], digest: &mut Digest) {
 }
 
 fn digest_map(map: &TextureMap, known: &mut Known, digest: &mut Digest) {
-    let TextureMap {
-        texture,
-        wrap,
-        filter,
-        uv_set,
-        picture_from_uv,
-    } = map;
+    let TextureMap { texture, wrap, filter, uv_set, picture_from_uv } = map;
     let of_texture = || {
         let mut digest = Digest::default();
         digest.count(texture.columns());
@@ -247,20 +224,13 @@ fn digest_environment(environment: &Environment, digest: &mut Digest) {
                 digest.vector(*vector);
             }
         }
-        EnvironmentKind::Gradient {
-            horizon,
-            zenith,
-            up,
-        } => {
+        EnvironmentKind::Gradient { horizon, zenith, up } => {
             digest.word("gradient");
             for vector in [horizon, zenith, up] {
                 digest.vector(*vector);
             }
         }
-        EnvironmentKind::Map {
-            map,
-            world_from_map,
-        } => {
+        EnvironmentKind::Map { map, world_from_map } => {
             digest.word("map");
             digest.count(map.columns());
             digest.count(map.rows());

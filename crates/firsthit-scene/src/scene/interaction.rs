@@ -170,25 +170,13 @@ impl<'a> SurfaceInteraction<'a> {
     #[inline]
     #[doc(hidden)]
     pub fn departure(&self) -> RayFilter {
-        let Hit {
-            object,
-            primitive,
-            barycentric,
-            ..
-        } = *self.hit;
+        let Hit { object, primitive, barycentric, .. } = *self.hit;
         let departure = Departure {
             surface: SurfaceId { object, primitive },
             barycentric,
-            side: Some(if self.is_front() {
-                Side::Front
-            } else {
-                Side::Back
-            }),
+            side: Some(if self.is_front() { Side::Front } else { Side::Back }),
         };
-        RayFilter {
-            departure: Some(departure),
-            ..RayFilter::NONE
-        }
+        RayFilter { departure: Some(departure), ..RayFilter::NONE }
     }
 
     /// The geometric normal in the world: the face's own, of length one, outwards for closed shapes. NaN for a triangle
@@ -290,12 +278,7 @@ mod tests {
         let mesh = Mesh::new(Positions::compact(corners), vec![[0, 1, 2]]).unwrap();
         let scene = Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap();
         let ray = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        let hit = |object, primitive| Hit {
-            t: 1.0,
-            object,
-            primitive,
-            ..Hit::MISS
-        };
+        let hit = |object, primitive| Hit { t: 1.0, object, primitive, ..Hit::MISS };
         let found = |object, primitive| {
             let hit = hit(object, primitive);
             let surface = scene.interaction(&ray, &hit);

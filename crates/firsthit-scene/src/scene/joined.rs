@@ -82,12 +82,7 @@ impl Group {
         meshes: Arc<JoinedMeshes>,
         tree: Arc<MeshTree>,
     ) -> Option<Self> {
-        Some(Self {
-            leader: *members.iter().flatten().next()?,
-            objects: members,
-            meshes,
-            tree,
-        })
+        Some(Self { leader: *members.iter().flatten().next()?, objects: members, meshes, tree })
     }
 
     /// Joins objects; `None` where they cannot be joined, or there is no memory for it.
@@ -121,9 +116,7 @@ impl Group {
         objects: &[Object],
         tree: impl FnOnce(Meshes<'_>) -> std::result::Result<MeshTree, &'static str>,
     ) -> std::result::Result<Self, &'static str> {
-        let keys = members
-            .iter()
-            .map(|&member| objects.get(member as usize).and_then(key));
+        let keys = members.iter().map(|&member| objects.get(member as usize).and_then(key));
         let keys: Option<Vec<Key>> = keys.collect();
         let is_common = |keys: &Vec<Key>| keys.windows(2).all(|pair| pair[0] == pair[1]);
         let is_ordered = members.is_sorted_by(|a, b| a < b);
@@ -179,10 +172,7 @@ impl Group {
     pub fn surface(&self, primitive: i32) -> SurfaceId {
         let located = self.locate(primitive.cast_unsigned());
         let (object, triangle) = located.unwrap_or((self.leader, 0));
-        SurfaceId {
-            object: object.cast_signed(),
-            primitive: triangle.cast_signed(),
-        }
+        SurfaceId { object: object.cast_signed(), primitive: triangle.cast_signed() }
     }
 
     /// The least and the largest [`Object::farthest`].
@@ -192,9 +182,7 @@ impl Group {
 
     /// Whether the tree is more full than empty.
     pub(super) fn is_dense(&self) -> bool {
-        let there = self
-            .members()
-            .map(|(_, [first, end])| (end - first) as usize);
+        let there = self.members().map(|(_, [first, end])| (end - first) as usize);
         2 * there.sum::<usize>() >= Meshes::Joined(&self.meshes).count()
     }
 
@@ -204,11 +192,7 @@ impl Group {
         for (member, object) in self.objects.iter_mut().enumerate() {
             if let Some(old) = *object {
                 *object = new(old);
-                let list = if object.is_some() {
-                    &mut staying
-                } else {
-                    &mut leaving
-                };
+                let list = if object.is_some() { &mut staying } else { &mut leaving };
                 list.push(member);
             }
         }
@@ -261,9 +245,7 @@ impl Scene {
             tree.group().is_some_and(|group| group.leader == object)
         };
         let numbered = (0..).zip(&self.trees);
-        numbered
-            .filter(move |&pair| leads(pair))
-            .filter_map(|(_, tree)| tree.group())
+        numbered.filter(move |&pair| leads(pair)).filter_map(|(_, tree)| tree.group())
     }
 
     fn group(&self, object: u32) -> Option<&Arc<Group>> {
@@ -328,10 +310,7 @@ impl Scene {
     pub fn surface_at(&self, object: u32, primitive: i32) -> SurfaceId {
         match &self.trees[object as usize] {
             ObjectTree::Shared(group, _) if group.leader == object => group.surface(primitive),
-            _ => SurfaceId {
-                object: object.cast_signed(),
-                primitive,
-            },
+            _ => SurfaceId { object: object.cast_signed(), primitive },
         }
     }
 
@@ -381,9 +360,7 @@ impl Scene {
         objects: &[u32],
         watch: &dyn Watch,
     ) -> Result<Vec<(usize, ObjectTree)>> {
-        let numbered = objects
-            .iter()
-            .map(|&k| (k as usize, &self.objects[k as usize]));
+        let numbered = objects.iter().map(|&k| (k as usize, &self.objects[k as usize]));
         let numbered: Vec<(usize, &Object)> = numbered.collect();
         let of_each = numbered.iter().map(|&(_, object)| object);
         let builder = TreeBuilder::new(self.build, of_each, watch);

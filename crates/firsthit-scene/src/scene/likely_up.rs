@@ -54,11 +54,7 @@ impl Scene {
         let stands = base > BASE
             && base > 2.0 * share(seen.top, other)
             && base > CLEARLY * share(seen.bottom, mine);
-        if stands {
-            [DVec3::Y, DVec3::Z][other]
-        } else {
-            convention
-        }
+        if stands { [DVec3::Y, DVec3::Z][other] } else { convention }
     }
 
     fn all_seen(&self) -> LevelAreas {
@@ -90,9 +86,7 @@ fn seen(object: &Object, bounds: Bounds) -> LevelAreas {
         });
         seen.fold(LevelAreas::default(), LevelAreas::and)
     });
-    parts
-        .into_iter()
-        .fold(LevelAreas::default(), LevelAreas::and)
+    parts.into_iter().fold(LevelAreas::default(), LevelAreas::and)
 }
 
 /// The evidence of one triangle.
@@ -132,13 +126,7 @@ mod tests {
 
     /// A pyramid on its base, its tip along +y.
     fn pyramid() -> Object {
-        let points = [
-            [-1., 0., -1.],
-            [1., 0., -1.],
-            [1., 0., 1.],
-            [-1., 0., 1.],
-            [0.1, 3., 0.2],
-        ];
+        let points = [[-1., 0., -1.], [1., 0., -1.], [1., 0., 1.], [-1., 0., 1.], [0.1, 3., 0.2]];
         let sides = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
         let triangles = [vec![[0, 2, 1], [0, 3, 2]], sides.to_vec()].concat();
         let mesh = Mesh::new(Positions::compact(points.to_vec()), triangles).unwrap();

@@ -186,10 +186,7 @@ impl Scene {
     /// Changes the settings for the trees of scenes derived from this one. Its own trees stay as
     /// they are.
     pub fn with_build(self, settings: BuildSettings) -> Self {
-        Self {
-            build: settings,
-            ..self
-        }
+        Self { build: settings, ..self }
     }
 
     /// A clone, or an error where there is no memory for the objects and the tree over them, where `clone` ends the process.
@@ -257,10 +254,7 @@ impl Scene {
     /// [`Error::Limit`] where there is no memory for them, and [`Error::Interrupted`] when `watch` stops it.
     #[doc(hidden)]
     pub fn with_best_trees(&self, watch: &dyn Watch) -> Result<Self> {
-        let best = BuildSettings {
-            build: Build::Best,
-            ..self.build
-        };
+        let best = BuildSettings { build: Build::Best, ..self.build };
         let mut scene = self.try_clone()?;
         scene.trees = object_trees(&self.objects, best, Some(self), watch)?;
         if !scene.groups().all(|group| group.is_whole()) {
@@ -346,21 +340,13 @@ impl Scene {
     /// The scene with other lights.
     pub fn with_lights(mut self, lights: Vec<Light>) -> Self {
         self.derived.fingerprint = OnceLock::new();
-        Self {
-            lights,
-            has_own_lights: true,
-            ..self
-        }
+        Self { lights, has_own_lights: true, ..self }
     }
 
     /// The scene with another environment, or none.
     pub fn with_environment(mut self, environment: Option<Arc<Environment>>) -> Self {
         self.derived.fingerprint = OnceLock::new();
-        Self {
-            environment,
-            has_own_environment: true,
-            ..self
-        }
+        Self { environment, has_own_environment: true, ..self }
     }
 
     /// The scene with lights that were chosen automatically, such as one that goes with the camera:
@@ -370,11 +356,7 @@ impl Scene {
         if !self.lights.is_empty() && self.has_own_lights {
             self.derived.fingerprint = OnceLock::new();
         }
-        Self {
-            lights,
-            has_own_lights: false,
-            ..self
-        }
+        Self { lights, has_own_lights: false, ..self }
     }
 
     /// The scene with an environment that was chosen automatically, or none.
@@ -382,11 +364,7 @@ impl Scene {
         if self.environment.is_some() && self.has_own_environment {
             self.derived.fingerprint = OnceLock::new();
         }
-        Self {
-            environment,
-            has_own_environment: false,
-            ..self
-        }
+        Self { environment, has_own_environment: false, ..self }
     }
 
     /// The objects, in the order of their identifiers.
@@ -410,17 +388,13 @@ impl Scene {
     /// The surfaces that shine.
     #[doc(hidden)]
     pub fn emitters(&self) -> &Emitters {
-        parallel::once::<Arc<_>>(&self.derived.places.emitters, || {
-            Arc::new(Emitters::new(self))
-        })
+        parallel::once::<Arc<_>>(&self.derived.places.emitters, || Arc::new(Emitters::new(self)))
     }
 
     /// Whether some surfaces may let light through by their alpha.
     pub fn has_translucent(&self) -> bool {
         let has_some = |object: &Object| object.materials().iter().any(Material::is_translucent);
-        *parallel::once(&self.derived.translucent, || {
-            self.objects.iter().any(has_some)
-        })
+        *parallel::once(&self.derived.translucent, || self.objects.iter().any(has_some))
     }
 
     /// Fails for light that makes no sense, the scene's own or borrowed: lights, an environment and
@@ -447,10 +421,7 @@ impl Scene {
 
     /// The number of triangles in the world: those of a shared mesh once for each object.
     pub fn triangles(&self) -> u64 {
-        self.objects
-            .iter()
-            .map(|object| object.triangles() as u64)
-            .sum()
+        self.objects.iter().map(|object| object.triangles() as u64).sum()
     }
 
     /// The object that was hit; `None` for a miss.
@@ -521,9 +492,7 @@ impl Scene {
         let has_gaps = |object: &Object| object.has_cutouts() || !object.shape().is_closed();
         let is_nothing = |object: &Object| object.is_hidden() || object.is_empty_mesh();
         let is_open = |object: &Object| !is_nothing(object) && has_gaps(object);
-        *parallel::once(&self.derived.first_open, || {
-            self.objects.iter().position(is_open)
-        })
+        *parallel::once(&self.derived.first_open, || self.objects.iter().position(is_open))
     }
 
     /// The objects around a point.

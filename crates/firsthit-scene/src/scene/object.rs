@@ -85,29 +85,19 @@ impl Object {
 
     /// The object with the label of the node of a file that it comes from. This changes no picture.
     pub fn from_node(self, node: impl Into<Option<Label>>) -> Self {
-        Self {
-            node: node.into(),
-            ..self
-        }
+        Self { node: node.into(), ..self }
     }
 
     /// The object with the label of the mesh of a file that it comes from, or of the part of one.
     /// This changes no picture.
     pub fn from_mesh(self, mesh: impl Into<Option<Label>>) -> Self {
-        Self {
-            mesh_label: mesh.into(),
-            ..self
-        }
+        Self { mesh_label: mesh.into(), ..self }
     }
 
     /// The object with its shape taken to the world by `transform`.
     pub fn placed(self, transform: Transform) -> Self {
         let farthest = farthest(&self.shape, &transform);
-        Self {
-            transform,
-            farthest,
-            ..self
-        }
+        Self { transform, farthest, ..self }
     }
 
     /// Takes its shape to the world by another transform.
@@ -230,9 +220,7 @@ impl Object {
     /// The linear colour: that of the first material, without textures.
     #[inline]
     pub fn color(&self) -> Color {
-        self.materials
-            .first()
-            .map_or(Self::NEUTRAL, |material| material.color)
+        self.materials.first().map_or(Self::NEUTRAL, |material| material.color)
     }
 
     /// The material of a primitive; `None` where the object was given none.
@@ -329,10 +317,7 @@ impl Object {
             .fold(0.0, f64::max);
         // The object's coordinates in the world are the box's without the translation: at most the sum.
         let padding = DVec3::splat(2.0 * slack * largest);
-        Bounds {
-            low: bounds.low - padding,
-            high: bounds.high + padding,
-        }
+        Bounds { low: bounds.low - padding, high: bounds.high + padding }
     }
 
     /// The support function in the world: the largest dot product of `direction` with a point of the object, for a direction of

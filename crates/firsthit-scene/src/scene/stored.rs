@@ -40,13 +40,7 @@ impl Scene {
     /// [`Error::Argument`] for what does not fit together, and the errors of [`Scene::new`].
     #[doc(hidden)]
     pub fn from_parts(parts: SceneParts) -> Result<Self> {
-        let SceneParts {
-            objects,
-            trees,
-            boxes,
-            duplicates,
-            bounds,
-        } = parts;
+        let SceneParts { objects, trees, boxes, duplicates, bounds } = parts;
         InstructionSet::current()?;
         let count = objects.len();
         let refuse = |expected, got: String| Err(Error::argument("objects", expected, got));
@@ -62,27 +56,16 @@ impl Scene {
             return refuse("in boxes, unless they are empty", format!("{object:?}"));
         }
         let Some(duplicates) = Duplicates::from_pairs(count, &duplicates) else {
-            return refuse(
-                "each a duplicate of one earlier object at most",
-                "others".into(),
-            );
+            return refuse("each a duplicate of one earlier object at most", "others".into());
         };
         let joined = (0..).zip(&trees).filter(|(_, tree)| tree.group().is_some());
         for (object, _) in joined {
             if duplicates.contains(object) || !duplicates.of(object).is_empty() {
-                return refuse(
-                    "joined with others or duplicates, not both",
-                    format!("{object}"),
-                );
+                return refuse("joined with others or duplicates, not both", format!("{object}"));
             }
         }
         let top = TopTree::with_duplicates(&objects, &trees, boxes, duplicates);
         let bounds = OnceLock::from(bounds);
-        Ok(Self::over(
-            (objects, trees),
-            BuildSettings::default(),
-            top,
-            bounds,
-        ))
+        Ok(Self::over((objects, trees), BuildSettings::default(), top, bounds))
     }
 }

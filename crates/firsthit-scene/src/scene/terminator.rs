@@ -8,9 +8,5 @@
 #[doc(hidden)]
 pub fn terminator_factor(smooth: f64, flat: f64, between: f64) -> f64 {
     let share = flat / (smooth * between);
-    if share < 1.0 {
-        share * (1.0 + share * (1.0 - share))
-    } else {
-        1.0
-    }
+    if share < 1.0 { share * (1.0 + share * (1.0 - share)) } else { 1.0 }
 }

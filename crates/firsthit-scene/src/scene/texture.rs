@@ -41,11 +41,7 @@ impl Texture {
             let expected = "columns times rows, at least one";
             return Err(Error::argument("texels", expected, got));
         }
-        Ok(Self {
-            columns,
-            rows,
-            texels,
-        })
+        Ok(Self { columns, rows, texels })
     }
 
     /// Texels across.
@@ -75,10 +71,7 @@ impl Texture {
             let [red, green, blue, _] = texel;
             [red, green, blue, alpha(texel)]
         });
-        Self {
-            texels: texels.collect(),
-            ..*self
-        }
+        Self { texels: texels.collect(), ..*self }
     }
 
     fn texel(&self, column: usize, row: usize, levels: Levels) -> Sample {
@@ -126,11 +119,8 @@ pub enum Wrap {
 
 impl Wrap {
     /// Every way's name.
-    pub const NAMES: [(&'static str, Self); 3] = [
-        ("repeat", Self::Repeat),
-        ("mirror", Self::Mirror),
-        ("clamp", Self::Clamp),
-    ];
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("repeat", Self::Repeat), ("mirror", Self::Mirror), ("clamp", Self::Clamp)];
 
     /// The texel at an index that may lie beyond the `count` that there are; `texel` is whole.
     #[expect(
@@ -143,11 +133,7 @@ impl Wrap {
         // Remainders of whole numbers are exact; far outside, where texels are finer than float64, any will do.
         let remainder = |period: f64| {
             let remainder = texel % period;
-            if remainder < 0.0 {
-                remainder + period
-            } else {
-                remainder
-            }
+            if remainder < 0.0 { remainder + period } else { remainder }
         };
         let inside = match self {
             Self::Repeat => remainder(n),
@@ -244,13 +230,8 @@ impl TextureMap {
 
     fn sample(&self, uv: DVec2, levels: Levels) -> Option<Sample> {
         let texel = |column, row| self.texel(column, row, levels);
-        let [x, y] = self
-            .picture_from_uv
-            .map(|[a, b, c]| a * uv.x + b * uv.y + c);
-        let (x, y) = (
-            x * self.texture.columns as f64,
-            y * self.texture.rows as f64,
-        );
+        let [x, y] = self.picture_from_uv.map(|[a, b, c]| a * uv.x + b * uv.y + c);
+        let (x, y) = (x * self.texture.columns as f64, y * self.texture.rows as f64);
         if !(x.is_finite() && y.is_finite()) {
             return None;
         }
@@ -300,10 +281,7 @@ mod tests {
         TextureMap {
             wrap: [wrap; 2],
             filter,
-            ..TextureMap::new(
-                Arc::new(Texture::new(3, 2, texels).unwrap()),
-                TextureMap::V_DOWN,
-            )
+            ..TextureMap::new(Arc::new(Texture::new(3, 2, texels).unwrap()), TextureMap::V_DOWN)
         }
     }
 

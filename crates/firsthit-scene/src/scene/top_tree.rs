@@ -75,11 +75,7 @@ impl Candidate {
         let is_vague = is_unbounded(&bounds) || object.slack() > LARGEST_SLACK;
         Self {
             object: index,
-            bounds: if is_vague {
-                Bounds::EVERYTHING
-            } else {
-                object.padded(bounds, slack)
-            },
+            bounds: if is_vague { Bounds::EVERYTHING } else { object.padded(bounds, slack) },
             slack,
             is_lone_shape: object.mesh().is_none() && duplicates.of(index).is_empty(),
         }
@@ -153,10 +149,7 @@ impl TopTree {
             expected_visits: tree.expected_visits(),
             tree,
             outside,
-            lone_shapes: (listed
-                .iter()
-                .map(|candidate| u32::from(candidate.is_lone_shape)))
-            .sum(),
+            lone_shapes: (listed.iter().map(|candidate| u32::from(candidate.is_lone_shape))).sum(),
             listed,
             duplicates,
             boxes,
@@ -261,10 +254,7 @@ impl TopTree {
 impl TopTree {
     /// The objects around a point.
     pub(super) fn around(&self, point: DVec3, stack: &mut WalkStack) -> NearbyObjects<'_> {
-        NearbyObjects {
-            outside: &self.outside,
-            nearby: self.tree.nearby(point, stack),
-        }
+        NearbyObjects { outside: &self.outside, nearby: self.tree.nearby(point, stack) }
     }
 }
 
@@ -300,11 +290,7 @@ impl TopTree {
         let shapes = met & !u64::MAX.checked_shl(self.lone_shapes).unwrap_or(0);
         let others = met & !shapes;
         let is_short = shapes.count_ones() <= MOST_SHAPES && others.count_ones() <= MOST_OTHERS;
-        is_short.then_some(CandidateList {
-            all: &self.listed,
-            shapes,
-            others,
-        })
+        is_short.then_some(CandidateList { all: &self.listed, shapes, others })
     }
 }
 
@@ -377,13 +363,7 @@ pub struct ObjectCandidates<'a> {
 
 impl<'a> ObjectCandidates<'a> {
     /// No objects.
-    pub const NONE: Self = Self {
-        outside: &[],
-        listed: &[],
-        left: 0,
-        tree: None,
-        walk: None,
-    };
+    pub const NONE: Self = Self { outside: &[], listed: &[], left: 0, tree: None, walk: None };
 
     /// The candidates of a [list](TopTree::list_candidates), with the lone shapes or without.
     #[inline(always)]
@@ -437,9 +417,7 @@ mod tests {
     fn balls(seed: u64, beside: f64) -> Vec<Object> {
         let mut state = seed;
         let mut coordinate = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 40) as f64 * 1e-5 + beside
         };
         let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
@@ -475,15 +453,10 @@ mod tests {
                 for &k in &moved {
                     objects[k as usize] = after[k as usize].clone();
                 }
-                fitted.moved(&objects, &no_trees(&objects), &moved, |k| {
-                    objects[k].box_around()
-                });
+                fitted.moved(&objects, &no_trees(&objects), &moved, |k| objects[k].box_around());
                 let built = tree(&objects).tree.expected_visits();
                 let visits = fitted.tree.expected_visits();
-                assert!(
-                    visits < 2.0 * built,
-                    "{step} {first}: {visits}, {built} where it is new"
-                );
+                assert!(visits < 2.0 * built, "{step} {first}: {visits}, {built} where it is new");
             }
             let built = tree(&objects).tree.expected_visits();
             assert!(fitted.tree.expected_visits() < 1.5 * built, "{step}");
@@ -497,9 +470,7 @@ mod tests {
         let all: Vec<u32> = (0..200).collect();
         for step in 0..300 {
             let objects = balls(1, 1e-6 * f64::from(step));
-            fitted.moved(&objects, &no_trees(&objects), &all, |k| {
-                objects[k].box_around()
-            });
+            fitted.moved(&objects, &no_trees(&objects), &all, |k| objects[k].box_around());
         }
         assert!((fitted.tree.expected_visits() / visits - 1.0).abs() < 1e-3);
         assert_eq!(order(&fitted), before);

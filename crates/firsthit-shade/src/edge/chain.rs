@@ -63,11 +63,7 @@ impl Chains<'_> {
         let mut is_first = true;
         while !self.is_taken[edge] {
             self.is_taken[edge] = true;
-            self.links.push(Link {
-                edge,
-                is_reversed,
-                is_first,
-            });
+            self.links.push(Link { edge, is_reversed, is_first });
             is_first = false;
             let [from, to] = self.edges[edge];
             let place = if is_reversed { from } else { to };
@@ -88,10 +84,8 @@ mod tests {
         // A fork at 3 with arms to 1, 5 and 7, and a loop.
         let edges = [[2, 3], [1, 2], [3, 5], [3, 7], [10, 11], [11, 12], [10, 12]];
         let links = chains(&edges);
-        let shown: Vec<_> = links
-            .iter()
-            .map(|link| (link.edge, link.is_reversed, link.is_first))
-            .collect();
+        let shown: Vec<_> =
+            links.iter().map(|link| (link.edge, link.is_reversed, link.is_first)).collect();
         let arm = [(0, true, true), (1, true, false)];
         let others = [(2, false, true), (3, false, true)];
         let around = [(4, false, true), (5, false, false), (6, true, false)];

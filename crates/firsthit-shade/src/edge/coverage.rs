@@ -66,11 +66,7 @@ impl Lines {
     pub(super) fn of(mut pieces: Vec<[DVec2; 2]>, width: f64) -> Self {
         pieces.par_sort_unstable_by(order);
         let heights = pieces.iter().map(|[a, b]| (a.y - b.y).abs());
-        Self {
-            highest: heights.fold(0.0, f64::max),
-            pieces,
-            width,
-        }
+        Self { highest: heights.fold(0.0, f64::max), pieces, width }
     }
 
     /// The pieces of the lines, from the top to the bottom, in pixels from the picture's left and upper edges, as
@@ -137,11 +133,7 @@ impl Lines {
 }
 
 /// Rounded down; 0 for negative numbers.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "it saturates"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
 fn whole(x: f64) -> usize {
     x.floor() as usize
 }
@@ -180,27 +172,18 @@ mod tests {
             }
             // A slanted line meets the pixels at all distances: its sum is the integral but for what a grid makes of kinks, which
             // have slopes of 1 and are crossed at 20 places.
-            let line = |x1: f64| {
-                vec![[
-                    DVec2::new(10.0, 10.0),
-                    DVec2::new(x1, 10.0 + 0.7 * (x1 - 10.0)),
-                ]]
-            };
+            let line =
+                |x1: f64| vec![[DVec2::new(10.0, 10.0), DVec2::new(x1, 10.0 + 0.7 * (x1 - 10.0))]];
             let longer = sum(line(50.0), width) - sum(line(30.0), width);
             let length = 20.0 * 1.49_f64.sqrt();
-            assert!(
-                (longer / (length * width) - 1.0).abs() < 0.01,
-                "{width} {longer}"
-            );
+            assert!((longer / (length * width) - 1.0).abs() < 0.01, "{width} {longer}");
         }
     }
 
     #[test]
     fn lines_that_are_drawn_twice_or_in_pieces_are_the_same() {
         let [a, b] = [DVec2::new(10.0, 12.5), DVec2::new(42.0, 44.5)];
-        let whole = Lines::of(vec![[a, b]], 2.5)
-            .coverage(0..60, 0..60, &())
-            .unwrap();
+        let whole = Lines::of(vec![[a, b]], 2.5).coverage(0..60, 0..60, &()).unwrap();
         let at = |k: u32| a + f64::from(k) / 64.0 * (b - a);
         let pieces = (0..64).flat_map(|k| [[at(k), at(k + 1)]; 2]).collect();
         let pieces = Lines::of(pieces, 2.5).coverage(0..60, 0..60, &()).unwrap();

@@ -42,11 +42,7 @@ pub(super) enum Path {
     /// A segment from a point to another.
     Straight([DVec3; 2]),
     /// An eighth of an ellipse around a middle, the eighths numbered from the first axis towards the second.
-    Eighth {
-        middle: DVec3,
-        axes: [DVec3; 2],
-        number: u8,
-    },
+    Eighth { middle: DVec3, axes: [DVec3; 2], number: u8 },
 }
 
 impl Path {
@@ -54,11 +50,7 @@ impl Path {
     pub(super) fn at(&self, share: f64) -> DVec3 {
         match *self {
             Self::Straight([from, to]) => from + share * (to - from),
-            Self::Eighth {
-                middle,
-                axes: [x, y],
-                number,
-            } => {
+            Self::Eighth { middle, axes: [x, y], number } => {
                 let (sine, cosine) = libm::sincos(FRAC_PI_4 * (f64::from(number) + share) % TAU);
                 middle + (cosine * x + sine * y)
             }
@@ -93,11 +85,7 @@ fn circle(
     let (x, y) = normal.any_orthonormal_pair();
     let axes = [radius * x, radius * y];
     (0..8).map(move |number| Curve {
-        path: Path::Eighth {
-            middle,
-            axes,
-            number,
-        },
+        path: Path::Eighth { middle, axes, number },
         kind,
         is_first: number == 0,
     })
@@ -202,33 +190,17 @@ mod tests {
         let shapes = vec![
             Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap()),
             Sphere::new(v(0.5, -2.0, 3.0), 0.25).unwrap().into(),
-            Plane::new(v(1.0, -2.0, 0.5), v(1.0, 2.0, -0.5))
-                .unwrap()
-                .into(),
-            Disc::new(v(1.0, 0.0, -1.0), v(3.0, -1.0, 2.0), 2.0)
-                .unwrap()
-                .into(),
-            Cuboid::new(v(0.25, -3.0, 1.0), v(0.5, 4.0, 1.1))
-                .unwrap()
-                .into(),
+            Plane::new(v(1.0, -2.0, 0.5), v(1.0, 2.0, -0.5)).unwrap().into(),
+            Disc::new(v(1.0, 0.0, -1.0), v(3.0, -1.0, 2.0), 2.0).unwrap().into(),
+            Cuboid::new(v(0.25, -3.0, 1.0), v(0.5, 4.0, 1.1)).unwrap().into(),
             Cylinder::new(DVec3::NEG_Z, DVec3::Z, 1.0).unwrap().into(),
-            Cylinder::new(v(1.0, 1.0, 0.0), v(-1.0, 2.0, 3.0), 0.4)
-                .unwrap()
-                .into(),
+            Cylinder::new(v(1.0, 1.0, 0.0), v(-1.0, 2.0, 3.0), 0.4).unwrap().into(),
             Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap().into(),
-            Cone::new(DVec3::Y, v(2.0, 2.0, -1.0), 0.2, 0.9)
-                .unwrap()
-                .into(),
-            Cone::new(DVec3::ZERO, v(0.1, 0.0, 0.0), 3.0, 2.0)
-                .unwrap()
-                .into(),
+            Cone::new(DVec3::Y, v(2.0, 2.0, -1.0), 0.2, 0.9).unwrap().into(),
+            Cone::new(DVec3::ZERO, v(0.1, 0.0, 0.0), 3.0, 2.0).unwrap().into(),
         ];
         let is_there = |name| shapes.iter().any(|shape| shape.name() == name);
-        assert!(
-            Shape::NAMES
-                .iter()
-                .all(|&name| name == "mesh" || is_there(name))
-        );
+        assert!(Shape::NAMES.iter().all(|&name| name == "mesh" || is_there(name)));
         shapes
     }
 
@@ -254,10 +226,7 @@ mod tests {
     fn check_tangent(shape: &Shape, eye: Eye, point: DVec3) {
         let normal = shape.normal(point, 0);
         let toward = eye.from(point);
-        assert!(
-            normal.dot(toward).abs() < 1e-12 * toward.length(),
-            "{shape:?}"
-        );
+        assert!(normal.dot(toward).abs() < 1e-12 * toward.length(), "{shape:?}");
         for (off, is_met) in [(1e-6, false), (-1e-6, true)] {
             let origin = point + off * normal + 100.0 * toward;
             let ray = Ray::new(origin, -toward);

@@ -40,10 +40,7 @@ impl Instance<'_> {
             let may_be_outline = ends_surface && edges.kinds.has(EdgeKind::Object);
             // There are at most three for each triangle that an identifier names, each with two triangles or alone.
             let edge = u32::try_from(number).ok()?;
-            (is_drawn || may_be_outline).then_some(Chosen {
-                edge,
-                is_outline: !is_drawn,
-            })
+            (is_drawn || may_be_outline).then_some(Chosen { edge, is_outline: !is_drawn })
         };
         let all: Vec<(usize, &MeshEdge)> = self.table.edges.iter().enumerate().collect();
         parallel::gather(all.chunks(parallel::MANY), |edges| {
@@ -104,8 +101,7 @@ impl Instance<'_> {
         self.object.has_cutouts()
             && sides.all(|side| {
                 let triangle = side.triangle as usize;
-                self.object
-                    .is_cut_out(self.mesh, triangle, side.weights(share))
+                self.object.is_cut_out(self.mesh, triangle, side.weights(share))
             })
     }
 }

@@ -71,12 +71,7 @@ impl Lines {
         watch: &dyn Watch,
     ) -> Result<Self> {
         edges.check()?;
-        let &Subject {
-            scene,
-            camera,
-            engine,
-            cull,
-        } = subject;
+        let &Subject { scene, camera, engine, cull } = subject;
         let reach = 0.5 * (edges.width + 1.0);
         let window = |rows: Range<usize>, columns: Range<usize>| Window {
             low: DVec2::new(columns.start as f64, rows.start as f64) - reach,
@@ -108,9 +103,7 @@ impl Lines {
             table = Some(known);
         }
         let mut pieces = sight.finish(watch)?;
-        let across: Vec<_> = (pieces.iter())
-            .flat_map(|&ends| strokes.across_seam(ends))
-            .collect();
+        let across: Vec<_> = (pieces.iter()).flat_map(|&ends| strokes.across_seam(ends)).collect();
         pieces.extend(across);
         Ok(Self::of(pieces, edges.width))
     }
@@ -119,9 +112,8 @@ impl Lines {
 /// The numbers of the objects that may be seen, those that share a mesh one after the other.
 fn by_mesh(objects: &[Object]) -> Vec<usize> {
     let may_be_seen = |object: &Object| !object.is_hidden() && !object.is_out_of_range();
-    let mut numbers: Vec<usize> = (0..objects.len())
-        .filter(|&number| may_be_seen(&objects[number]))
-        .collect();
+    let mut numbers: Vec<usize> =
+        (0..objects.len()).filter(|&number| may_be_seen(&objects[number])).collect();
     // This order depends on where meshes are in memory, but nothing that is made: pieces are sorted at the end.
     numbers.sort_by_key(|&number| objects[number].mesh().map(Arc::as_ptr));
     numbers

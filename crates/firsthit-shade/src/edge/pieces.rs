@@ -85,11 +85,7 @@ impl<F: Fn(f64) -> DVec3> Cutter<'_, F> {
         let point = (self.at)(share);
         let far = DVec2::splat(FARTHEST);
         let pixel = self.view.pixel(point);
-        Place {
-            share,
-            point,
-            pixel: pixel.map(|pixel| pixel.clamp(-far, far)),
-        }
+        Place { share, point, pixel: pixel.map(|pixel| pixel.clamp(-far, far)) }
     }
 
     /// Whether two places are far apart as seen from the eye.
@@ -155,15 +151,9 @@ mod tests {
     }
 
     fn check_joined(pieces: &[Piece], gaps: usize) {
-        let joints = pieces
-            .windows(2)
-            .map(|two| two[0].ends[1].distance(two[1].ends[0]));
+        let joints = pieces.windows(2).map(|two| two[0].ends[1].distance(two[1].ends[0]));
         assert_eq!(joints.filter(|&gap| gap > 1e-3).count(), gaps);
-        assert!(
-            pieces
-                .iter()
-                .all(|piece| piece.ends[0].distance(piece.ends[1]) <= 0.5)
-        );
+        assert!(pieces.iter().all(|piece| piece.ends[0].distance(piece.ends[1]) <= 0.5));
     }
 
     /// The line comes from behind the camera, past it, and goes far out of the picture.
@@ -216,10 +206,7 @@ mod tests {
                         let asked = Cell::new(0_u32);
                         let cutter = Cutter {
                             view: &View::new(&camera),
-                            window: Window {
-                                low: DVec2::ZERO,
-                                high: DVec2::new(640.0, 480.0),
-                            },
+                            window: Window { low: DVec2::ZERO, high: DVec2::new(640.0, 480.0) },
                             at: |share: f64| {
                                 asked.set(asked.get() + 1);
                                 assert!(
@@ -243,20 +230,12 @@ mod tests {
     #[test]
     fn a_line_across_the_seam_of_a_panorama_is_torn_there() {
         let lens = Lens::Equirectangular(Equirectangular::default());
-        let view = CameraView {
-            lens,
-            rows: 180,
-            columns: 360,
-            ..CameraView::default()
-        };
+        let view = CameraView { lens, rows: 180, columns: 360, ..CameraView::default() };
         let camera = Camera::new(view).unwrap();
         let line = [DVec3::new(-1.0, 0.2, 2.0), DVec3::new(1.0, 0.2, 2.0)];
         let pieces = pieces(&camera, line);
         check_joined(&pieces, 1);
-        let total: f64 = pieces
-            .iter()
-            .map(|piece| piece.ends[0].distance(piece.ends[1]))
-            .sum();
+        let total: f64 = pieces.iter().map(|piece| piece.ends[0].distance(piece.ends[1])).sum();
         // 2 atan(1 / 2) across; and it is a bit higher in the middle.
         let across = 2.0 * libm::atan(0.5).to_degrees();
         assert!(total > across && total < across + 1.0, "{total} {across}");

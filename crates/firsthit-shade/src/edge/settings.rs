@@ -102,12 +102,7 @@ impl EdgeKinds {
 /// Silhouettes, creases, boundaries and materials.
 impl Default for EdgeKinds {
     fn default() -> Self {
-        Self::of(&[
-            EdgeKind::Silhouette,
-            EdgeKind::Crease,
-            EdgeKind::Boundary,
-            EdgeKind::Material,
-        ])
+        Self::of(&[EdgeKind::Silhouette, EdgeKind::Crease, EdgeKind::Boundary, EdgeKind::Material])
     }
 }
 
@@ -191,12 +186,7 @@ impl Edges {
     /// kinds, a dash or gap that is shorter than [`Dash::SHORTEST`] or not finite, and a colour that is not finite.
     pub fn check(&self) -> Result<()> {
         let fine = self.width > 0.0 && self.width <= Self::WIDEST;
-        require(
-            "edges",
-            "a width above 0 and up to 1000 pixels",
-            fine,
-            self.width,
-        )?;
+        require("edges", "a width above 0 and up to 1000 pixels", fine, self.width)?;
         let fine = (0.0..=180.0).contains(&self.angle);
         require("edge angle", "from 0 to 180 degrees", fine, self.angle)?;
         require("edge kinds", "at least one", !self.kinds.is_empty(), "none")?;

@@ -69,15 +69,7 @@ impl<'a> Sight<'a> {
         cull: Option<Side>,
         hidden: Option<Dash>,
     ) -> Self {
-        Self {
-            scene,
-            engine,
-            cull,
-            hidden,
-            waiting: Vec::new(),
-            along: 0.0,
-            drawn: Vec::new(),
-        }
+        Self { scene, engine, cull, hidden, waiting: Vec::new(), along: 0.0, drawn: Vec::new() }
     }
 
     /// Begins another line.
@@ -205,13 +197,7 @@ mod tests {
         }
         // 29 whole periods, and 0.7 of the next.
         assert!((total - (29.0 * 1.3 + 0.7)).abs() < 1e-9, "{total}");
-        let tiny = Dash {
-            on: 0.01,
-            off: 0.01,
-        };
-        assert_eq!(
-            dashes([DVec2::ZERO, DVec2::new(0.5, 0.0)], 3.0, tiny).count(),
-            25
-        );
+        let tiny = Dash { on: 0.01, off: 0.01 };
+        assert_eq!(dashes([DVec2::ZERO, DVec2::new(0.5, 0.0)], 3.0, tiny).count(), 25);
     }
 }

@@ -45,10 +45,7 @@ impl Strokes<'_> {
     fn candidate(&self, piece: &Piece, look: impl FnOnce() -> Option<Look>) -> Candidate {
         let ends = piece.ends;
         let matters = self.part.holds(ends, 0.0) || self.across_seam(ends).next().is_some();
-        Candidate {
-            ends,
-            look: matters.then(look).flatten(),
-        }
+        Candidate { ends, look: matters.then(look).flatten() }
     }
 
     /// A piece as it is seen within the part from across the seam of a panorama: it may be wide enough to reach beyond.
@@ -97,16 +94,11 @@ impl Strokes<'_> {
     /// The order in which edges are drawn: along chains, if they may be dashed.
     fn links(&self, table: &EdgeTable, chosen: &[Chosen]) -> Vec<Link> {
         if self.edges.hidden.is_none() {
-            let alone = |edge| Link {
-                edge,
-                is_reversed: false,
-                is_first: true,
-            };
+            let alone = |edge| Link { edge, is_reversed: false, is_first: true };
             return (0..chosen.len()).map(alone).collect();
         }
-        let ends: Vec<[u32; 2]> = (chosen.iter())
-            .map(|chosen| table.edges[chosen.edge as usize].ends)
-            .collect();
+        let ends: Vec<[u32; 2]> =
+            (chosen.iter()).map(|chosen| table.edges[chosen.edge as usize].ends).collect();
         chains(&ends)
     }
 
@@ -149,10 +141,7 @@ impl Strokes<'_> {
             return None;
         }
         let (_, object) = self.object(of.number);
-        let surface = |triangle: u32| SurfaceId {
-            object,
-            primitive: triangle.cast_signed(),
-        };
+        let surface = |triangle: u32| SurfaceId { object, primitive: triangle.cast_signed() };
         let [left, other] = edge.sides;
         let left = left?;
         let others = edge.neighbours.map(|of| of.map(|of| of.triangle));
@@ -267,10 +256,7 @@ impl Strokes<'_> {
             ray,
             away,
             departure: Departure {
-                surface: SurfaceId {
-                    object: identifier,
-                    primitive,
-                },
+                surface: SurfaceId { object: identifier, primitive },
                 barycentric: DVec2::NAN,
                 side: None,
             },

@@ -78,10 +78,7 @@ impl EdgeTable {
     pub(super) fn new(mesh: &Mesh) -> Result<Self> {
         let needed = mesh.triangles().len().saturating_mul(TRIANGLE_BYTES);
         memory::check("the edges of a mesh", needed)?;
-        let Welded {
-            triangles: welded,
-            vertices,
-        } = mesh.welded()?;
+        let Welded { triangles: welded, vertices } = mesh.welded()?;
         let sides = sides(&welded);
         let uses: Vec<&[Side]> = sides.chunk_by(|a, b| a.ends == b.ends).collect();
         let thin = Thin::new(mesh, &welded, &uses);
@@ -105,11 +102,8 @@ fn sides(welded: &[[u32; 3]]) -> Vec<Side> {
         places.sort_unstable();
         places
     };
-    let mut order: Vec<([u32; 3], u32)> = welded
-        .iter()
-        .map(|&places| sorted(places))
-        .zip(0..)
-        .collect();
+    let mut order: Vec<([u32; 3], u32)> =
+        welded.iter().map(|&places| sorted(places)).zip(0..).collect();
     order.par_sort_unstable();
     order.dedup_by_key(|(places, _)| *places);
     order.retain(|([a, b, c], _)| a != b && b != c);
@@ -159,9 +153,7 @@ impl<'a> Thin<'a> {
 
     /// The ends of the longest side of a triangle that is thin.
     fn longest_side(&self, triangle: u32) -> Option<[u32; 2]> {
-        let found = self
-            .longest
-            .binary_search_by_key(&triangle, |(number, _)| *number);
+        let found = self.longest.binary_search_by_key(&triangle, |(number, _)| *number);
         found.ok().map(|k| self.longest[k].1)
     }
 
@@ -183,10 +175,7 @@ impl<'a> Thin<'a> {
 
     /// The triangle of a side, or what is across the longest side of that if it is thin, and so on.
     fn through(&self, side: &Side) -> Option<Neighbour> {
-        let mut seen = Neighbour {
-            triangle: side.triangle,
-            is_forward: side.is_forward,
-        };
+        let mut seen = Neighbour { triangle: side.triangle, is_forward: side.is_forward };
         for _ in 0..MOST_THIN {
             let Some(ends) = self.longest_side(seen.triangle) else {
                 return Some(seen);
@@ -195,17 +184,11 @@ impl<'a> Thin<'a> {
             let &[a, b] = self.uses[found.ok()?] else {
                 return None;
             };
-            let (own, other) = if a.triangle == seen.triangle {
-                (a, b)
-            } else {
-                (b, a)
-            };
+            let (own, other) = if a.triangle == seen.triangle { (a, b) } else { (b, a) };
             // Neighbours that face the same way go opposite ways along their edge.
             let faces_alike = own.is_forward != other.is_forward;
-            seen = Neighbour {
-                triangle: other.triangle,
-                is_forward: seen.is_forward == faces_alike,
-            };
+            seen =
+                Neighbour { triangle: other.triangle, is_forward: seen.is_forward == faces_alike };
         }
         None
     }
@@ -217,10 +200,7 @@ fn longest_side_of_thin(corners: [DVec3; 3], off: f64) -> Option<usize> {
     let [a, b, c] = corners;
     let sides = [b - a, c - b, a - c];
     let lengths = sides.map(DVec3::length);
-    let longest = (1..3).fold(
-        0,
-        |best, k| if lengths[k] > lengths[best] { k } else { best },
-    );
+    let longest = (1..3).fold(0, |best, k| if lengths[k] > lengths[best] { k } else { best });
     let double_area = sides[0].cross(sides[1]).length();
     // Written so that a NaN is thin.
     let is_thick = double_area > off * lengths[longest];
@@ -247,13 +227,8 @@ mod tests {
         counts
     }
 
-    const POINTS: [[f64; 3]; 5] = [
-        [0.0, 0.0, 0.0],
-        [2.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [1.0, -1.0, 0.0],
-        [1.0, 0.0, 0.0],
-    ];
+    const POINTS: [[f64; 3]; 5] =
+        [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 0.0, 0.0]];
 
     #[test]
     fn a_triangle_that_is_there_twice_counts_once() {
@@ -273,18 +248,10 @@ mod tests {
     #[test]
     fn thin_triangles_are_looked_through() {
         let seam = table(&POINTS, &[[0, 1, 2], [0, 4, 1], [0, 3, 4], [4, 3, 1]]);
-        let pairs = seam
-            .edges
-            .iter()
-            .filter(|edge| edge.neighbours[1].is_some());
-        let mut pairs: Vec<_> = pairs
-            .map(|edge| edge.neighbours.map(Option::unwrap))
-            .collect();
+        let pairs = seam.edges.iter().filter(|edge| edge.neighbours[1].is_some());
+        let mut pairs: Vec<_> = pairs.map(|edge| edge.neighbours.map(Option::unwrap)).collect();
         pairs.sort_unstable_by_key(|pair| pair.map(|of| of.triangle));
-        let triangles: Vec<_> = pairs
-            .iter()
-            .map(|pair| pair.map(|of| of.triangle))
-            .collect();
+        let triangles: Vec<_> = pairs.iter().map(|pair| pair.map(|of| of.triangle)).collect();
         assert_eq!(triangles, [[0, 2], [0, 3], [2, 3]]);
         assert!(pairs.iter().all(|[a, b]| a.is_forward != b.is_forward));
         assert_eq!(seam.edges.len(), 7);

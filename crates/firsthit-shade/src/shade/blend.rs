@@ -47,12 +47,7 @@ pub(super) fn compose(
         if opacity < 1.0 {
             colors[sample] *= opacity;
             coverage[sample] *= opacity;
-            seen.push(TransmittedRay {
-                sample,
-                ray: *ray,
-                hit: *hit,
-                left: 1.0 - opacity,
-            });
+            seen.push(TransmittedRay { sample, ray: *ray, hit: *hit, left: 1.0 - opacity });
         }
     }
     for layer in 0..MOST {
@@ -61,18 +56,14 @@ pub(super) fn compose(
             return;
         }
         let draws = |seen: &TransmittedRay| {
-            samples
-                .draws(seen.sample)
-                .split(stream::LAYERS + u64::from(layer))
+            samples.draws(seen.sample).split(stream::LAYERS + u64::from(layer))
         };
         let (rays, hits): (Vec<Ray>, Vec<Hit>) =
             seen.iter().map(|seen| (seen.ray, seen.hit)).unzip();
         let drawn: Vec<Draws> = seen.iter().map(draws).collect();
         let mut found = vec![Color::ZERO; seen.len()];
-        let mut covered: Vec<f64> = hits
-            .iter()
-            .map(|hit| f64::from(u8::from(!hit.is_miss())))
-            .collect();
+        let mut covered: Vec<f64> =
+            hits.iter().map(|hit| f64::from(u8::from(!hit.is_miss()))).collect();
         shading.shade_hits((&rays, &hits, &drawn), &mut found, &mut covered);
         for (k, seen) in seen.iter_mut().enumerate() {
             let surface = shading.scene.interaction(&rays[k], &hits[k]);
@@ -134,11 +125,7 @@ pub(super) fn transmitted(shading: &Shading<'_>, rays: &[Ray], filters: &[RayFil
 
 /// A ray that ends after `rest` lengths of its direction; at 1, so that what is at its end can be left out.
 fn rescaled(ray: Ray, rest: f64) -> Ray {
-    if rest < f64::INFINITY {
-        Ray::new(ray.origin, rest * ray.direction).up_to(1.0)
-    } else {
-        ray
-    }
+    if rest < f64::INFINITY { Ray::new(ray.origin, rest * ray.direction).up_to(1.0) } else { ray }
 }
 
 /// The first hit of a ray behind the translucent surfaces that it goes through by chance.
@@ -168,13 +155,8 @@ pub(super) fn stochastic_hits(
 ) -> Vec<StochasticHit> {
     let hits = first_hits(shading, rays, filters);
     let all = rays.iter().enumerate();
-    let mut found: Vec<StochasticHit> = all
-        .map(|(k, &ray)| StochasticHit {
-            ray,
-            hit: hits.get(k),
-            before: 0.0,
-        })
-        .collect();
+    let mut found: Vec<StochasticHit> =
+        all.map(|(k, &ray)| StochasticHit { ray, hit: hits.get(k), before: 0.0 }).collect();
     if !shading.scene.has_translucent() {
         return found;
     }
@@ -195,11 +177,7 @@ pub(super) fn stochastic_hits(
         let hits = first_hits(shading, &rays, &filters);
         for (index, &(k, (ray, _))) in through.iter().enumerate() {
             let StochasticHit { hit, before, .. } = &found[k];
-            found[k] = StochasticHit {
-                before: before + hit.t,
-                ray,
-                hit: hits.get(index),
-            };
+            found[k] = StochasticHit { before: before + hit.t, ray, hit: hits.get(index) };
         }
         going = through.into_iter().map(|(k, _)| k).collect();
     }

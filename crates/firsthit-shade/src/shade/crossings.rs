@@ -28,9 +28,7 @@ impl Crossings {
         let counts = offsets.windows(2).map(|ends| ends[1] - ends[0]);
         let rays = shot.iter().zip(counts);
         Self {
-            rays: rays
-                .flat_map(|(&ray, count)| std::iter::repeat_n(ray, count))
-                .collect(),
+            rays: rays.flat_map(|(&ray, count)| std::iter::repeat_n(ray, count)).collect(),
             hits: (0..hits.len()).map(|k| hits.get(k)).collect(),
             offsets,
         }

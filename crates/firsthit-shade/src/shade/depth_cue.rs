@@ -51,17 +51,10 @@ mod tests {
 
     #[test]
     fn colours_fade_in_proportion_between_two_distances() {
-        let cue = DepthCue {
-            near: 2.0,
-            far: 6.0,
-            color: COLOR,
-        };
+        let cue = DepthCue { near: 2.0, far: 6.0, color: COLOR };
         let shares = [0.0, 2.0, 3.0, 5.0, 6.0, 9.0].map(|distance| cue.share(distance));
         assert_eq!(shares, [0.0, 0.0, 0.25, 0.75, 1.0, 1.0]);
         let turned = DepthCue { near: 7.0, ..cue };
-        assert_eq!(
-            [5.0, 6.5].map(|distance| turned.share(distance)),
-            [0.0, 1.0]
-        );
+        assert_eq!([5.0, 6.5].map(|distance| turned.share(distance)), [0.0, 1.0]);
     }
 }

@@ -39,10 +39,7 @@ pub(super) fn shade(
     coverage: &mut [f64],
 ) {
     let crossings = Crossings::new(shading, points);
-    let layers = Points {
-        surfaces: crossings.surfaces(shading.scene),
-        draws: Vec::new(),
-    };
+    let layers = Points { surfaces: crossings.surfaces(shading.scene), draws: Vec::new() };
     compute_geometry(shading.engine.instruction_set(), &layers.surfaces);
     let mut lit = vec![Color::ZERO; layers.surfaces.len()];
     lambert::shade(&settings.of_layers(), shading, &layers, &mut lit);

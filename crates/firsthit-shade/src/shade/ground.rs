@@ -40,10 +40,7 @@ impl Ground {
     pub fn under(scene: &Scene, up: DVec3) -> Option<Self> {
         let up = unit(up);
         let depth = scene.support(-up);
-        depth.is_finite().then(|| Self {
-            point: -depth * up,
-            up,
-        })
+        depth.is_finite().then(|| Self { point: -depth * up, up })
     }
 
     /// Whether a point is above it, where its shadows are seen.
@@ -64,11 +61,7 @@ impl Ground {
         for (k, (ray, hit)) in rays.iter().zip(hits).enumerate() {
             let crossed = || self.crossed(up, ray);
             if let Some(position) = hit.is_miss().then(crossed).flatten() {
-                points.push(Point {
-                    sample: k,
-                    position,
-                    draws: draws[k],
-                });
+                points.push(Point { sample: k, position, draws: draws[k] });
             }
         }
         if points.is_empty() {
@@ -139,10 +132,7 @@ impl Shadows {
     fn add_lights(&mut self, shading: &Shading<'_>, up: DVec3, points: &[Point]) {
         let mut rays = BlockedRays::with_capacity(self.blocking, points.len());
         let set = shading.engine.instruction_set();
-        let ground = Receiver {
-            up,
-            blocking: self.blocking,
-        };
+        let ground = Receiver { up, blocking: self.blocking };
         for light in shading.scene.lights() {
             let (key, prepared) = (light.key(), light.prepared());
             // A sun is the same everywhere, and has a closed form.
@@ -206,10 +196,7 @@ impl Shadows {
             *sum += full;
         }
         let set = shading.engine.instruction_set();
-        let ground = Receiver {
-            up,
-            blocking: self.blocking,
-        };
+        let ground = Receiver { up, blocking: self.blocking };
         for (row, indices) in rows(points, |_| true) {
             let arriving = ground.sample_sky(set, &row, environment);
             rays.push_row(&row, &indices, &arriving);
@@ -252,11 +239,7 @@ struct BlockerBounds {
 
 impl BlockerBounds {
     fn new(bounds: Bounds) -> Self {
-        Self {
-            bounds,
-            center: bounds.centre(),
-            radius: 0.5 * bounds.size().length(),
-        }
+        Self { bounds, center: bounds.centre(), radius: 0.5 * bounds.size().length() }
     }
 
     /// Whether a ray may meet what is in the box. Most rays that miss the box miss the ball too, which takes no division to see.
@@ -291,11 +274,7 @@ impl Cone {
             return None;
         };
         let (sine, cosine) = libm::sincos((0.5 * sun.angle_degrees).to_radians());
-        Some(Self {
-            towards: -unit(sun.direction),
-            half: [sine, cosine],
-            blocking,
-        })
+        Some(Self { towards: -unit(sun.direction), half: [sine, cosine], blocking })
     }
 
     /// Whether all of the sun passes the ball by, seen from a point.

@@ -54,11 +54,7 @@ impl LightRig {
 
     /// The lights of the rig for a camera, in a world with that direction upwards.
     pub fn lighting(self, camera: &Camera, up: DVec3) -> Lighting {
-        let lamp = |from, share, angle_degrees| Lamp {
-            from,
-            share,
-            angle_degrees,
-        };
+        let lamp = |from, share, angle_degrees| Lamp { from, share, angle_degrees };
         let sky = |above, below: [f64; 3]| {
             let (above, below) = (Color::splat(above), Color::from(below));
             Some(Sky { above, below })
@@ -78,10 +74,7 @@ impl LightRig {
                 sky(0.12, [0.1; 3]),
             ),
             Self::Overcast => (vec![], sky(1.0, [0.3; 3])),
-            Self::Sun => (
-                vec![lamp([-0.8, 0.9, 0.4], 0.75, 0.53)],
-                sky(0.3, [0.12, 0.11, 0.1]),
-            ),
+            Self::Sun => (vec![lamp([-0.8, 0.9, 0.4], 0.75, 0.53)], sky(0.3, [0.12, 0.11, 0.1])),
             Self::Headlight => (vec![lamp([0.0, 0.0, 1.0], 1.0, 0.0)], None),
             Self::Shoulder => return shoulder(camera),
         };
@@ -96,10 +89,7 @@ fn shoulder(camera: &Camera) -> Lighting {
         color: Color::splat(0.95),
         angle_degrees: 0.0,
     };
-    Lighting {
-        lights: vec![light.into()],
-        environment: None,
-    }
+    Lighting { lights: vec![light.into()], environment: None }
 }
 
 /// The lamps and the sky in the world, exposed for a white surface that faces the first lamp.
@@ -117,9 +107,8 @@ fn lit(camera: &Camera, up: DVec3, lamps: &[Lamp], sky: Option<&Sky>) -> Lightin
     let middle = |light: &Light| light.sample(DVec3::ZERO, DVec2::splat(0.5));
     let first = unexposed.first().and_then(middle);
     let faced = first.map_or(up, |arriving| unit(arriving.towards));
-    let mut taken: Color = (unexposed.iter())
-        .map(|light| taken_by_white(light, (DVec3::ZERO, faced), 16))
-        .sum();
+    let mut taken: Color =
+        (unexposed.iter()).map(|light| taken_by_white(light, (DVec3::ZERO, faced), 16)).sum();
     if let Some(Sky { above, below }) = sky {
         // Half a sky and half a ground, for a surface that stands upright.
         taken += below.lerp(*above, 0.5 + 0.5 * faced.dot(up));
@@ -130,10 +119,7 @@ fn lit(camera: &Camera, up: DVec3, lamps: &[Lamp], sky: Option<&Sky>) -> Lightin
         below: below * exposure,
         up,
     });
-    let environment = kind.map(|kind| Environment {
-        is_seen: false,
-        ..Environment::new(kind)
-    });
+    let environment = kind.map(|kind| Environment { is_seen: false, ..Environment::new(kind) });
     Lighting {
         lights: lamps.iter().map(|lamp| light(lamp, exposure)).collect(),
         environment: environment.map(Arc::new),
@@ -173,23 +159,12 @@ mod tests {
     /// A white matte surface takes the mean over the light's directions of light and cosine, and of a sky the mean over cosines.
     #[test]
     fn a_white_surface_that_faces_the_key_is_four_fifths() {
-        for (aim, up) in [
-            (DVec3::Y, DVec3::Z),
-            (DVec3::new(1.0, -2.0, -3.0), DVec3::Y),
-        ] {
+        for (aim, up) in [(DVec3::Y, DVec3::Z), (DVec3::new(1.0, -2.0, -3.0), DVec3::Y)] {
             let camera = Camera::look_at(-aim, DVec3::ZERO, up, 45.0, 3, 4).unwrap();
-            for rig in LightRig::ALL
-                .iter()
-                .filter(|&&rig| rig != LightRig::Shoulder)
-            {
-                let Lighting {
-                    lights,
-                    environment,
-                } = rig.lighting(&camera, up);
+            for rig in LightRig::ALL.iter().filter(|&&rig| rig != LightRig::Shoulder) {
+                let Lighting { lights, environment } = rig.lighting(&camera, up);
                 let middle = DVec2::splat(0.5);
-                let first = lights
-                    .first()
-                    .and_then(|light| light.sample(DVec3::ZERO, middle));
+                let first = lights.first().and_then(|light| light.sample(DVec3::ZERO, middle));
                 let faced = first.map_or(up, |arriving| unit(arriving.towards));
                 // By numbers that have nothing to do with the grid that exposes.
                 let mean = |light: &Light| {
@@ -206,10 +181,7 @@ mod tests {
                     let [above, below] = [up, -up].map(|side| environment.radiance(side));
                     taken += below.lerp(above, share);
                 }
-                assert!(
-                    (taken - LightRig::WHITE).abs().max_element() < 0.003,
-                    "{rig:?} {taken}"
-                );
+                assert!((taken - LightRig::WHITE).abs().max_element() < 0.003, "{rig:?} {taken}");
             }
         }
     }

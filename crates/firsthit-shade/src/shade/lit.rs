@@ -165,12 +165,7 @@ impl Lit {
         } else {
             terminator_factor(cosine, towards.dot(self.geometric), between)
         };
-        let incoming = Incoming {
-            towards,
-            cosine,
-            share,
-            light: sample.light,
-        };
+        let incoming = Incoming { towards, cosine, share, light: sample.light };
         // Not where a number is NaN: the point is where the light is, or the triangle has no area.
         (incoming, cosine > 0.0 && flat > 0.0)
     }
@@ -254,11 +249,7 @@ impl<S: IncidentLight, R: Reflection> Kernel for Reflect<'_, S, R> {
                 continue;
             };
             let (incoming, is_lit) = point.incoming(&sample, towards);
-            let light = if is_lit {
-                reflection.reflected(&point, &incoming)
-            } else {
-                Color::ZERO
-            };
+            let light = if is_lit { reflection.reflected(&point, &incoming) } else { Color::ZERO };
             arriving.towards.set(k, sample.towards);
             arriving.end.set(k, sample.ray_end(point.position));
             arriving.light.set(k, light);

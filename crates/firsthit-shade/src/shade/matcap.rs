@@ -43,14 +43,7 @@ pub(super) fn shade(
         let normal = seen_normal(surface, settings.flat);
         let in_frame = DVec3::new(normal.dot(right), normal.dot(up), normal.dot(back));
         // A triangle without an area has no normal: it faces the viewer.
-        *color = settings.painted(
-            *color,
-            if in_frame.is_nan() {
-                DVec3::Z
-            } else {
-                in_frame
-            },
-        );
+        *color = settings.painted(*color, if in_frame.is_nan() { DVec3::Z } else { in_frame });
     }
     let cue = DepthCue {
         near: settings.depth_near,
@@ -118,9 +111,6 @@ mod tests {
         assert_eq!(away.painted(Color::ONE, DVec3::NEG_Z), Color::ZERO);
         let edge = matcap.painted(Color::ONE, DVec3::NEG_Y);
         let matte = matcap.dark + (matcap.bright - matcap.dark) * 0.0324;
-        assert!(
-            (edge - matte * (1.0 - matcap.rim)).length() < 1e-14,
-            "{edge}"
-        );
+        assert!((edge - matte * (1.0 - matcap.rim)).length() < 1e-14, "{edge}");
     }
 }

@@ -227,12 +227,7 @@ impl MatteRow {
     /// count them too.
     #[inline(always)]
     fn reflect(&self, samples: LightSamples) -> Arriving {
-        let LightSamples {
-            towards,
-            end,
-            mut light,
-            pdf,
-        } = samples;
+        let LightSamples { towards, end, mut light, pdf } = samples;
         for k in 0..self.points.len() {
             let scattered = self.throughput.get(k) * self.surface(k).value(unit(towards.get(k)));
             light.set(k, scattered * light.get(k));
@@ -240,18 +235,10 @@ impl MatteRow {
         for k in 0..self.points.len() {
             // Of a light without a size the share is 1, since its density is infinite.
             let own = self.surface(k).pdf(unit(towards.get(k)));
-            let share = if self.finds_lights[k] {
-                power_heuristic(pdf.get(k), own)
-            } else {
-                1.0
-            };
+            let share = if self.finds_lights[k] { power_heuristic(pdf.get(k), own) } else { 1.0 };
             light.set(k, share * light.get(k));
         }
-        Arriving {
-            towards,
-            end,
-            light,
-        }
+        Arriving { towards, end, light }
     }
 }
 
@@ -290,10 +277,7 @@ impl<S: Sky> Kernel for Scatter<'_, S> {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
         let Self(row, sky, reach) = self;
-        let mut arriving = Arriving {
-            end: Scalars::all(reach),
-            ..Arriving::NONE
-        };
+        let mut arriving = Arriving { end: Scalars::all(reach), ..Arriving::NONE };
         let mut pdf = Scalars::all(1.0);
         let u = row.points.draw(None);
         for k in 0..row.points.len() {
@@ -314,11 +298,8 @@ impl<S: Sky> Kernel for Scatter<'_, S> {
 }
 
 /// The stand-in for a direction where none is drawn: it brings no light.
-const NO_DIRECTION: BsdfSample = BsdfSample {
-    towards: DVec3::Z,
-    weight: Color::ZERO,
-    pdf: Some(1.0),
-};
+const NO_DIRECTION: BsdfSample =
+    BsdfSample { towards: DVec3::Z, weight: Color::ZERO, pdf: Some(1.0) };
 
 #[cfg(test)]
 mod tests {

@@ -228,10 +228,7 @@ shaders! {
 impl Shader {
     /// Whether it looks at the colours of surfaces.
     pub fn takes_color(&self) -> bool {
-        !matches!(
-            self,
-            Self::AmbientOcclusion(_) | Self::Xray(_) | Self::Normal(())
-        )
+        !matches!(self, Self::AmbientOcclusion(_) | Self::Xray(_) | Self::Normal(()))
     }
 
     /// Whether it looks at where the surfaces that were hit are and how they lie. `unlit` does not; `xray` and `ghost` look at crossings
@@ -289,22 +286,13 @@ fn each<'a>(
 /// The geometric normal as a colour; black for a triangle without an area, which has none.
 fn normal_color(surface: &SurfaceInteraction<'_>) -> Color {
     let normal = surface.normal();
-    if normal.is_nan() {
-        Color::ZERO
-    } else {
-        0.5 * normal + 0.5
-    }
+    if normal.is_nan() { Color::ZERO } else { 0.5 * normal + 0.5 }
 }
 
 /// The normal on the side that is seen: smooth, or the face's own. NaN for a triangle without an area.
 #[inline]
 fn seen_normal(surface: &SurfaceInteraction<'_>, flat: bool) -> DVec3 {
-    surface.side()
-        * if flat {
-            surface.normal()
-        } else {
-            surface.shading_normal()
-        }
+    surface.side() * if flat { surface.normal() } else { surface.shading_normal() }
 }
 
 impl Shader {

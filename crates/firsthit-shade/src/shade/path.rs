@@ -44,10 +44,8 @@ pub(super) fn shade(
         let sorted = SortedVertices::new(&vertices);
         add_direct_light(shading, &sorted, (true, f64::INFINITY), colors);
         let roulette = depth >= settings.roulette;
-        let mut drawn: Vec<Drawn> = vertices
-            .iter_mut()
-            .filter_map(|vertex| drawn(vertex, roulette))
-            .collect();
+        let mut drawn: Vec<Drawn> =
+            vertices.iter_mut().filter_map(|vertex| drawn(vertex, roulette)).collect();
         let rays: Vec<Ray> = drawn.iter().map(|drawn| drawn.ray).collect();
         let filters: Vec<RayFilter> = drawn.iter().map(|drawn| drawn.filter).collect();
         let mut draws: Vec<Draws> = drawn.iter().map(|drawn| drawn.draws).collect();

@@ -71,10 +71,7 @@ fn shade_by(
     colors: &mut [Color],
 ) {
     let &Phong { flat, shadows, .. } = settings;
-    let glossy = Glossy {
-        settings,
-        highlight,
-    };
+    let glossy = Glossy { settings, highlight };
     HardLighting { flat, shadows }.shade(&glossy, shading, points, colors);
     let cue = DepthCue {
         near: settings.depth_near,
@@ -99,11 +96,7 @@ impl Reflection for Glossy<'_> {
         let matte = self.settings.diffuse * light.cosine * point.color;
         let cosine = (self.highlight)(point, light);
         // Written so that a NaN fails: the light comes from where the ray goes to.
-        let power = if cosine > 0.0 {
-            libm::pow(cosine, self.settings.shininess)
-        } else {
-            0.0
-        };
+        let power = if cosine > 0.0 { libm::pow(cosine, self.settings.shininess) } else { 0.0 };
         (matte + power * self.settings.specular) * (light.share * light.light)
     }
 }

@@ -13,11 +13,8 @@ pub(super) struct ShadingPoints {
 }
 
 impl ShadingPoints {
-    pub(super) const NONE: Self = Self {
-        count: 0,
-        position: Vectors::ZERO,
-        draws: [Draws::new(0, 0); ROW],
-    };
+    pub(super) const NONE: Self =
+        Self { count: 0, position: Vectors::ZERO, draws: [Draws::new(0, 0); ROW] };
 
     /// Adds one to a row that is not full, and returns its number.
     #[inline]
@@ -111,11 +108,8 @@ pub(super) struct Arriving {
 }
 
 impl Arriving {
-    pub(super) const NONE: Self = Self {
-        towards: Vectors::ZERO,
-        end: Scalars::all(f64::INFINITY),
-        light: Vectors::ZERO,
-    };
+    pub(super) const NONE: Self =
+        Self { towards: Vectors::ZERO, end: Scalars::all(f64::INFINITY), light: Vectors::ZERO };
 
     /// The ray of a point.
     #[inline(always)]

@@ -37,11 +37,7 @@ pub struct Shading<'a> {
 impl Shading<'_> {
     /// The colour of a miss.
     pub(super) fn seen_behind(&self, direction: DVec3) -> Color {
-        match self
-            .scene
-            .environment()
-            .filter(|environment| environment.is_seen)
-        {
+        match self.scene.environment().filter(|environment| environment.is_seen) {
             Some(environment) => environment.radiance(direction),
             None => self.background.color(direction),
         }
@@ -86,10 +82,7 @@ impl Shading<'_> {
 
 impl Shade for Shading<'_> {
     fn is_transparent(&self) -> bool {
-        let is_seen = self
-            .scene
-            .environment()
-            .is_some_and(|environment| environment.is_seen);
+        let is_seen = self.scene.environment().is_some_and(|environment| environment.is_seen);
         self.background == Background::Transparent && !is_seen
     }
 

@@ -228,10 +228,7 @@ pub(super) fn add_direct_light(
         }
         rays.add_to(sums, shading, shadows);
     }
-    let drawn = shading
-        .scene
-        .environment()
-        .filter(|environment| environment.is_drawn());
+    let drawn = shading.scene.environment().filter(|environment| environment.is_drawn());
     if let Some(environment) = drawn {
         for row in &sorted.rows {
             row.push_environment((environment, reach), &mut rays);

@@ -61,16 +61,8 @@ pub(super) fn shade(
         if !surface.is_unlit() {
             colors[k] = surface.emitted();
         }
-        let vertex = met(
-            settings,
-            surface,
-            (k, PathSegment::of_camera(surface)),
-            colors,
-        );
-        seen.extend(vertex.map(|vertex| ReflectedVertex {
-            vertex,
-            reflections: 0,
-        }));
+        let vertex = met(settings, surface, (k, PathSegment::of_camera(surface)), colors);
+        seen.extend(vertex.map(|vertex| ReflectedVertex { vertex, reflections: 0 }));
     }
     // The rays that continue through translucent surfaces.
     let mut through: Vec<Branch> = Vec::new();
@@ -88,10 +80,7 @@ pub(super) fn shade(
         for (index, branch) in branches.iter().enumerate() {
             let (vertex, on) = follow(settings, shading, branch, &hits.get(index), colors);
             let reflections = branch.reflections;
-            seen.extend(vertex.map(|vertex| ReflectedVertex {
-                vertex,
-                reflections,
-            }));
+            seen.extend(vertex.map(|vertex| ReflectedVertex { vertex, reflections }));
             through.extend(on);
         }
     }
@@ -123,10 +112,11 @@ fn met(
     colors: &mut [Color],
 ) -> Option<Vertex> {
     let vertex = Vertex::new(surface, sum, Draws::new(0, 0), segment);
-    let throughput = vertex.as_ref().map_or(
-        segment.throughput * transmittance(segment.absorption, segment.length),
-        |vertex| vertex.throughput,
-    );
+    let throughput = vertex
+        .as_ref()
+        .map_or(segment.throughput * transmittance(segment.absorption, segment.length), |vertex| {
+            vertex.throughput
+        });
     if surface.is_unlit() {
         colors[sum] += throughput * surface.color();
         return None;
@@ -162,10 +152,7 @@ fn add_light(
 /// The rays that continue from a vertex.
 fn branches_of(settings: &Whitted, seen: &ReflectedVertex) -> Vec<Branch> {
     let Whitted { least, depth, .. } = *settings;
-    let ReflectedVertex {
-        vertex,
-        reflections,
-    } = seen;
+    let ReflectedVertex { vertex, reflections } = seen;
     let branch = |scattered: BsdfSample| {
         let throughput = vertex.throughput * scattered.weight;
         let is_reflected = scattered.towards.dot(vertex.bsdf.geometric()) > 0.0;
@@ -215,21 +202,13 @@ fn follow(
         length: hit.t,
     };
     *color += segment.throughput * bsdf_ray.emission(shading, &surface, hit.t);
-    let vertex = if opacity > 0.0 {
-        met(settings, &surface, (branch.sum, segment), colors)
-    } else {
-        None
-    };
+    let vertex =
+        if opacity > 0.0 { met(settings, &surface, (branch.sum, segment), colors) } else { None };
     let left = transmittance(branch.absorption, hit.t);
     let throughput = (1.0 - opacity) * left * branch.throughput;
     let through = (throughput.max_element() > settings.least).then(|| {
         let (ray, filter) = onwards(&surface);
-        Branch {
-            ray,
-            filter,
-            throughput,
-            ..*branch
-        }
+        Branch { ray, filter, throughput, ..*branch }
     });
     (vertex, through)
 }

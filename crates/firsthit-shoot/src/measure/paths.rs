@@ -76,12 +76,7 @@ pub fn path_lengths_with<R: Rays>(
             match by {
                 Grouping::Object => walk.add_each(&solids, (ray, &RayLength::new(ray)), met, row),
                 Grouping::Union => {
-                    walk.add_union(
-                        &solids,
-                        (ray, &RayLength::new(ray)),
-                        met,
-                        (depth, &mut row[0]),
-                    );
+                    walk.add_union(&solids, (ray, &RayLength::new(ray)), met, (depth, &mut row[0]));
                 }
             }
             Ok(())
@@ -101,10 +96,7 @@ struct Walk {
 
 impl Walk {
     fn new(objects: usize) -> Result<Self> {
-        Ok(Self {
-            turns: memory::filled(objects, 0)?,
-            since: memory::filled(objects, 0.0)?,
-        })
+        Ok(Self { turns: memory::filled(objects, 0)?, since: memory::filled(objects, 0.0)? })
     }
 
     /// Finds out in which objects a ray starts; returns in how many.
@@ -209,12 +201,7 @@ struct RayLength {
 impl RayLength {
     fn new(ray: &Ray) -> Self {
         let scale = moderation(ray.direction);
-        Self {
-            t_min: ray.t_min,
-            t_max: ray.t_max,
-            length: (scale * ray.direction).length(),
-            scale,
-        }
+        Self { t_min: ray.t_min, t_max: ray.t_max, length: (scale * ray.direction).length(), scale }
     }
 
     /// The length of what lies between two parameters and before the ray's end.

@@ -100,18 +100,11 @@ pub fn thickness_along<R: Rays + ?Sized>(
 ) -> Result<Vec<f64>> {
     let solids = Solids::new(scene, rule)?;
     let mut t = memory::filled(rays.len(), f64::INFINITY)?;
-    let object = |k: usize| {
-        rays.filter(k)
-            .only
-            .and_then(|only| usize::try_from(only).ok())
-    };
+    let object = |k: usize| rays.filter(k).only.and_then(|only| usize::try_from(only).ok());
     // Shapes are convex, so that what is met first is where they end.
     let is_solid = |&k: &usize| {
         object(k).is_some_and(|object| {
-            let is_mesh = scene
-                .objects()
-                .get(object)
-                .is_some_and(|it| it.mesh().is_some());
+            let is_mesh = scene.objects().get(object).is_some_and(|it| it.mesh().is_some());
             is_mesh && solids.rules[object].is_of_closed()
         })
     };
@@ -157,17 +150,8 @@ fn within(scene: &Scene, ray: &Ray, mut filter: RayFilter) -> Option<(Ray, RayFi
     let DVec2 { x, y } = departure.barycentric.lerp(DVec2::splat(1.0 / 3.0), WITHIN);
     departure.barycentric = DVec2::new(x, y);
     let place = a + x * (b - a) + y * (c - a);
-    let place = object
-        .transform()
-        .world_from_object()
-        .transform_point3(place);
-    Some((
-        Ray {
-            origin: place,
-            ..*ray
-        },
-        filter,
-    ))
+    let place = object.transform().world_from_object().transform_point3(place);
+    Some((Ray { origin: place, ..*ray }, filter))
 }
 
 /// The parameters at which rays that each leave a closed mesh and meet no other object come out of
@@ -197,10 +181,7 @@ fn through(
     };
     let turned: Vec<usize> = (0..rays.len()).filter(|&k| in_front(k)).collect();
     let backwards = turned.iter().map(|&k| {
-        let turned = Ray {
-            direction: -rays[k].direction,
-            ..rays[k]
-        };
+        let turned = Ray { direction: -rays[k].direction, ..rays[k] };
         (turned, filters[k])
     });
     let (own, filters): (Vec<Ray>, Vec<RayFilter>) = backwards.unzip();
@@ -265,9 +246,6 @@ fn inwards(scene: &Scene, from: &ClosestPoints, k: usize) -> (Ray, RayFilter) {
     let (ray, mut filter) = surface.leave(-surface.normal());
     filter.only = Some(hit.object);
     // It goes through, also at edges.
-    filter.departure = (filter.departure).map(|departure| Departure {
-        side: None,
-        ..departure
-    });
+    filter.departure = (filter.departure).map(|departure| Departure { side: None, ..departure });
     (ray, filter)
 }

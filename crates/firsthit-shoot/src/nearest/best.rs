@@ -50,12 +50,7 @@ pub(super) struct Best {
 
 impl Best {
     pub(super) fn new(wanted: NearestSettings) -> Self {
-        Self {
-            wanted,
-            heap: BinaryHeap::new(),
-            most: f64::INFINITY,
-            is_short: false,
-        }
+        Self { wanted, heap: BinaryHeap::new(), most: f64::INFINITY, is_short: false }
     }
 
     /// Forgets what was found. `hint` bounds the squared distance of what is wanted; it may be too small.

@@ -49,10 +49,7 @@ pub struct NearestSettings {
 /// The nearest, wherever it is.
 impl Default for NearestSettings {
     fn default() -> Self {
-        Self {
-            count: 1,
-            radius: f64::INFINITY,
-        }
+        Self { count: 1, radius: f64::INFINITY }
     }
 }
 

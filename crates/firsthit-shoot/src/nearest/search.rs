@@ -50,13 +50,7 @@ pub(super) fn fill(
     let size = (BATCH / wanted.count.min(BATCH)).max(16);
     let search = |(points, part): (&[[f64; 3]], AnswerSlices<'_>)| {
         stop_if_asked(watch)?;
-        let mut batch = Batch {
-            scene,
-            points,
-            part,
-            best: Best::new(wanted),
-            watch,
-        };
+        let mut batch = Batch { scene, points, part, best: Best::new(wanted), watch };
         let result = match method {
             Method::Trees(set) => simd::run(set, batch),
             Method::BruteForce => batch.by_brute_force(),
@@ -85,20 +79,14 @@ fn parts(
     let object = answers.object.chunks_mut(length);
     let primitive = answers.primitive.chunks_mut(length);
     let barycentric = answers.barycentric.chunks_mut(length);
-    let all = point
-        .zip(distance)
-        .zip(object)
-        .zip(primitive)
-        .zip(barycentric);
-    all.map(
-        |((((point, distance), object), primitive), barycentric)| AnswerSlices {
-            point,
-            distance,
-            object,
-            primitive,
-            barycentric,
-        },
-    )
+    let all = point.zip(distance).zip(object).zip(primitive).zip(barycentric);
+    all.map(|((((point, distance), object), primitive), barycentric)| AnswerSlices {
+        point,
+        distance,
+        object,
+        primitive,
+        barycentric,
+    })
 }
 
 /// A batch of points, and the destination of their answers.
@@ -184,12 +172,7 @@ impl Kernel for Batch<'_> {
 }
 
 /// One point, and memory for its search.
-struct Point<'a>(
-    &'a Scene,
-    DVec3,
-    &'a mut Best,
-    (&'a mut Scratch, &'a mut WalkStack),
-);
+struct Point<'a>(&'a Scene, DVec3, &'a mut Best, (&'a mut Scratch, &'a mut WalkStack));
 
 impl Kernel for Point<'_> {
     type Output = ();
@@ -235,18 +218,8 @@ fn near_object<L: Lanes>(
             place.point_in_world(corners[2]),
         ];
         let SurfaceId { object, primitive } = scene.surface_at(index, triangle.cast_signed());
-        best.take(
-            object.cast_unsigned(),
-            nearest_on_triangle(point, corners, primitive),
-        );
+        best.take(object.cast_unsigned(), nearest_on_triangle(point, corners, primitive));
         best.limit()
     };
-    each_near(
-        l,
-        scratch,
-        (tree, mesh),
-        (point, place, is_many),
-        limit,
-        visit,
-    );
+    each_near(l, scratch, (tree, mesh), (point, place, is_many), limit, visit);
 }

@@ -99,12 +99,7 @@ pub fn signed_distances_from(
     watch: &dyn Watch,
 ) -> Result<Vec<f64>> {
     let is_one_each = distances.len() == points.len();
-    require(
-        "distances",
-        "one for each point",
-        is_one_each,
-        distances.len(),
-    )?;
+    require("distances", "one for each point", is_one_each, distances.len())?;
     require_closed(settings, scene)?;
     let mut signed = memory::filled(points.len(), f64::INFINITY)?;
     let pieces = points.chunks(PIECE).zip(distances.chunks(PIECE));

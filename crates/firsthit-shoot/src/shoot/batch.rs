@@ -53,12 +53,7 @@ pub(super) fn fill_batch<S: Sink>(
     first: usize,
     sink: S,
 ) {
-    let batch = Batch {
-        scene,
-        rays,
-        first,
-        sink,
-    };
+    let batch = Batch { scene, rays, first, sink };
     simd::run(set, batch);
 }
 
@@ -217,11 +212,7 @@ impl<S: Sink> Batch<'_, S> {
                 }
             }
         }
-        let Memory {
-            packets: all,
-            dispatcher,
-            ..
-        } = memory;
+        let Memory { packets: all, dispatcher, .. } = memory;
         let packets = &all[..packets];
         let mut at_mesh = Vec::with_capacity(packets.len());
         for packet in packets {
@@ -296,10 +287,7 @@ impl<S: Sink> Batch<'_, S> {
                 }
             }
             // With a list there is no tree to walk.
-            let stack = memory
-                .walk_stacks
-                .get_mut(first)
-                .filter(|_| listed.is_none());
+            let stack = memory.walk_stacks.get_mut(first).filter(|_| listed.is_none());
             match stack.and_then(|stack| ScenePacket::new(scene, &mut walks, first, stack)) {
                 Some(packet) => together.push(packet),
                 None => left.extend(first..walks.len()),
@@ -366,19 +354,9 @@ pub(super) fn dispatch<L: Lanes, Q: RayQuery>(
 ) {
     if Q::ALL || Q::IS_FILTERED {
         let sink: &mut dyn accel::Sink<_> = &mut sink;
-        l.call(Dispatch::<Q::InMesh, _>(
-            dispatcher,
-            packets,
-            sink,
-            PhantomData,
-        ));
+        l.call(Dispatch::<Q::InMesh, _>(dispatcher, packets, sink, PhantomData));
     } else {
-        l.call(Dispatch::<Q::InMesh, _>(
-            dispatcher,
-            packets,
-            &mut sink,
-            PhantomData,
-        ));
+        l.call(Dispatch::<Q::InMesh, _>(dispatcher, packets, &mut sink, PhantomData));
     }
 }
 
@@ -410,10 +388,7 @@ impl<S: Sink> accel::Sink<MeshAnswer<S::Query>> for OfMesh<'_, S> {
         let (object, group) = (*object, *group);
         let surface = |primitive| match group {
             Some(group) => group.surface(primitive),
-            None => SurfaceId {
-                object: object.cast_signed(),
-                primitive,
-            },
+            None => SurfaceId { object: object.cast_signed(), primitive },
         };
         sink.put(packet * RAYS + lane, &S::Query::of_mesh(surface, found));
     }
@@ -431,9 +406,7 @@ mod tests {
         let holds = |name: &str| {
             // The whole name would stand in the program for being named here.
             let name = name.replace('-', "");
-            program
-                .windows(name.len())
-                .any(|bytes| bytes == name.as_bytes())
+            program.windows(name.len()).any(|bytes| bytes == name.as_bytes())
         };
         // It has symbols.
         assert!(holds("5batch5tests-33no_unit_test_has_packets_compiled"));

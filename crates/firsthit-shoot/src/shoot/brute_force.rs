@@ -69,11 +69,7 @@ fn answer_all<S: Sink>(
 }
 
 fn answer_of<Q: RayQuery>(scene: &Scene, rays: &dyn Rays, index: usize) -> Q {
-    let filter = if rays.is_filtered() {
-        rays.filter(index)
-    } else {
-        RayFilter::NONE
-    };
+    let filter = if rays.is_filtered() { rays.filter(index) } else { RayFilter::NONE };
     answer(scene, &rays.ray(index), &filter)
 }
 
@@ -87,10 +83,7 @@ fn answer<Q: RayQuery>(scene: &Scene, ray: &Ray, filter: &RayFilter) -> Q {
         all_crossings::<Q::InMesh>(scene, (&scaled, filter), index, |crossing| {
             if scaled.holds(&crossing) {
                 let found = Q::InMesh::of_crossing(Some(crossing));
-                let surface = |primitive| SurfaceId {
-                    object: index.cast_signed(),
-                    primitive,
-                };
+                let surface = |primitive| SurfaceId { object: index.cast_signed(), primitive };
                 query.take(scene, &scaled, surface, found);
             }
         });

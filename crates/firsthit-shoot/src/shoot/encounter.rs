@@ -94,11 +94,7 @@ impl<'a> Encounters<'a> {
         if object.is_hidden() {
             return Encounter::Hidden;
         }
-        if self
-            .filter
-            .only
-            .is_some_and(|only| only != index.cast_signed())
-        {
+        if self.filter.only.is_some_and(|only| only != index.cast_signed()) {
             return Encounter::NotAsked;
         }
         if !filter::sees(self.filter, index, object) {
@@ -108,12 +104,8 @@ impl<'a> Encounters<'a> {
             return Encounter::OutOfRange;
         };
         let t_max = self.scaled.ray.t_max;
-        let within = filter::in_object(
-            scene,
-            (&self.scaled, self.filter),
-            Place::Object(index),
-            t_max,
-        );
+        let within =
+            filter::in_object(scene, (&self.scaled, self.filter), Place::Object(index), t_max);
         let mut touched = Touched {
             object,
             index,
@@ -135,10 +127,7 @@ impl<'a> Encounters<'a> {
                 {
                     touched.accept(crossing);
                 }
-                let off = touched
-                    .mesh_filter
-                    .departure()
-                    .map_or(0.0, |point| point.off);
+                let off = touched.mesh_filter.departure().map_or(0.0, |point| point.off);
                 let (shear, line) = (Shear::new(&touched.line), touched.line);
                 let each = EachCandidate {
                     scratch: &mut self.scratch,
@@ -169,11 +158,7 @@ impl<'a> Encounters<'a> {
 
 /// The line of a ray.
 fn endless(ray: &Ray) -> Ray {
-    Ray {
-        t_min: f64::NEG_INFINITY,
-        t_max: f64::INFINITY,
-        ..*ray
-    }
+    Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray }
 }
 
 /// An object whose encounter is being decided.
@@ -199,9 +184,7 @@ impl Touched<'_> {
     fn triangle(&mut self, mesh: &Mesh, triangle: u32, shear: &Shear) {
         if let Some(ray) = &self.ray {
             let how = (EdgeRule::Closed, &self.mesh_filter);
-            let met = self
-                .object
-                .intersect_triangle(mesh.into(), triangle, how, (ray, shear));
+            let met = self.object.intersect_triangle(mesh.into(), triangle, how, (ray, shear));
             if met.is_some_and(|crossing| self.accept(crossing)) {
                 return;
             }
@@ -290,10 +273,7 @@ impl Touched<'_> {
 
     /// Takes a crossing, if it is a hit of the caller's ray.
     fn accept(&mut self, crossing: Crossing) -> bool {
-        let surface = SurfaceId {
-            object: self.index.cast_signed(),
-            primitive: crossing.primitive,
-        };
+        let surface = SurfaceId { object: self.index.cast_signed(), primitive: crossing.primitive };
         let Some(hit) = self.scaled.hit(surface, crossing) else {
             return false;
         };

@@ -152,14 +152,8 @@ pub(super) fn in_object(
 pub(super) fn meets_all_of(filter: &RayFilter, index: u32) -> bool {
     let is_elsewhere = |surface: SurfaceId| !is_of(&surface, index);
     filter.cull.is_none()
-        && filter
-            .skip
-            .iter()
-            .flatten()
-            .all(|&surface| is_elsewhere(surface))
-        && filter
-            .departure
-            .is_none_or(|departure| is_elsewhere(departure.surface))
+        && filter.skip.iter().flatten().all(|&surface| is_elsewhere(surface))
+        && filter.departure.is_none_or(|departure| is_elsewhere(departure.surface))
 }
 
 #[inline(always)]
@@ -190,11 +184,7 @@ pub(super) fn crossings(
             return [None; 2];
         }
     }
-    let line = Ray {
-        t_min: f64::NEG_INFINITY,
-        t_max: f64::INFINITY,
-        ..*ray
-    };
+    let line = Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..*ray };
     let mut crossings = shape.crossings(&line);
     if left.is_some() {
         crossings[0] = None;

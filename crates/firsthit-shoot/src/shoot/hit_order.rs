@@ -20,11 +20,7 @@ impl ScaledRay {
     /// Whether `new` is the first of two hits of the ray, each perhaps a miss.
     #[inline(always)]
     pub(super) fn precedes(&self, scene: &Scene, new: &Hit, old: &Hit) -> bool {
-        if are_close(new.t, old.t) {
-            self.precedes_closely(scene, new, old)
-        } else {
-            new.t < old.t
-        }
+        if are_close(new.t, old.t) { self.precedes_closely(scene, new, old) } else { new.t < old.t }
     }
 
     #[cold]
@@ -76,9 +72,8 @@ impl ScaledRay {
         if self.is_departing {
             return hit.t;
         }
-        self.in_mesh(scene, hit).map_or(hit.t, |(ray, mesh)| {
-            self.t_scale * mesh.nearest_t(&ray, &self.crossing(hit))
-        })
+        self.in_mesh(scene, hit)
+            .map_or(hit.t, |(ray, mesh)| self.t_scale * mesh.nearest_t(&ray, &self.crossing(hit)))
     }
 
     /// A hit of a mesh, and the ray in the space of that.
@@ -92,11 +87,7 @@ impl ScaledRay {
 
     /// A hit as its mesh has it.
     fn crossing(&self, hit: &Hit) -> Crossing {
-        Crossing {
-            t: hit.t / self.t_scale,
-            primitive: hit.primitive,
-            barycentric: hit.barycentric,
-        }
+        Crossing { t: hit.t / self.t_scale, primitive: hit.primitive, barycentric: hit.barycentric }
     }
 }
 

@@ -98,11 +98,7 @@ impl HitSlices<'_> {
     /// The number of hits that fit; `None` where the lengths differ.
     pub fn count(&self) -> Option<usize> {
         let count = self.t.len();
-        let others = [
-            self.object.len(),
-            self.primitive.len(),
-            self.barycentric.len(),
-        ];
+        let others = [self.object.len(), self.primitive.len(), self.barycentric.len()];
         (others == [count; 3]).then_some(count)
     }
 
@@ -125,12 +121,7 @@ impl HitSlices<'_> {
         let (object, later_object) = self.object.split_at_mut(index);
         let (primitive, later_primitive) = self.primitive.split_at_mut(index);
         let (barycentric, later_barycentric) = self.barycentric.split_at_mut(index);
-        let before = Self {
-            t,
-            object,
-            primitive,
-            barycentric,
-        };
+        let before = Self { t, object, primitive, barycentric };
         let after = Self {
             t: later_t,
             object: later_object,

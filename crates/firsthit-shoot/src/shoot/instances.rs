@@ -110,13 +110,7 @@ fn through_instances<'a, L: Lanes, Q: RayQuery>(
             Some(apart) => MeshPacket::apart(&trees[apart], packet),
         });
     }
-    let sink = OfInstances {
-        scene,
-        entered,
-        instances,
-        packing: &packing,
-        walks,
-    };
+    let sink = OfInstances { scene, entered, instances, packing: &packing, walks };
     dispatch::<L, Q>(l, &mut memory.dispatcher, &mut packets, sink);
 }
 

@@ -41,13 +41,7 @@ impl<'r, Q: RayQuery> Neighbours<'r, Q> {
             valid |= u16::from(is_valid) << index;
             plain |= u16::from(is_plain) << index;
         }
-        Self {
-            rays,
-            source,
-            states: [const { None }; RAYS],
-            valid,
-            plain,
-        }
+        Self { rays, source, states: [const { None }; RAYS], valid, plain }
     }
 
     #[inline(always)]
@@ -94,12 +88,7 @@ impl<'r, Q: RayQuery> Neighbours<'r, Q> {
         let listed = scene.list_candidates(&beam)?;
         if listed.has_lone_shapes() && !Q::ALL {
             for first in (0..self.rays.len()).step_by(WIDE) {
-                let eight = MeetShapes {
-                    scene,
-                    rays: self,
-                    first,
-                    listed,
-                };
+                let eight = MeetShapes { scene, rays: self, first, listed };
                 eight.run(l);
             }
         }
@@ -148,10 +137,7 @@ impl<Q: RayQuery> MeetShapes<'_, '_, '_, Q> {
             if lanes == 0 {
                 continue;
             }
-            let (met, t, primitives) = l.call(CrossShape {
-                object,
-                eight: &eight,
-            });
+            let (met, t, primitives) = l.call(CrossShape { object, eight: &eight });
             for lane in set_bits((met & lanes).into()) {
                 let state = self.rays.state(self.first + lane);
                 state.cross(self.scene, index, crossing(t[lane], primitives[lane]));
@@ -179,11 +165,8 @@ impl<Q: RayQuery> MeetShapes<'_, '_, '_, Q> {
                 continue;
             }
             let (source, first) = self.rays.source;
-            let filter = if Q::IS_FILTERED {
-                source.filter(first + index)
-            } else {
-                RayFilter::NONE
-            };
+            let filter =
+                if Q::IS_FILTERED { source.filter(first + index) } else { RayFilter::NONE };
             let leaves_out_none = filter.mask != 0
                 && filter.only.is_none()
                 && filter.cull.is_none()
@@ -256,11 +239,7 @@ impl<S: Surface> Kernel for GoInwards<'_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> u8 {
-        let Self {
-            shape,
-            transform,
-            eight,
-        } = self;
+        let Self { shape, transform, eight } = self;
         let ([x, y, z], [u, v, w]) = (&eight.columns.origin, &eight.columns.direction);
         let mut along = [0.0; WIDE];
         for (lane, along) in along.iter_mut().enumerate() {
@@ -319,11 +298,7 @@ impl Eight {
     fn inwards<L: Lanes>(&self, l: L, object: &Object, leaving: u8) -> u8 {
         macro_rules! on {
             ($shape:expr) => {
-                l.call(GoInwards {
-                    shape: $shape,
-                    transform: object.transform(),
-                    eight: self,
-                })
+                l.call(GoInwards { shape: $shape, transform: object.transform(), eight: self })
             };
         }
         let inwards = match object.shape() {

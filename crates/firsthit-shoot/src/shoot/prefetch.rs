@@ -29,12 +29,7 @@ impl<'a> Prefetcher<'a> {
     /// Begins to prefetch for `count` hits from number `first` on. With a `count` of 0 it does
     /// nothing.
     pub fn new(scene: &'a Scene, hits: &'a Hits, first: usize, count: usize) -> Self {
-        let made = Self {
-            scene,
-            hits,
-            first,
-            count,
-        };
+        let made = Self { scene, hits, first, count };
         made.prefetch(0, Stage::Triangles);
         made.prefetch(0, Stage::Vertices);
         made.prefetch(BLOCK, Stage::Triangles);

@@ -70,10 +70,7 @@ impl Query for All {
         fit(offsets, count + 1)?;
         offsets[0] = 0;
         hits.fit(0)?;
-        Ok(Answers::All(AllAnswers {
-            all: answers,
-            nearest: self.nearest.unwrap_or(usize::MAX),
-        }))
+        Ok(Answers::All(AllAnswers { all: answers, nearest: self.nearest.unwrap_or(usize::MAX) }))
     }
 }
 

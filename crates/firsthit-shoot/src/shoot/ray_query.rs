@@ -65,12 +65,7 @@ impl RayQuery for FirstHit {
     fn of_mesh(surface: impl Fn(i32) -> SurfaceId, crossing: Option<Crossing>) -> Self {
         Self(crossing.map_or(Hit::MISS, |crossing| {
             let SurfaceId { object, primitive } = surface(crossing.primitive);
-            Hit {
-                t: crossing.t,
-                object,
-                primitive,
-                barycentric: crossing.barycentric,
-            }
+            Hit { t: crossing.t, object, primitive, barycentric: crossing.barycentric }
         }))
     }
 
@@ -179,16 +174,10 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
     type InMesh = accel::FilteredQuery<Q::InMesh>;
     const ALL: bool = Q::ALL;
     const IS_FILTERED: bool = true;
-    const START: Self = Self {
-        query: Q::START,
-        filter: RayFilter::NONE,
-    };
+    const START: Self = Self { query: Q::START, filter: RayFilter::NONE };
 
     fn begin(rays: &dyn Rays, index: usize) -> Self {
-        Self {
-            filter: rays.filter(index),
-            ..Self::START
-        }
+        Self { filter: rays.filter(index), ..Self::START }
     }
 
     #[inline(always)]
@@ -201,10 +190,7 @@ impl<Q: RayQuery> RayQuery for FilteredQuery<Q> {
         surface: impl Fn(i32) -> SurfaceId,
         found: <Self::InMesh as MeshQuery>::Found,
     ) -> Self {
-        Self {
-            query: Q::of_mesh(surface, found),
-            ..Self::START
-        }
+        Self { query: Q::of_mesh(surface, found), ..Self::START }
     }
 
     #[inline(always)]

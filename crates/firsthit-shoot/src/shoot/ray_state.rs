@@ -31,11 +31,7 @@ impl<Q: RayQuery> RayState<Q> {
             let t_max = scaled.ray.t_max.min(t_max / scaled.t_scale);
             t_max.max(f64::MIN_POSITIVE)
         };
-        Self {
-            t_max: scaled.as_ref().map_or(-1.0, within),
-            scaled,
-            query,
-        }
+        Self { t_max: scaled.as_ref().map_or(-1.0, within), scaled, query }
     }
 
     /// The ray on its way, unless it can meet nothing.

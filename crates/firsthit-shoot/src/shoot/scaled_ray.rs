@@ -43,10 +43,7 @@ impl ScaledRay {
     #[inline(always)]
     pub(super) fn filtered(ray: &Ray, filter: &RayFilter) -> Option<Self> {
         let is_departing = filter.departure.is_some();
-        Self::new(ray).map(|scaled| Self {
-            is_departing,
-            ..scaled
-        })
+        Self::new(ray).map(|scaled| Self { is_departing, ..scaled })
     }
 
     /// The ray, up to `t_max`, in an object's space. A transform can take its numbers out of the range of

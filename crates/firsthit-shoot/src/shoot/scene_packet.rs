@@ -57,10 +57,7 @@ impl<'a> ScenePacket<'a> {
         let rays = walks.iter().filter_map(|walk| walk.state.ray());
         let objects = scene.packet_candidates(rays, stack)?;
         walks.iter_mut().for_each(SceneWalk::join);
-        Some(Self {
-            walks: first..end,
-            objects,
-        })
+        Some(Self { walks: first..end, objects })
     }
 
     /// The number of its first walk.
@@ -96,21 +93,11 @@ impl<'a> ScenePacket<'a> {
                         packet.put(lane, &ray.up_to(limits[lane].min(ray.t_max)));
                     }
                 }
-                let enter = Enter {
-                    packet,
-                    tree,
-                    transform: object.transform(),
-                    met,
-                };
+                let enter = Enter { packet, tree, transform: object.transform(), met };
                 easy = l.call(enter);
                 has_entered = packet.alive != 0;
                 if has_entered {
-                    entered.push(EnteredMesh {
-                        object: index,
-                        mesh,
-                        tree,
-                        first,
-                    });
+                    entered.push(EnteredMesh { object: index, mesh, tree, first });
                 }
             }
             for lane in set_bits(met & !easy) {
@@ -140,12 +127,7 @@ impl Kernel for Enter<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> u16 {
-        let Self {
-            packet,
-            tree,
-            transform,
-            met,
-        } = self;
+        let Self { packet, tree, transform, met } = self;
         let plain = packet.enter(l, transform);
         let count = RAYS - met.leading_zeros() as usize;
         packet.prepare(l, tree, count);

@@ -40,12 +40,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
     /// Begins, with some objects to come.
     #[inline(always)]
     pub(super) fn new(state: RayState<Q>, objects: ObjectCandidates<'a>) -> Self {
-        Self {
-            state,
-            objects,
-            duplicates: &[],
-            ahead: None,
-        }
+        Self { state, objects, duplicates: &[], ahead: None }
     }
 
     /// Leaves the search for objects to the ray's packet.
@@ -119,12 +114,7 @@ impl<'a, Q: RayQuery> SceneWalk<'a, Q> {
                     let is_near = ray.t_min >= 0.0 && !tree.is_distant(ray.origin);
                     let is_near = is_near && (!Q::IS_FILTERED || is_sharp(tree, in_mesh));
                     if is_plain && is_near && tree.has_nodes() {
-                        return Some(Instance {
-                            object: index,
-                            tree,
-                            mesh,
-                            ray,
-                        });
+                        return Some(Instance { object: index, tree, mesh, ray });
                     }
                     TriangleByTriangle {
                         state,
@@ -184,9 +174,8 @@ pub(super) fn first_of_shapes(scene: &Scene, ray: &Ray, objects: &[u32], known: 
     let mut t_max = first.t_max(&scaled);
     for &index in objects {
         let object = &scene.objects()[index as usize];
-        let crossing = scaled
-            .in_object(object, t_max)
-            .and_then(|ray| object.shape().intersect(&ray));
+        let crossing =
+            scaled.in_object(object, t_max).and_then(|ray| object.shape().intersect(&ray));
         if crossing.is_some() {
             let surface = |primitive| scene.surface_at(index, primitive);
             t_max = first.take(scene, &scaled, surface, crossing);
@@ -210,19 +199,8 @@ struct TriangleByTriangle<'r, Q> {
 impl<Q: RayQuery> TriangleByTriangle<'_, Q> {
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self {
-            state,
-            scratch,
-            scene,
-            at_mesh: (index, tree, mesh),
-            ray,
-            in_mesh,
-        } = self;
-        let filter = if Q::IS_FILTERED {
-            in_mesh
-        } else {
-            &MeshFilter::NONE
-        };
+        let Self { state, scratch, scene, at_mesh: (index, tree, mesh), ray, in_mesh } = self;
+        let filter = if Q::IS_FILTERED { in_mesh } else { &MeshFilter::NONE };
         let shear = Shear::new(ray);
         l.call(EachCandidate {
             scratch,
@@ -276,17 +254,10 @@ impl<Q: RayQuery> Kernel for OneTriangle<'_, Q> {
         let Some(crossing) = crossing else {
             return self.t_max;
         };
-        if !self
-            .filter
-            .has_begun(crossing.t, || mesh.farthest(triangle))
-        {
+        if !self.filter.has_begun(crossing.t, || mesh.farthest(triangle)) {
             return self.t_max;
         }
         self.state.cross(self.scene, index, crossing);
-        if self.state.is_open() {
-            self.t_max.min(self.state.t_max)
-        } else {
-            END
-        }
+        if self.state.is_open() { self.t_max.min(self.state.t_max) } else { END }
     }
 }

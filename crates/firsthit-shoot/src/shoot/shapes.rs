@@ -112,11 +112,7 @@ pub(super) fn in_object<L: Lanes>(
             ..*ray
         }
     };
-    let valid = if object.is_out_of_range() {
-        0
-    } else {
-        ray.is_valid(of)
-    };
+    let valid = if object.is_out_of_range() { 0 } else { ray.is_valid(of) };
     (ray, valid)
 }
 
@@ -142,11 +138,8 @@ pub(super) fn rays_of_row<L: Lanes>(
     };
     let mut are_same = u8::MAX;
     if let Some(direction) = grid.parallel {
-        let start = if grid.starts_on_viewplane {
-            point
-        } else {
-            minus(of, point, splat(of, grid.toward))
-        };
+        let start =
+            if grid.starts_on_viewplane { point } else { minus(of, point, splat(of, grid.toward)) };
         ray.origin = plus(of, position, start);
         ray.direction = splat(of, direction);
     } else {
@@ -155,11 +148,8 @@ pub(super) fn rays_of_row<L: Lanes>(
         }
         are_same = is_moderate(l, &ray);
         let length = l.sqrt64(squared(of, point));
-        ray.direction = [
-            l.div64(point[0], length),
-            l.div64(point[1], length),
-            l.div64(point[2], length),
-        ];
+        ray.direction =
+            [l.div64(point[0], length), l.div64(point[1], length), l.div64(point[2], length)];
     }
     (ray, are_same)
 }
@@ -201,13 +191,7 @@ impl FirstOfShapes<'_, '_> {
     #[inline(always)]
     pub(super) fn of_bundle<L: Lanes>(self, l: L, ray: &RayOf<L::Doubles>) {
         let all = self.all() & ray.is_valid(InLanes(l));
-        let Self {
-            scene,
-            objects,
-            at,
-            count,
-            out,
-        } = self;
+        let Self { scene, objects, at, count, out } = self;
         let mut found = [f64::INFINITY; WIDE];
         found[..count].copy_from_slice(&out.t[at..at + count]);
         let mut t = l.load64(&found);
@@ -216,10 +200,7 @@ impl FirstOfShapes<'_, '_> {
             // As `FirstHit::t_max`.
             let beyond = l.mul64(l.splat64(8.0 * f64::EPSILON), l.abs64(t));
             let clear = l.max64(l.add64(t, beyond), l.splat64(f64::MIN_POSITIVE));
-            let rest = RayOf {
-                t_max: min(l, clear, ray.t_max),
-                ..*ray
-            };
+            let rest = RayOf { t_max: min(l, clear, ray.t_max), ..*ray };
             let (rest, valid) = in_object(l, object, &rest);
             let Some(crossing) = object.shape().first_of_bundle(InLanes(l), &rest) else {
                 continue;
@@ -260,10 +241,5 @@ impl FirstOfShapes<'_, '_> {
 #[inline(always)]
 fn hit(object: u32, t: f64, primitive: f64) -> Hit {
     let Crossing { t, primitive, .. } = crossing(t, primitive);
-    Hit {
-        t,
-        object: object.cast_signed(),
-        primitive,
-        barycentric: DVec2::NAN,
-    }
+    Hit { t, object: object.cast_signed(), primitive, barycentric: DVec2::NAN }
 }

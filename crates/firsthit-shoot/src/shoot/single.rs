@@ -40,26 +40,14 @@ pub(super) struct SingleRay<'a, Q> {
 
 impl<'a, Q: RayQuery> SingleRay<'a, Q> {
     pub(super) fn new(memory: &'a mut Memory, scene: &'a Scene, ray: &'a Ray, query: Q) -> Self {
-        Self {
-            memory,
-            scene,
-            ray,
-            query,
-            t_max: f64::INFINITY,
-            is_skipped: &[],
-        }
+        Self { memory, scene, ray, query, t_max: f64::INFINITY, is_skipped: &[] }
     }
 }
 
 impl<'a> SingleRay<'a, FirstHit> {
     /// The ray after it has met `known`, among the objects that are not skipped.
     pub(super) fn after(self, known: Hit, is_skipped: &'a [bool]) -> Self {
-        Self {
-            query: FirstHit(known),
-            t_max: clear_of(known.t),
-            is_skipped,
-            ..self
-        }
+        Self { query: FirstHit(known), t_max: clear_of(known.t), is_skipped, ..self }
     }
 }
 
@@ -68,11 +56,7 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Q {
-        let Memory {
-            scratch,
-            walk_stacks,
-            ..
-        } = self.memory;
+        let Memory { scratch, walk_stacks, .. } = self.memory;
         let stack = &mut walk_stacks[0];
         let scene = self.scene;
         let state = RayState::new(self.ray, self.query, self.t_max);
@@ -81,12 +65,7 @@ impl<Q: RayQuery> Kernel for SingleRay<'_, Q> {
         let is_wanted = |object: u32| self.is_skipped.get(object as usize) != Some(&true);
         while let Some(instance) = walk.next(l, (scratch, &mut in_mesh), (scene, stack), is_wanted)
         {
-            let Instance {
-                object,
-                tree,
-                mesh,
-                ray,
-            } = instance;
+            let Instance { object, tree, mesh, ray } = instance;
             let found = if Q::IS_FILTERED {
                 let filtered = (&ray, &in_mesh);
                 accel::query_mesh_filtered::<L, Q::InMesh>(l, scratch, (tree, mesh), filtered)

@@ -72,10 +72,7 @@ impl Square<'_> {
         let tall = BLOCK.min(rows - BLOCK * strip);
         let (block, in_block) = (in_strip / (BLOCK * tall), in_strip % (BLOCK * tall));
         let wide = BLOCK.min(columns - BLOCK * block);
-        [
-            BLOCK * strip + in_block / wide,
-            BLOCK * block + in_block % wide,
-        ]
+        [BLOCK * strip + in_block / wide, BLOCK * block + in_block % wide]
     }
 }
 
@@ -97,8 +94,7 @@ impl Rays for Square<'_> {
             // To the end of the block's row.
             let end = (column / BLOCK * BLOCK + BLOCK).min(self.size[1]);
             let (of_row, after) = rest.split_at_mut(rest.len().min(end - column));
-            self.rays
-                .read(self.first + row * self.stride + column, of_row);
+            self.rays.read(self.first + row * self.stride + column, of_row);
             (index, rest) = (index + of_row.len(), after);
         }
     }
@@ -112,12 +108,7 @@ mod tests {
     fn a_square_of_any_size_has_each_pixel_once() {
         for (rows, columns) in [(16, 64), (16, 7), (5, 64), (3, 2), (1, 1), (4, 4)] {
             let rays: &[Ray] = &[];
-            let square = Square {
-                rays: &rays,
-                first: 0,
-                stride: columns,
-                size: [rows, columns],
-            };
+            let square = Square { rays: &rays, first: 0, stride: columns, size: [rows, columns] };
             let mut places: Vec<_> = (0..square.len()).map(|index| square.place(index)).collect();
             assert_eq!(places[..2.min(columns)], [[0, 0], [0, 1]][..2.min(columns)]);
             places.sort_unstable();

@@ -22,11 +22,7 @@ pub(super) fn met_at_start(
     (place, ray, filter): (Place, &Ray, &MeshFilter),
 ) -> Option<Crossing> {
     let is_possible = filter.departure().is_some_and(DeparturePoint::is_at_edge);
-    if is_possible {
-        search(scene, whole, (place, ray, filter))
-    } else {
-        None
-    }
+    if is_possible { search(scene, whole, (place, ray, filter)) } else { None }
 }
 
 #[cold]
@@ -54,10 +50,7 @@ fn search(
     };
     let triangle = point.stopped_by(ray.direction, side, &fan)?;
     let corners = mesh.corners(triangle as usize);
-    let met = SurfaceId {
-        primitive: triangle.cast_signed(),
-        ..departure.surface
-    };
+    let met = SurfaceId { primitive: triangle.cast_signed(), ..departure.surface };
     let number = place.number(scene, met)?;
     let crossing = Crossing {
         t: f64::MIN_POSITIVE,

@@ -18,10 +18,7 @@ pub struct Viewpoint {
 impl Viewpoint {
     /// A point on no surface.
     pub const fn new(position: DVec3) -> Self {
-        Self {
-            position,
-            surface: None,
-        }
+        Self { position, surface: None }
     }
 }
 
@@ -62,16 +59,8 @@ pub fn visible(
     for (index, answer) in answers.iter_mut().enumerate() {
         let [a, b] = pairs[index].map(|end| end.position);
         // Either end could be the origin, with the same answer.
-        let is_within_reach = || {
-            [a, b]
-                .into_iter()
-                .all(|end| Ray::new(end, b - a).is_valid())
-        };
-        *answer = if a == b {
-            a.is_finite()
-        } else {
-            is_within_reach() && !*answer
-        };
+        let is_within_reach = || [a, b].into_iter().all(|end| Ray::new(end, b - a).is_valid());
+        *answer = if a == b { a.is_finite() } else { is_within_reach() && !*answer };
     }
     Ok(answers)
 }
@@ -90,9 +79,7 @@ impl Sights<'_> {
             // Zero has one sign.
             let place = (end.position + 0.0).to_array().map(f64::to_bits);
             let total = place.map(|bits| bits ^ if bits >> 63 == 1 { u64::MAX } else { 1 << 63 });
-            let surface = end
-                .surface
-                .map(|surface| (surface.object, surface.primitive));
+            let surface = end.surface.map(|surface| (surface.object, surface.primitive));
             (total, surface)
         };
         if key(&b) < key(&a) { [b, a] } else { [a, b] }
@@ -119,9 +106,6 @@ impl Rays for Sights<'_> {
     }
 
     fn filter(&self, index: usize) -> RayFilter {
-        RayFilter {
-            skip: self.ordered(index).map(|end| end.surface),
-            ..RayFilter::NONE
-        }
+        RayFilter { skip: self.ordered(index).map(|end| end.surface), ..RayFilter::NONE }
     }
 }

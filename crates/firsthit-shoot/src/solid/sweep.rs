@@ -55,11 +55,7 @@ impl<'a> Met<'a> {
         let t = self.all.hits.t[self.range.clone()].iter();
         let primitive = self.all.hits.primitive[self.range.clone()].iter();
         let all = t.zip(self.objects()).zip(primitive);
-        all.map(|((&t, object), &primitive)| Crossed {
-            t,
-            object,
-            primitive,
-        })
+        all.map(|((&t, object), &primitive)| Crossed { t, object, primitive })
     }
 }
 
@@ -81,12 +77,7 @@ impl<'a> Solids<'a> {
             _ => Ok(None),
         };
         let facing = scene.objects().iter().zip(&rules).map(facing);
-        Ok(Self {
-            facing: facing.collect::<Result<_>>()?,
-            scene,
-            rules,
-            open,
-        })
+        Ok(Self { facing: facing.collect::<Result<_>>()?, scene, rules, open })
     }
 
     /// The winding number of an object before a crossing, from that behind it; where parity
@@ -163,10 +154,7 @@ impl<'a> Solids<'a> {
     }
 
     fn is_little(&self, rays: usize) -> bool {
-        let meshes = self
-            .open
-            .iter()
-            .filter_map(|&k| self.scene.objects()[k].mesh());
+        let meshes = self.open.iter().filter_map(|&k| self.scene.objects()[k].mesh());
         let triangles: u64 = meshes.map(|mesh| mesh.triangles().len() as u64).sum();
         rays < FEW && triangles.saturating_mul(rays as u64) < FEW_ANGLES
     }
@@ -187,21 +175,11 @@ impl<'a> Solids<'a> {
             return Ok(());
         }
         let mut all = AllHits::default();
-        let piece = if self.is_little(rays.len()) {
-            BLOCK
-        } else {
-            PIECE
-        };
+        let piece = if self.is_little(rays.len()) { BLOCK } else { PIECE };
         for (number, answers) in answers.chunks_mut(BLOCK * width).enumerate() {
             let (first, count) = (number * BLOCK, answers.len() / width);
             let part = RayRange { rays, first, count };
-            trace_into(
-                engine,
-                self.scene,
-                &part,
-                (All::default(), &mut all),
-                &OnlyStops(watch),
-            )?;
+            trace_into(engine, self.scene, &part, (All::default(), &mut all), &OnlyStops(watch))?;
             let all = &all;
             let pieces = answers.chunks_mut(piece * width).enumerate();
             parallel::try_each_with(&state, pieces, |state, (number, answers)| {

@@ -53,14 +53,8 @@ impl Kernel for Results<'_> {
         l.compress(self.mask, a, &mut front);
         let front = &front[..self.mask.count_ones() as usize];
         out.extend(front.iter().copied().map(bits));
-        let masks = [
-            l.lt(a, b),
-            l.le(a, b),
-            l.le(a, a),
-            l.same(a, b),
-            l.same(a, a),
-            l.same_sixteen(a, b),
-        ];
+        let masks =
+            [l.lt(a, b), l.le(a, b), l.le(a, a), l.same(a, b), l.same(a, a), l.same_sixteen(a, b)];
         out.extend(masks.map(u64::from));
         self.doubles(l, &mut out);
         out
@@ -122,16 +116,8 @@ impl Xorshift {
         match self.next() >> 62 {
             0 => f64::from_bits(bits),
             1 => {
-                const SPECIAL: [f64; 8] = [
-                    0.0,
-                    1.0,
-                    f64::INFINITY,
-                    f64::NAN,
-                    f64::MIN_POSITIVE,
-                    f64::MAX,
-                    5e-324,
-                    0.5,
-                ];
+                const SPECIAL: [f64; 8] =
+                    [0.0, 1.0, f64::INFINITY, f64::NAN, f64::MIN_POSITIVE, f64::MAX, 5e-324, 0.5];
                 let sign = if bits & 8 == 0 { 1.0 } else { -1.0 };
                 sign * SPECIAL[bits as usize % 8]
             }
@@ -170,11 +156,7 @@ fn any_bits_give_the_same_on_all_instruction_sets() {
         };
         let plain = results(InstructionSet::Portable);
         for set in InstructionSet::available() {
-            assert_eq!(
-                results(set),
-                plain,
-                "{set:?}, round {round}: {singles:?} {doubles:?}"
-            );
+            assert_eq!(results(set), plain, "{set:?}, round {round}: {singles:?} {doubles:?}");
         }
     }
 }

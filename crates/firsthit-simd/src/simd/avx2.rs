@@ -127,10 +127,7 @@ fn mask64(x: D) -> u8 {
 fn interleave_half(a: __m256d, b: __m256d) -> D {
     x86!({
         let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
-        [
-            _mm256_permute2f128_pd::<0x20>(even, odd),
-            _mm256_permute2f128_pd::<0x31>(even, odd),
-        ]
+        [_mm256_permute2f128_pd::<0x20>(even, odd), _mm256_permute2f128_pd::<0x31>(even, odd)]
     })
 }
 
@@ -224,10 +221,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn load(self, from: &[f32; LANES]) -> F {
-        x86!([
-            _mm256_loadu_ps(from.as_ptr()),
-            _mm256_loadu_ps(from.as_ptr().wrapping_add(8))
-        ])
+        x86!([_mm256_loadu_ps(from.as_ptr()), _mm256_loadu_ps(from.as_ptr().wrapping_add(8))])
     }
     #[inline(always)]
     fn store(self, x: F, to: &mut [f32; LANES]) {
@@ -238,10 +232,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
-        [
-            permute_half(table, places[0]),
-            permute_half(table, places[1]),
-        ]
+        [permute_half(table, places[0]), permute_half(table, places[1])]
     }
     #[inline(always)]
     fn load_places(self, from: &[u8; LANES]) -> F {
@@ -300,10 +291,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn load64(self, from: &[f64; WIDE]) -> D {
-        x86!([
-            _mm256_loadu_pd(from.as_ptr()),
-            _mm256_loadu_pd(from.as_ptr().wrapping_add(4))
-        ])
+        x86!([_mm256_loadu_pd(from.as_ptr()), _mm256_loadu_pd(from.as_ptr().wrapping_add(4))])
     }
     #[inline(always)]
     fn store64(self, x: D, to: &mut [f64; WIDE]) {

@@ -97,15 +97,11 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn floor(self, a: F) -> F {
-        x86!(_mm512_roundscale_ps::<
-            { _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC },
-        >(a))
+        x86!(_mm512_roundscale_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(a))
     }
     #[inline(always)]
     fn ceil(self, a: F) -> F {
-        x86!(_mm512_roundscale_ps::<
-            { _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC },
-        >(a))
+        x86!(_mm512_roundscale_ps::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(a))
     }
     #[inline(always)]
     fn permute_by(self, table: F, places: F) -> F {
@@ -113,16 +109,11 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn load_places(self, from: &[u8; LANES]) -> F {
-        x86!(_mm512_castsi512_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128(
-            from.as_ptr().cast()
-        ))))
+        x86!(_mm512_castsi512_ps(_mm512_cvtepu8_epi32(_mm_loadu_si128(from.as_ptr().cast()))))
     }
     #[inline(always)]
     fn same(self, a: F, b: F) -> u16 {
-        x86!(_mm512_cmpeq_epi32_mask(
-            _mm512_castps_si512(a),
-            _mm512_castps_si512(b)
-        ))
+        x86!(_mm512_cmpeq_epi32_mask(_mm512_castps_si512(a), _mm512_castps_si512(b)))
     }
     #[inline(always)]
     fn same_sixteen(self, a: F, b: F) -> u16 {

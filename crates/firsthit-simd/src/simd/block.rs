@@ -60,40 +60,23 @@ impl Block {
         }
         // SAFETY: without an address of ours the system takes one that is free, so no memory in use is replaced.
         let start = unsafe {
-            mmap(
-                std::ptr::null_mut(),
-                length,
-                ProtFlags::READ,
-                MapFlags::SHARED,
-                file,
-                0,
-            )
+            mmap(std::ptr::null_mut(), length, ProtFlags::READ, MapFlags::SHARED, file, 0)
         };
-        Some(Self {
-            start: NonNull::new(start.ok()?.cast())?,
-            length,
-            owner: Owner::Mapping,
-        })
+        Some(Self { start: NonNull::new(start.ok()?.cast())?, length, owner: Owner::Mapping })
     }
 
     /// The first `length` bytes that `from` gives.
     pub fn read(from: impl Read, length: usize) -> io::Result<Self> {
         let mut lines = Vec::new();
         let count = length.div_ceil(BLOCK_ALIGNMENT);
-        lines
-            .try_reserve_exact(count)
-            .map_err(|_| io::ErrorKind::OutOfMemory)?;
+        lines.try_reserve_exact(count).map_err(|_| io::ErrorKind::OutOfMemory)?;
         lines.resize(count, Line::zeroed());
         let start = NonNull::from(lines.as_mut_slice()).cast::<u8>();
         // SAFETY: the lines are at least `length` bytes, which are all set, and this block alone
         // has the vector.
         let bytes = unsafe { std::slice::from_raw_parts_mut(start.as_ptr(), length) };
         from.take(length as u64).read_exact(bytes)?;
-        Ok(Self {
-            start,
-            length,
-            owner: Owner::Lines(lines),
-        })
+        Ok(Self { start, length, owner: Owner::Lines(lines) })
     }
 
     /// All of it.
@@ -122,9 +105,7 @@ impl Drop for Block {
 
 impl Debug for Block {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Block")
-            .field("bytes", &self.length)
-            .finish_non_exhaustive()
+        f.debug_struct("Block").field("bytes", &self.length).finish_non_exhaustive()
     }
 }
 

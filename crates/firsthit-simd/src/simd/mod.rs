@@ -26,11 +26,7 @@ mod block;
 mod in_lanes;
 mod lanes;
 mod mask;
-#[cfg(all(
-    target_arch = "aarch64",
-    target_feature = "neon",
-    target_endian = "little"
-))]
+#[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
 mod neon;
 mod pages;
 #[cfg_attr(
@@ -40,11 +36,7 @@ mod pages;
 mod portable;
 #[cfg(any(
     target_arch = "x86_64",
-    all(
-        target_arch = "aarch64",
-        target_feature = "neon",
-        target_endian = "little"
-    )
+    all(target_arch = "aarch64", target_feature = "neon", target_endian = "little")
 ))]
 mod prefetch;
 mod set;
@@ -91,11 +83,7 @@ pub fn run_here<K: Kernel>(set: InstructionSet, kernel: K) -> K::Output {
         InstructionSet::Avx512 => avx512::run(kernel),
         #[cfg(target_arch = "x86_64")]
         InstructionSet::Avx2 => avx2::run(kernel),
-        #[cfg(all(
-            target_arch = "aarch64",
-            target_feature = "neon",
-            target_endian = "little"
-        ))]
+        #[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
         InstructionSet::Neon => neon::run(kernel),
         // A module with these runs nowhere without them. A copy of all kernels in plain Rust would double it, for the same bits.
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -109,12 +97,10 @@ pub fn run_here<K: Kernel>(set: InstructionSet, kernel: K) -> K::Output {
 mod tests {
     use super::*;
 
-    const A: [f32; LANES] = [
-        1.0, -2.0, 3.5, 0.0, -0.0, 8.0, -16.0, 0.25, 5.0, 6.0, -7.0, 9.0, 2.0, 2.5, -2.5, 100.0,
-    ];
-    const B: [f32; LANES] = [
-        2.0, -2.0, 0.5, -0.0, 0.0, -8.0, 4.0, 0.5, 5.0, -1.0, 7.0, 3.0, 1.0, 4.0, -0.5, 10.0,
-    ];
+    const A: [f32; LANES] =
+        [1.0, -2.0, 3.5, 0.0, -0.0, 8.0, -16.0, 0.25, 5.0, 6.0, -7.0, 9.0, 2.0, 2.5, -2.5, 100.0];
+    const B: [f32; LANES] =
+        [2.0, -2.0, 0.5, -0.0, 0.0, -8.0, 4.0, 0.5, 5.0, -1.0, 7.0, 3.0, 1.0, 4.0, -0.5, 10.0];
     const PLACES: [u8; LANES] = [3, 0, 15, 8, 7, 1, 1, 2, 14, 13, 12, 9, 4, 5, 6, 10];
 
     /// The results of every operation, as bits, one after the other. The numbers are small, so that
@@ -183,10 +169,8 @@ mod tests {
             let mut keys = [0.0; LANES];
             l.store(l.smallest_of_each(rows.each_ref()), &mut keys);
             for (key, row) in keys.iter().zip(&rows) {
-                let (lane, smallest) = (
-                    LANES - 1 - key.to_bits() as usize % LANES,
-                    key.to_bits() & !15,
-                );
+                let (lane, smallest) =
+                    (LANES - 1 - key.to_bits() as usize % LANES, key.to_bits() & !15);
                 assert_eq!(row[lane].to_bits() & !15, smallest);
                 assert!(row.iter().all(|x| x.to_bits() & !15 >= smallest));
                 assert!(row[lane + 1..].iter().all(|x| x.to_bits() & !15 > smallest));

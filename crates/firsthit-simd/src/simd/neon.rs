@@ -24,11 +24,7 @@ pub(super) fn is_available() -> bool {
 /// Runs a kernel; in plain Rust where that is not available. Not inlined, so that [`Lanes::call`] shares it.
 #[inline(never)]
 pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
-    if is_available() {
-        kernel.run(Neon(()))
-    } else {
-        super::portable::run(kernel)
-    }
+    if is_available() { kernel.run(Neon(())) } else { super::portable::run(kernel) }
 }
 
 /// Intrinsics of the instruction set.

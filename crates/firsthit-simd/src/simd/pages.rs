@@ -21,11 +21,7 @@ pub(crate) fn prefer_large_pages<T>(values: &[T]) {
         let pages = pages.wrapping_byte_add(start - range.start as usize);
         // SAFETY: the pages are all within `values`; the advice changes neither what they hold nor who may use them.
         let advice = unsafe {
-            rustix::mm::madvise(
-                pages,
-                end.saturating_sub(start),
-                rustix::mm::Advice::LinuxHugepage,
-            )
+            rustix::mm::madvise(pages, end.saturating_sub(start), rustix::mm::Advice::LinuxHugepage)
         };
         // Systems without large pages say so: that is all right.
         advice.ok();

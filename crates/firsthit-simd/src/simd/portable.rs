@@ -120,10 +120,7 @@ impl Lanes for Portable {
         compress(mask, &a, to);
     }
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "rounding is what this is for"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "rounding is what this is for")]
     fn store_narrowed(self, x: D, to: &mut [f32; WIDE]) {
         *to = from_fn(|k| x[k] as f32);
     }

@@ -3,11 +3,7 @@
 /// See [`Lanes::prefetch`](super::Lanes::prefetch).
 #[inline(always)]
 pub(super) fn prefetch<T>(what: &T) {
-    prefetch_lines(
-        std::ptr::from_ref(what).cast(),
-        size_of::<T>(),
-        size_of::<T>(),
-    );
+    prefetch_lines(std::ptr::from_ref(what).cast(), size_of::<T>(), size_of::<T>());
 }
 
 /// See [`Lanes::prefetch_either`](super::Lanes::prefetch_either).
@@ -43,10 +39,7 @@ fn prefetch_line(at: *const i8) {
 /// Prefetches a cache line by assembly, since Rust has no stable intrinsic for it.
 #[cfg(target_arch = "aarch64")]
 #[inline(always)]
-#[expect(
-    clippy::pointers_in_nomem_asm_block,
-    reason = "nothing is read or written through it"
-)]
+#[expect(clippy::pointers_in_nomem_asm_block, reason = "nothing is read or written through it")]
 fn prefetch_line(at: *const i8) {
     // SAFETY: every such processor has the instruction. It is a hint: it may be given any address, changes no register or
     // flag, and what is in memory does not depend on it.

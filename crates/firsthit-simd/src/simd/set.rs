@@ -37,13 +37,8 @@ const VARIABLE: &str = "FIRSTHIT_ISA";
 
 impl InstructionSet {
     /// All instruction sets, from the plainest to the fastest.
-    pub const ALL: [Self; 5] = [
-        Self::Portable,
-        Self::Simd128,
-        Self::Neon,
-        Self::Avx2,
-        Self::Avx512,
-    ];
+    pub const ALL: [Self; 5] =
+        [Self::Portable, Self::Simd128, Self::Neon, Self::Avx2, Self::Avx512];
 
     /// The name, as in `FIRSTHIT_ISA`.
     pub fn name(self) -> &'static str {
@@ -61,11 +56,7 @@ impl InstructionSet {
         match self {
             Self::Portable => true,
             Self::Simd128 => cfg!(all(target_arch = "wasm32", target_feature = "simd128")),
-            #[cfg(all(
-                target_arch = "aarch64",
-                target_feature = "neon",
-                target_endian = "little"
-            ))]
+            #[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
             Self::Neon => super::neon::is_available(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => super::avx2::is_available(),

@@ -75,26 +75,16 @@ fn mask64(x: D) -> u8 {
 fn lanes_of(mask: u16) -> [v128; 4] {
     let mask = u32x4_splat(u32::from(mask));
     let first = u32x4(1, 2, 4, 8);
-    [
-        first,
-        u32x4_shl(first, 4),
-        u32x4_shl(first, 8),
-        u32x4_shl(first, 12),
-    ]
-    .map(|bits| i32x4_eq(v128_and(mask, bits), bits))
+    [first, u32x4_shl(first, 4), u32x4_shl(first, 8), u32x4_shl(first, 12)]
+        .map(|bits| i32x4_eq(v128_and(mask, bits), bits))
 }
 
 #[inline(always)]
 fn lanes_of64(mask: u8) -> D {
     let mask = u64x2_splat(u64::from(mask));
     let first = u64x2(1, 2);
-    [
-        first,
-        u64x2_shl(first, 2),
-        u64x2_shl(first, 4),
-        u64x2_shl(first, 6),
-    ]
-    .map(|bits| i64x2_eq(v128_and(mask, bits), bits))
+    [first, u64x2_shl(first, 2), u64x2_shl(first, 4), u64x2_shl(first, 6)]
+        .map(|bits| i64x2_eq(v128_and(mask, bits), bits))
 }
 
 /// The lanes of `x` that the bytes of `places` are in, as bytes of all sixteen lanes.
@@ -102,27 +92,17 @@ fn lanes_of64(mask: u8) -> D {
 fn swizzle(table: F, places: v128) -> v128 {
     // Of an index beyond a register's bytes there comes zero.
     let from = |k: usize, first: u8| u8x16_swizzle(table[k], u8x16_sub(places, u8x16_splat(first)));
-    v128_or(
-        v128_or(from(0, 0), from(1, 16)),
-        v128_or(from(2, 32), from(3, 48)),
-    )
+    v128_or(v128_or(from(0, 0), from(1, 16)), v128_or(from(2, 32), from(3, 48)))
 }
 
 /// The smallest of each of four rows' lanes, none of which is negative.
 #[inline(always)]
 fn smallest_of_four(rows: [v128; 4]) -> v128 {
     let [a, b, c, d] = rows;
-    let two = |a, b| {
-        i32x4_min(
-            i32x4_shuffle::<0, 1, 4, 5>(a, b),
-            i32x4_shuffle::<2, 3, 6, 7>(a, b),
-        )
-    };
+    let two =
+        |a, b| i32x4_min(i32x4_shuffle::<0, 1, 4, 5>(a, b), i32x4_shuffle::<2, 3, 6, 7>(a, b));
     let (ab, cd) = (two(a, b), two(c, d));
-    i32x4_min(
-        i32x4_shuffle::<0, 2, 4, 6>(ab, cd),
-        i32x4_shuffle::<1, 3, 5, 7>(ab, cd),
-    )
+    i32x4_min(i32x4_shuffle::<0, 2, 4, 6>(ab, cd), i32x4_shuffle::<1, 3, 5, 7>(ab, cd))
 }
 
 /// A row's bits with the last four replaced by 15 less the lane, the smallest of every fourth.
@@ -228,16 +208,8 @@ impl RoundToOdd for Two {
 fn one_by_one(a: v128, b: v128, c: v128) -> v128 {
     let fused = |a: f64, b: f64, c: f64| fused::mul_add(a, b, c);
     f64x2(
-        fused(
-            f64x2_extract_lane::<0>(a),
-            f64x2_extract_lane::<0>(b),
-            f64x2_extract_lane::<0>(c),
-        ),
-        fused(
-            f64x2_extract_lane::<1>(a),
-            f64x2_extract_lane::<1>(b),
-            f64x2_extract_lane::<1>(c),
-        ),
+        fused(f64x2_extract_lane::<0>(a), f64x2_extract_lane::<0>(b), f64x2_extract_lane::<0>(c)),
+        fused(f64x2_extract_lane::<1>(a), f64x2_extract_lane::<1>(b), f64x2_extract_lane::<1>(c)),
     )
 }
 
@@ -299,20 +271,15 @@ impl Lanes for Simd128 {
         from_fn(|k| {
             // The four bytes of a lane.
             let lane = v128_and(places[k], u32x4_splat(15));
-            let bytes = u32x4_add(
-                u32x4_mul(lane, u32x4_splat(0x0404_0404)),
-                u32x4_splat(0x0302_0100),
-            );
+            let bytes =
+                u32x4_add(u32x4_mul(lane, u32x4_splat(0x0404_0404)), u32x4_splat(0x0302_0100));
             swizzle(table, bytes)
         })
     }
     #[inline(always)]
     fn load_places(self, from: &[u8; LANES]) -> F {
         let bytes = load!(from);
-        let (low, high) = (
-            u16x8_extend_low_u8x16(bytes),
-            u16x8_extend_high_u8x16(bytes),
-        );
+        let (low, high) = (u16x8_extend_low_u8x16(bytes), u16x8_extend_high_u8x16(bytes));
         [
             u32x4_extend_low_u16x8(low),
             u32x4_extend_high_u16x8(low),
@@ -399,10 +366,7 @@ impl Lanes for Simd128 {
     fn interleave64(self, a: D, b: D) -> [D; 2] {
         let even = |k: usize| i64x2_shuffle::<0, 2>(a[k], b[k]);
         let odd = |k: usize| i64x2_shuffle::<1, 3>(a[k], b[k]);
-        [
-            [even(0), odd(0), even(1), odd(1)],
-            [even(2), odd(2), even(3), odd(3)],
-        ]
+        [[even(0), odd(0), even(1), odd(1)], [even(2), odd(2), even(3), odd(3)]]
     }
     #[inline(always)]
     fn prefetch<T>(self, _: &T) {}

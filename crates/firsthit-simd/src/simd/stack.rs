@@ -43,8 +43,6 @@ pub fn with_stack<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     scope(|scope| {
         let waiting = Builder::new().spawn_scoped(scope, || pool.install(work));
         let waiting = waiting.expect("a thread, as there were for the pool");
-        waiting
-            .join()
-            .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        waiting.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }

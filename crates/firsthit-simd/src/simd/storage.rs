@@ -215,10 +215,7 @@ mod tests {
         let copy = part.clone();
         drop(part);
         assert!(copy.is_shared());
-        assert_eq!(
-            copy.into_vec(),
-            [0x0706_0504_u32, 0x0b0a_0908].map(u32::from_le)
-        );
+        assert_eq!(copy.into_vec(), [0x0706_0504_u32, 0x0b0a_0908].map(u32::from_le));
     }
 
     #[test]

@@ -17,16 +17,8 @@ use crate::words::{exact_number, number, place, triple};
 pub fn text(explained: &Explanation<'_>, all: bool) -> String {
     let mut lines = Vec::new();
     if let Some(pixel) = &explained.pixel {
-        let Pixel {
-            row,
-            column,
-            rows,
-            columns,
-            ..
-        } = pixel;
-        lines.push(format!(
-            "pixel      {row},{column} (row, column) of {columns} x {rows}"
-        ));
+        let Pixel { row, column, rows, columns, .. } = pixel;
+        lines.push(format!("pixel      {row},{column} (row, column) of {columns} x {rows}"));
     }
     lines.extend(ray_lines(explained));
     match &explained.hit {
@@ -114,10 +106,7 @@ fn behind_lines(explained: &Explanation<'_>) -> Vec<String> {
     }
     let more = explained.behind_count - explained.behind.len();
     if more > 0 {
-        lines.push(format!(
-            "           ... and {}",
-            counted(more as u64, "crossing")
-        ));
+        lines.push(format!("           ... and {}", counted(more as u64, "crossing")));
     }
     lines
 }
@@ -144,11 +133,7 @@ fn short(name: &str) -> Cow<'_, str> {
 
 /// A part of a shape in words.
 fn part(shape: &str, primitive: i32) -> String {
-    let noun = if shape == "mesh" {
-        "triangle"
-    } else {
-        "primitive"
-    };
+    let noun = if shape == "mesh" { "triangle" } else { "primitive" };
     format!("{noun} {primitive}")
 }
 

@@ -20,11 +20,8 @@ pub(super) fn lines(explained: &Explanation<'_>, details: &HitDetails<'_>) -> Ve
         let [range, z] = [pixel.range, pixel.z].map(|length| coordinate(length, extent));
         format!(", range {range}, z {z}")
     });
-    let face = if details.shape == "mesh" {
-        format!(", face {}", details.face)
-    } else {
-        String::new()
-    };
+    let face =
+        if details.shape == "mesh" { format!(", face {}", details.face) } else { String::new() };
     let named = named(hit.object, details.name, details.shape);
     let part = part(details.shape, hit.primitive);
     let side = if details.is_front { "front" } else { "back" };

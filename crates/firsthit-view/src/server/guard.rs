@@ -30,10 +30,7 @@ impl Guard {
         let mut bits = [0; 24];
         getrandom::fill(&mut bits).map_err(std::io::Error::other)?;
         let digit = |four: u8| char::from(b"0123456789abcdef"[usize::from(four & 15)]);
-        let token = bits
-            .iter()
-            .flat_map(|&byte| [digit(byte >> 4), digit(byte)])
-            .collect();
+        let token = bits.iter().flat_map(|&byte| [digit(byte >> 4), digit(byte)]).collect();
         Ok(Self { port, token })
     }
 
@@ -44,11 +41,7 @@ impl Guard {
     /// Refuses requests that another page or another name of this machine may have caused, and questions without the token.
     pub(super) fn check(&self, request: &Request) -> Result<(), Status> {
         // Browsers leave out the port 80.
-        let port = if self.port == 80 {
-            String::new()
-        } else {
-            format!(":{}", self.port)
-        };
+        let port = if self.port == 80 { String::new() } else { format!(":{}", self.port) };
         let hosts = ["127.0.0.1", "localhost"].map(|name| format!("{name}{port}"));
         // Against DNS rebinding.
         let host = request.header("host").ok_or(Status::FORBIDDEN)?;

@@ -43,8 +43,7 @@ impl Request {
     }
 
     fn is_last(&self) -> bool {
-        self.header("connection")
-            .is_some_and(|value| value.eq_ignore_ascii_case("close"))
+        self.header("connection").is_some_and(|value| value.eq_ignore_ascii_case("close"))
     }
 }
 
@@ -94,11 +93,7 @@ pub(super) struct Reader<R> {
 
 impl<R: Read> Reader<R> {
     pub(super) fn new(from: R, most: Duration) -> Self {
-        Self {
-            from,
-            known: Vec::new(),
-            most,
-        }
+        Self { from, known: Vec::new(), most }
     }
 
     /// The next request, and whether it is the last of its connection.
@@ -206,12 +201,7 @@ pub(super) struct Response {
 
 impl Response {
     pub(super) fn new(status: Status, kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
-        Self {
-            status,
-            kind,
-            extra: None,
-            body: body.into(),
-        }
+        Self { status, kind, extra: None, body: body.into() }
     }
 
     /// A status that says nothing else.
@@ -275,14 +265,9 @@ mod tests {
     fn requests_are_the_same_however_they_come() {
         for step in 1..GOOD.len() {
             let (requests, end) = all(GOOD.as_bytes(), step);
-            let told: Vec<_> = requests
-                .iter()
-                .map(|one| (one.method, &*one.path, &*one.body))
-                .collect();
-            let expected = [
-                (Method::Post, "/probe", &b"hello"[..]),
-                (Method::Get, "/", &[]),
-            ];
+            let told: Vec<_> =
+                requests.iter().map(|one| (one.method, &*one.path, &*one.body)).collect();
+            let expected = [(Method::Post, "/probe", &b"hello"[..]), (Method::Get, "/", &[])];
             assert_eq!(told, expected, "{step}");
             assert!(matches!(end, Refusal::Gone));
         }
@@ -326,10 +311,7 @@ mod tests {
                 }
             }
             let (requests, _) = all(&bytes, 1 + draw(50));
-            let taken: usize = requests
-                .iter()
-                .map(|one| one.path.len() + one.body.len())
-                .sum();
+            let taken: usize = requests.iter().map(|one| one.path.len() + one.body.len()).sum();
             assert!(taken <= bytes.len());
             read += requests.len();
         }

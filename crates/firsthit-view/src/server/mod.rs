@@ -96,11 +96,7 @@ impl Server {
             asked: Mutex::new(None),
             newest: Mutex::default(),
         });
-        Ok(Self {
-            listener,
-            shared,
-            lingers: Some(LINGERS),
-        })
+        Ok(Self { listener, shared, lingers: Some(LINGERS) })
     }
 
     /// Sets the time after the last question of a page at which the server ends; `None`: never.
@@ -158,16 +154,10 @@ impl Server {
             return;
         };
         let is_known = false;
-        let newcomer = Open {
-            stream: again,
-            is_known,
-        };
+        let newcomer = Open { stream: again, is_known };
         open.insert(number, newcomer);
         drop(open);
-        let place = Place {
-            shared: Arc::clone(&self.shared),
-            number,
-        };
+        let place = Place { shared: Arc::clone(&self.shared), number };
         let serve = move || drop(place.shared.serve(&stream, number));
         // Where no thread begins the place is free again with what it would have done.
         drop(std::thread::Builder::new().name("page".into()).spawn(serve));
@@ -191,9 +181,7 @@ impl Drop for Place {
 #[doc(hidden)]
 pub fn requests(from: &mut dyn io::Read) -> usize {
     let mut reader = Reader::new(from, IDLE);
-    std::iter::from_fn(|| reader.next().ok())
-        .take_while(|(_, is_last)| !is_last)
-        .count()
+    std::iter::from_fn(|| reader.next().ok()).take_while(|(_, is_last)| !is_last).count()
 }
 
 /// The client that waits for an answer. Work for one that is gone ends, and so does all work when
@@ -290,11 +278,7 @@ impl Shared {
             },
             Method::Post => {
                 *lock(&self.asked) = Some(Instant::now());
-                let caller = Caller {
-                    shared: self,
-                    stream,
-                    seen: Mutex::new(Instant::now()),
-                };
+                let caller = Caller { shared: self, stream, seen: Mutex::new(Instant::now()) };
                 let answer = caller.during(|| self.question(request, &caller));
                 answer.unwrap_or_else(|response| response)
             }
@@ -317,9 +301,7 @@ impl Shared {
             }
             _ => {
                 let answer = self.viewer.answer(question, &request.body, caller);
-                answer
-                    .map(|answer| found(&answer.json))
-                    .map_err(|error| refused(&error))
+                answer.map(|answer| found(&answer.json)).map_err(|error| refused(&error))
             }
         }
     }
@@ -334,11 +316,7 @@ impl Shared {
             Arc::clone(pages.entry(page.to_owned()).or_default())
         };
         let own = newest.fetch_add(1, Ordering::Relaxed) + 1;
-        let watch = Superseded {
-            caller,
-            newest,
-            own,
-        };
+        let watch = Superseded { caller, newest, own };
         let started = Instant::now();
         let answer = self.viewer.answer("frame", body, &watch);
         let Answer { mut json, pixels } = answer.map_err(|error| refused(&error))?;
@@ -368,9 +346,5 @@ fn refused(error: &AnswerError) -> Response {
 }
 
 fn failed(status: Status, why: &str) -> Response {
-    Response::new(
-        status,
-        "application/json",
-        json!({"error": why}).to_string(),
-    )
+    Response::new(status, "application/json", json!({"error": why}).to_string())
 }

@@ -55,39 +55,21 @@ fn middle(colors: &[[u8; 3]], ball: usize) -> [u8; 3] {
 fn an_object_in_another_colour_changes_nothing_else() {
     let viewer = viewer(None);
     let plain = request(&viewer);
-    let red = FrameRequest {
-        colors: vec![(1, [1.0, 0.0, 0.0])],
-        ..plain.clone()
-    };
+    let red = FrameRequest { colors: vec![(1, [1.0, 0.0, 0.0])], ..plain.clone() };
     let (before, painted) = (colors(&viewer, &plain), colors(&viewer, &red));
     assert_eq!(middle(&before, 0), middle(&painted, 0));
     let [r, g, b] = middle(&painted, 1);
     assert!(r > 100 && g < 10 && b < 10, "{:?}", middle(&painted, 1));
     assert_eq!(colors(&viewer, &plain), before);
-    for (wrong, why) in [
-        ((2, [0.0; 3]), "identifiers"),
-        ((0, [0.0, f64::NAN, 0.0]), "from 0 to 1"),
-    ] {
-        let wrong = FrameRequest {
-            colors: vec![wrong],
-            ..plain.clone()
-        };
-        assert!(
-            viewer
-                .frame(&wrong, &())
-                .unwrap_err()
-                .to_string()
-                .contains(why)
-        );
+    for (wrong, why) in [((2, [0.0; 3]), "identifiers"), ((0, [0.0, f64::NAN, 0.0]), "from 0 to 1")]
+    {
+        let wrong = FrameRequest { colors: vec![wrong], ..plain.clone() };
+        assert!(viewer.frame(&wrong, &()).unwrap_err().to_string().contains(why));
     }
 }
 
 fn with(choice: EnvironmentChoice, strength: f64, turn: f64) -> EnvironmentRequest {
-    EnvironmentRequest {
-        choice,
-        strength,
-        turn,
-    }
+    EnvironmentRequest { choice, strength, turn }
 }
 
 fn brightness(colors: &[[u8; 3]], ball: usize) -> u32 {
@@ -101,10 +83,7 @@ fn the_environment_of_the_scene_is_turned_and_scaled() {
     let map = Arc::new(EnvironmentMap::new(6, 1, texels).unwrap());
     let kind = EnvironmentKind::of_map(map, DVec3::Z, &DMat3::IDENTITY);
     let viewer = viewer(Some(Environment::new(kind)));
-    let plain = FrameRequest {
-        samples: Some(64),
-        ..request(&viewer)
-    };
+    let plain = FrameRequest { samples: Some(64), ..request(&viewer) };
     let own = |strength, turn| FrameRequest {
         environment: Some(with(EnvironmentChoice::Own, strength, turn)),
         ..plain.clone()
@@ -156,14 +135,8 @@ fn questions_are_answered_by_their_names() {
     let probed = ask("probe", &json!({"camera": camera, "pixel": [15, 15]})).unwrap();
     assert_eq!(probed.json["hit"]["object"], 0);
     assert!(ask("camera", &json!({"camera": camera})).unwrap().json["toml"].is_string());
-    assert!(matches!(
-        ask("open", &json!({})),
-        Err(AnswerError::Unknown(_))
-    ));
-    assert!(matches!(
-        ask("frame", &json!({})),
-        Err(AnswerError::Malformed(_))
-    ));
+    assert!(matches!(ask("open", &json!({})), Err(AnswerError::Unknown(_))));
+    assert!(matches!(ask("frame", &json!({})), Err(AnswerError::Malformed(_))));
     let outside = ask("probe", &json!({"camera": camera, "pixel": [0, 60]}));
     assert!(matches!(outside, Err(AnswerError::Failed(_))));
 }
@@ -173,16 +146,9 @@ fn questions_are_answered_by_their_names() {
 fn a_first_frame_tells_how_many_samples_there_will_be() {
     let viewer = viewer(None);
     for (light, expected) in [("studio", 16), ("shoulder", 4)] {
-        let whole = FrameRequest {
-            samples: None,
-            light: Some(light.to_owned()),
-            ..request(&viewer)
-        };
-        let first = FrameRequest {
-            samples: Some(1),
-            is_lit: false,
-            ..whole.clone()
-        };
+        let whole =
+            FrameRequest { samples: None, light: Some(light.to_owned()), ..request(&viewer) };
+        let first = FrameRequest { samples: Some(1), is_lit: false, ..whole.clone() };
         let told = viewer.frame(&first, &()).unwrap();
         assert_eq!((told.samples, told.full_samples), (1, expected), "{light}");
         assert_eq!(viewer.frame(&whole, &()).unwrap().samples, expected);
@@ -192,26 +158,15 @@ fn a_first_frame_tells_how_many_samples_there_will_be() {
 
 /// A tetrahedron of some of its sides, cut across, in red.
 fn cut_tetrahedron(sides: &[[u32; 3]]) -> (Viewer, FrameRequest) {
-    let tips = vec![
-        [-1.0, -1.0, -1.0],
-        [1.0, -1.0, -1.0],
-        [0.0, 1.0, -1.0],
-        [0.0, 0.0, 1.0],
-    ];
+    let tips = vec![[-1.0, -1.0, -1.0], [1.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0]];
     let mesh = Mesh::new(Positions::compact(tips), sides.to_vec()).unwrap();
     let scene = Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Top, SHAPE).unwrap();
     let viewer = Viewer::new("tetrahedron", scene, Appearance::default(), &camera).unwrap();
-    let cut = Cut {
-        normal: [0.0, 0.0, 1.0],
-        offset: 0.0,
-    };
+    let cut = Cut { normal: [0.0, 0.0, 1.0], offset: 0.0 };
     let request = FrameRequest {
         colors: vec![(0, [1.0, 0.0, 0.0])],
-        part: Visibility {
-            cut: Some(cut),
-            ..Visibility::default()
-        },
+        part: Visibility { cut: Some(cut), ..Visibility::default() },
         ..request(&viewer)
     };
     (viewer, request)
@@ -249,10 +204,7 @@ fn a_mesh_with_a_gap_on_the_plane_has_no_area() {
 #[test]
 fn colours_by_numbers_tell_their_range() {
     let coloring = Coloring::new(ColorBy::Height);
-    let appearance = Appearance {
-        coloring: Some(coloring),
-        ..Appearance::default()
-    };
+    let appearance = Appearance { coloring: Some(coloring), ..Appearance::default() };
     let scene = Scene::new(vec![Object::new(Sphere::new(DVec3::ZERO, 2.0).unwrap())]).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, SHAPE).unwrap();
     let viewer = Viewer::new("ball", scene, appearance, &camera).unwrap();
@@ -262,10 +214,7 @@ fn colours_by_numbers_tell_their_range() {
     let painted = viewer.frame(&request(&viewer), &()).unwrap();
     assert_eq!(painted.range, Some([-2.0, 2.0]));
     let channel = "t".to_owned();
-    let distances = FrameRequest {
-        channel,
-        ..request(&viewer)
-    };
+    let distances = FrameRequest { channel, ..request(&viewer) };
     assert_eq!(viewer.frame(&distances, &()).unwrap().range, None);
 }
 
@@ -281,10 +230,7 @@ fn a_plane_through_a_solid_shows_a_face_in_its_colour() {
     let [rows, columns] = SHAPE;
     let across = |colors: &[[u8; 3]]| colors[rows / 2 * columns..][columns / 2 - 4..][..8].to_vec();
     let spread = |face: &[[u8; 3]]| {
-        assert!(
-            face.iter().all(|&[r, g, b]| r > 200 && g == 0 && b == 0),
-            "{face:?}"
-        );
+        assert!(face.iter().all(|&[r, g, b]| r > 200 && g == 0 && b == 0), "{face:?}");
         face.iter().max().unwrap()[0] - face.iter().min().unwrap()[0]
     };
     let face = across(&cut);
@@ -304,32 +250,18 @@ fn cut_boxes(boxes: [[f64; 3]; 2], height: f64, view: StandardView) -> (Viewer, 
             [0, 1, 2].map(|axis| [[-wide, wide], [-wide, wide], [low, high]][axis][k >> axis & 1])
         };
         let corners = Positions::compact((0..8).map(corner).collect());
-        let sides = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        let triangles = sides
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let sides =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
         Object::new(Arc::new(Mesh::new(corners, triangles.collect()).unwrap()))
     };
     let scene = Scene::new(boxes.map(object).into()).unwrap();
     let camera = framing_camera(&scene, DVec3::Z, view, SHAPE).unwrap();
     let viewer = Viewer::new("boxes", scene, Appearance::default(), &camera).unwrap();
-    let cut = Cut {
-        normal: [0.0, 0.0, 1.0],
-        offset: height,
-    };
+    let cut = Cut { normal: [0.0, 0.0, 1.0], offset: height };
     let request = FrameRequest {
         colors: vec![(0, [1.0, 0.0, 0.0]), (1, [0.0, 0.0, 1.0])],
-        part: Visibility {
-            cut: Some(cut),
-            ..Visibility::default()
-        },
+        part: Visibility { cut: Some(cut), ..Visibility::default() },
         ..request(&viewer)
     };
     (viewer, request)
@@ -345,14 +277,10 @@ fn a_plane_in_a_common_face_shows_one_of_the_solids() {
             StandardView::Iso,
         );
         let colors = colors(&viewer, &request);
-        let red = colors
-            .iter()
-            .filter(|[red, _, blue]| *red > 150 && *blue == 0);
+        let red = colors.iter().filter(|[red, _, blue]| *red > 150 && *blue == 0);
         assert!(red.count() > 200);
         // The other one is cut away.
-        let blue = colors
-            .iter()
-            .filter(|[red, _, blue]| blue > red && *blue > 160);
+        let blue = colors.iter().filter(|[red, _, blue]| blue > red && *blue > 160);
         assert_eq!(blue.count(), 0);
     }
 }

@@ -34,11 +34,7 @@ fn served(test: impl FnOnce(Page<'_>)) {
     let server = Server::bind(viewer(), 0).unwrap();
     let address = server.address();
     let (place, token) = address.split_once("/#").unwrap();
-    let port = place
-        .strip_prefix("http://127.0.0.1:")
-        .unwrap()
-        .parse()
-        .unwrap();
+    let port = place.strip_prefix("http://127.0.0.1:").unwrap().parse().unwrap();
     let is_stopped = AtomicBool::new(false);
     std::thread::scope(|scope| {
         scope.spawn(|| server.run(&|| is_stopped.load(Ordering::Relaxed)));
@@ -76,20 +72,12 @@ fn read_reply(from: &mut impl Read) -> Reply {
     let mut head = Vec::new();
     while !head.ends_with(b"\r\n\r\n") {
         let mut byte = [0];
-        assert_eq!(
-            from.read(&mut byte).unwrap(),
-            1,
-            "{}",
-            String::from_utf8_lossy(&head)
-        );
+        assert_eq!(from.read(&mut byte).unwrap(), 1, "{}", String::from_utf8_lossy(&head));
         head.push(byte[0]);
     }
     let head = String::from_utf8(head).unwrap();
-    let mut reply = Reply {
-        status: head.split(' ').nth(1).unwrap().parse().unwrap(),
-        head,
-        body: Vec::new(),
-    };
+    let mut reply =
+        Reply { status: head.split(' ').nth(1).unwrap().parse().unwrap(), head, body: Vec::new() };
     let length = reply.header("content-length").unwrap().parse().unwrap();
     reply.body.resize(length, 0);
     from.read_exact(&mut reply.body).unwrap();
@@ -98,9 +86,7 @@ fn read_reply(from: &mut impl Read) -> Reply {
 
 fn raw(port: u16, request: &[u8]) -> Reply {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    stream
-        .set_read_timeout(Some(Duration::from_secs(20)))
-        .unwrap();
+    stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
     // It may answer, and close, before it has read all.
     let _ = stream.write_all(request);
     read_reply(&mut stream)
@@ -150,10 +136,7 @@ fn the_page_is_served_with_its_policy() {
             let reply = page.get(path);
             assert_eq!(reply.status, 200, "{path}");
             let policy = reply.header("content-security-policy").unwrap();
-            assert!(
-                policy.starts_with("default-src 'none'; script-src 'self'"),
-                "{policy}"
-            );
+            assert!(policy.starts_with("default-src 'none'; script-src 'self'"), "{policy}");
             // It compiles the WebAssembly module, and no text.
             let others = policy.replace("'wasm-unsafe-eval'", "");
             assert!(!others.contains("unsafe"), "{policy}");
@@ -176,11 +159,7 @@ fn the_page_is_served_with_its_policy() {
             for (name, value) in others {
                 assert_eq!(reply.header(name), Some(value), "{path}");
             }
-            assert!(
-                !reply.head.to_ascii_lowercase().contains("access-control"),
-                "{}",
-                reply.head
-            );
+            assert!(!reply.head.to_ascii_lowercase().contains("access-control"), "{}", reply.head);
             // The page's files have no secret.
             assert!(!String::from_utf8_lossy(&reply.body).contains(page.token));
         }
@@ -234,17 +213,9 @@ fn only_the_own_page_under_the_own_name_is_answered() {
             let reply = page.ask("GET / HTTP/1.1", &[&format!("Host: {host}")], "");
             assert_eq!(reply.status, 403, "{host}");
         }
-        assert_eq!(
-            page.ask("GET / HTTP/1.1", &["Accept: */*"], "").status,
-            403,
-            "no host"
-        );
+        assert_eq!(page.ask("GET / HTTP/1.1", &["Accept: */*"], "").status, 403, "no host");
         let twice = [&*page.host(), "Host: evil.example"];
-        assert_eq!(
-            page.ask("GET / HTTP/1.1", &twice, "").status,
-            403,
-            "two hosts"
-        );
+        assert_eq!(page.ask("GET / HTTP/1.1", &twice, "").status, 403, "two hosts");
         let local = format!("Host: localhost:{port}");
         assert_eq!(page.ask("GET / HTTP/1.1", &[&local], "").status, 200);
 
@@ -256,11 +227,8 @@ fn only_the_own_page_under_the_own_name_is_answered() {
             format!("http://localhost:{port}"),
         ];
         for origin in origins {
-            let reply = page.ask(
-                "GET / HTTP/1.1",
-                &[&page.host(), &format!("Origin: {origin}")],
-                "",
-            );
+            let reply =
+                page.ask("GET / HTTP/1.1", &[&page.host(), &format!("Origin: {origin}")], "");
             assert_eq!(reply.status, 403, "{origin}");
         }
         for (site, status) in [
@@ -270,11 +238,8 @@ fn only_the_own_page_under_the_own_name_is_answered() {
             ("same-origin", 200),
             ("none", 200),
         ] {
-            let reply = page.ask(
-                "GET / HTTP/1.1",
-                &[&page.host(), &format!("Sec-Fetch-Site: {site}")],
-                "",
-            );
+            let reply =
+                page.ask("GET / HTTP/1.1", &[&page.host(), &format!("Sec-Fetch-Site: {site}")], "");
             assert_eq!(reply.status, status, "{site}");
         }
     });
@@ -289,20 +254,13 @@ fn questions_need_the_token() {
             let token = token.map(|token| format!("X-Firsthit-Token: {token}"));
             let mut lines = vec![&*host, "Content-Length: 2"];
             lines.extend(token.as_deref());
-            page.ask(&format!("POST {path} HTTP/1.1"), &lines, "{}")
-                .status
+            page.ask(&format!("POST {path} HTTP/1.1"), &lines, "{}").status
         };
         let mut wrong = page.token.to_owned();
         let last = if wrong.ends_with('0') { "1" } else { "0" };
         wrong.replace_range(47.., last);
         for path in ["/info", "/frame", "/probe", "/camera", "/alive"] {
-            for token in [
-                None,
-                Some(""),
-                Some("x"),
-                Some(&*wrong),
-                Some(&page.token[..47]),
-            ] {
+            for token in [None, Some(""), Some("x"), Some(&*wrong), Some(&page.token[..47])] {
                 assert_eq!(ask(path, token), 403, "{path} {token:?}");
             }
         }
@@ -344,10 +302,7 @@ impl Page<'_> {
 
 #[test]
 fn what_is_no_plain_request_is_refused() {
-    let preflight = [
-        "Access-Control-Request-Method: POST",
-        "Origin: http://evil.example",
-    ];
+    let preflight = ["Access-Control-Request-Method: POST", "Origin: http://evil.example"];
     served(|page| {
         page.refuses(&[
             // Nothing is allowed to other pages.
@@ -378,12 +333,7 @@ fn a_body_has_one_length_that_is_known() {
             ("POST /info HTTP/1.1", &[], "", 411),
             ("POST /info HTTP/1.1", &[chunked], "0\r\n\r\n", 501),
             ("POST /info HTTP/1.1", &[chunked, length], "{}", 501),
-            (
-                "POST /info HTTP/1.1",
-                &["Expect: 100-continue", length],
-                "{}",
-                501,
-            ),
+            ("POST /info HTTP/1.1", &["Expect: 100-continue", length], "{}", 501),
             ("POST /info HTTP/1.1", &[length, length], "{}", 400),
             ("POST /info HTTP/1.1", &["Content-Length: +2"], "{}", 400),
             ("POST /info HTTP/1.1", &["Content-Length: 2, 2"], "{}", 400),
@@ -400,9 +350,8 @@ fn heads_have_a_size() {
         let host = page.host();
         let with = |extra: usize| {
             let many: Vec<String> = (0..extra).map(|k| format!("X-{k}: 1")).collect();
-            let lines: Vec<&str> = std::iter::once(&*host)
-                .chain(many.iter().map(String::as_str))
-                .collect();
+            let lines: Vec<&str> =
+                std::iter::once(&*host).chain(many.iter().map(String::as_str)).collect();
             page.ask("GET / HTTP/1.1", &lines, "").status
         };
         assert_eq!(with(47), 200);
@@ -431,10 +380,7 @@ fn a_connection_takes_one_request_after_the_other() {
             stream.write_all(&[byte]).unwrap();
         }
         assert_eq!(read_reply(&mut stream).status, 200);
-        let last = format!(
-            "GET / HTTP/1.1\r\n{}\r\nConnection: close\r\n\r\n",
-            page.host()
-        );
+        let last = format!("GET / HTTP/1.1\r\n{}\r\nConnection: close\r\n\r\n", page.host());
         stream.write_all(last.as_bytes()).unwrap();
         assert_eq!(read_reply(&mut stream).header("connection"), Some("close"));
         assert_eq!(stream.read(&mut [0]).unwrap(), 0, "it is closed");
@@ -459,10 +405,7 @@ fn more_connections_than_sixteen_are_turned_away() {
         drop(open);
         let started = Instant::now();
         while page.get("/").status == 503 {
-            assert!(
-                started.elapsed() < Duration::from_secs(20),
-                "places become free again"
-            );
+            assert!(started.elapsed() < Duration::from_secs(20), "places become free again");
             sleep(Duration::from_millis(10));
         }
     });
@@ -569,8 +512,7 @@ fn questions_that_make_no_sense_are_answered_in_words() {
             let token = format!("X-Firsthit-Token: {}", page.token);
             let length = format!("Content-Length: {}", body.len());
             assert_eq!(
-                page.ask("POST /frame HTTP/1.1", &[&host, &token, &length], body)
-                    .status,
+                page.ask("POST /frame HTTP/1.1", &[&host, &token, &length], body).status,
                 400,
                 "{body}"
             );
@@ -620,10 +562,7 @@ fn hidden_objects_and_cuts_are_looked_through() {
         assert_eq!(middle(json!({"only": [1]})), Value::Null);
         near(&middle(json!({"only": [0]})), 8.0);
         near(&middle(json!({"hidden": [1, 1]})), 8.0);
-        near(
-            &middle(json!({"cut": {"normal": [0.0, -1.0, 0.0], "offset": 0.0}})),
-            10.0,
-        );
+        near(&middle(json!({"cut": {"normal": [0.0, -1.0, 0.0], "offset": 0.0}})), 10.0);
         assert_eq!(
             middle(json!({"cut": {"normal": [0.0, 1.0, 0.0], "offset": -2.0}})),
             Value::Null
@@ -631,18 +570,11 @@ fn hidden_objects_and_cuts_are_looked_through() {
         let far = json!({"camera": camera, "channel": "t", "part": {"cut": {"normal": [0.0, -1.0, 0.0], "offset": 0.0}}});
         let reply = page.post("/frame", &far);
         let about: Value = serde_json::from_str(reply.header("x-firsthit-frame").unwrap()).unwrap();
-        assert_eq!(
-            (&about["dtype"], &about["rows"]),
-            (&json!("float32"), &json!(48))
-        );
+        assert_eq!((&about["dtype"], &about["rows"]), (&json!("float32"), &json!(48)));
         let mut bytes = Vec::new();
-        flate2::read::ZlibDecoder::new(&*reply.body)
-            .read_to_end(&mut bytes)
-            .unwrap();
-        let numbers: Vec<f32> = bytes
-            .chunks(4)
-            .map(|four| f32::from_le_bytes(four.try_into().unwrap()))
-            .collect();
+        flate2::read::ZlibDecoder::new(&*reply.body).read_to_end(&mut bytes).unwrap();
+        let numbers: Vec<f32> =
+            bytes.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect();
         assert_eq!(numbers.len(), 48 * 64);
         assert!((numbers[24 * 64 + 32] - 10.0).abs() < 0.02);
     });
@@ -656,10 +588,7 @@ fn a_picture_goes_on_where_it_was() {
             |samples: u32| json!({"camera": page.camera(), "is_lit": true, "samples": samples});
         let picture = |samples| {
             let reply = page.post("/frame", &look(samples));
-            assert_eq!(
-                (reply.status, reply.header("content-type")),
-                (200, Some("image/png"))
-            );
+            assert_eq!((reply.status, reply.header("content-type")), (200, Some("image/png")));
             reply.body
         };
         let at_once = picture(5);
@@ -689,9 +618,7 @@ fn a_frame_ends_when_nobody_waits_for_it() {
         let ask = |number: usize| {
             let mut stream = TcpStream::connect(("127.0.0.1", page.port)).unwrap();
             let rest = format!("{number}\r\nContent-Length: {}\r\n\r\n{body}", body.len());
-            stream
-                .write_all(format!("{head}{rest}").as_bytes())
-                .unwrap();
+            stream.write_all(format!("{head}{rest}").as_bytes()).unwrap();
             stream
         };
         let many: Vec<TcpStream> = (0..16).map(ask).collect();
@@ -699,17 +626,11 @@ fn a_frame_ends_when_nobody_waits_for_it() {
         sleep(Duration::from_secs(1));
         let started = Instant::now();
         while page.get("/").status != 503 {
-            assert!(
-                started.elapsed() < Duration::from_secs(20),
-                "all places are taken"
-            );
+            assert!(started.elapsed() < Duration::from_secs(20), "all places are taken");
         }
         drop(many);
         while page.get("/").status != 200 {
-            assert!(
-                started.elapsed() < Duration::from_secs(60),
-                "places become free"
-            );
+            assert!(started.elapsed() < Duration::from_secs(60), "places become free");
             sleep(Duration::from_millis(20));
         }
     });

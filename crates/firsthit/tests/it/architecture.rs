@@ -40,8 +40,7 @@ fn crates() -> Vec<(String, Vec<String>)> {
 /// The rooms, each with its crate and those of the same crate that it may import.
 fn rooms() -> HashMap<String, (String, Vec<String>)> {
     let rows = table("| room | crate | job | imports of the same crate |").into_iter();
-    rows.map(|row| (row[0].clone(), (row[1].clone(), names(&row[3]))))
-        .collect()
+    rows.map(|row| (row[0].clone(), (row[1].clone(), names(&row[3])))).collect()
 }
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -62,20 +61,13 @@ fn imported(line: &str) -> Vec<String> {
     let code = line.split("//").next().unwrap_or_default();
     let mut rooms = Vec::new();
     for rest in code.split("crate::").skip(1) {
-        let list = rest
-            .strip_prefix('{')
-            .map_or(rest, |list| list.split('}').next().unwrap_or(list));
-        let names: Vec<&str> = if rest.starts_with('{') {
-            list.split(',').collect()
-        } else {
-            vec![list]
-        };
+        let list =
+            rest.strip_prefix('{').map_or(rest, |list| list.split('}').next().unwrap_or(list));
+        let names: Vec<&str> =
+            if rest.starts_with('{') { list.split(',').collect() } else { vec![list] };
         for name in names {
-            let room: String = name
-                .trim()
-                .chars()
-                .take_while(|c| c.is_alphanumeric() || *c == '_')
-                .collect();
+            let room: String =
+                name.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
             rooms.push(room);
         }
     }
@@ -113,9 +105,8 @@ fn rooms_import_only_what_they_may() {
             if room == "lib" {
                 continue;
             }
-            let (of, allowed) = rooms
-                .get(&room)
-                .unwrap_or_else(|| panic!("{room} is no room of ARCHITECTURE.md"));
+            let (of, allowed) =
+                rooms.get(&room).unwrap_or_else(|| panic!("{room} is no room of ARCHITECTURE.md"));
             assert_eq!(name, format!("firsthit-{of}"), "{room}");
             for line in fs::read_to_string(&path).unwrap().lines() {
                 for other in imported(line) {
@@ -130,10 +121,7 @@ fn rooms_import_only_what_they_may() {
             }
         }
     }
-    assert!(
-        imports > 1000,
-        "{imports}: is this test reading the right files?"
-    );
+    assert!(imports > 1000, "{imports}: is this test reading the right files?");
 }
 
 #[test]
@@ -159,13 +147,9 @@ fn one_line_docs_begin_with_their_subject() {
         let mut before_is_doc = false;
         for line in fs::read_to_string(&path).unwrap().lines() {
             let line = line.trim_start();
-            let doc = line
-                .strip_prefix("///")
-                .or_else(|| line.strip_prefix("//!"));
+            let doc = line.strip_prefix("///").or_else(|| line.strip_prefix("//!"));
             if let Some(first) = doc.filter(|_| !before_is_doc) {
-                let riddle = RIDDLES
-                    .iter()
-                    .find(|word| first.trim_start().starts_with(**word));
+                let riddle = RIDDLES.iter().find(|word| first.trim_start().starts_with(**word));
                 assert!(riddle.is_none(), "{}: {line}", path.display());
                 docs += 1;
             }
@@ -180,9 +164,5 @@ fn one_line_docs_begin_with_their_subject() {
 fn packets_have_the_name_that_a_unit_test_looks_for() {
     let program = fs::read(std::env::current_exe().unwrap()).unwrap();
     let name = "5shoot5batch-10fill_batch".replace('-', "");
-    assert!(
-        program
-            .windows(name.len())
-            .any(|bytes| bytes == name.as_bytes())
-    );
+    assert!(program.windows(name.len()).any(|bytes| bytes == name.as_bytes()));
 }

@@ -57,11 +57,7 @@ fn many() -> (Scene, Vec<Ray>, Vec<f64>, Vec<f64>) {
             components: 2,
             ..Property::new("tint", PropertyOf::Corners, doubles(tints.clone()))
         },
-        Property::new(
-            "heat",
-            PropertyOf::Faces,
-            doubles((0..faces).map(|k| 7.0 * k as f64)),
-        ),
+        Property::new("heat", PropertyOf::Faces, doubles((0..faces).map(|k| 7.0 * k as f64))),
     ];
     let star = Arc::new(star.with_properties(properties).unwrap());
     let turn = DAffine3::from_scale_rotation_translation(
@@ -100,23 +96,15 @@ fn interpolated_numbers_are_those_of_rational_arithmetic() {
         let triangle = hit.primitive as usize;
         let vertices = star.triangles()[triangle].map(|vertex| heat[vertex as usize]);
         let corner = |n: usize| [0, 1, 2].map(|corner| tints[2 * (3 * triangle + corner) + n]);
-        let judged = [
-            (found[k], vertices),
-            (pairs[2 * k], corner(0)),
-            (pairs[2 * k + 1], corner(1)),
-        ];
+        let judged =
+            [(found[k], vertices), (pairs[2 * k], corner(0)), (pairs[2 * k + 1], corner(1))];
         let [b, c] = hit.barycentric.to_array().map(number);
         let weights = [number(1.0) - &b - &c, b, c];
         for (got, values) in judged {
-            let terms = values
-                .iter()
-                .zip(&weights)
-                .map(|(&value, weight)| number(value) * weight);
+            let terms = values.iter().zip(&weights).map(|(&value, weight)| number(value) * weight);
             let terms: Vec<_> = terms.collect();
             let exact = terms.iter().fold(number(0.0), |sum, term| sum + term);
-            let size = terms
-                .iter()
-                .fold(number(values[0]).abs(), |sum, term| sum + term.abs());
+            let size = terms.iter().fold(number(values[0]).abs(), |sum, term| sum + term.abs());
             let off = (number(got) - exact).abs();
             assert!(
                 off <= size * number(4.0 * f64::EPSILON / 2.0),
@@ -158,9 +146,7 @@ fn a_linear_quantity_is_that_of_the_point_that_was_hit() {
     let heat = doubles(points.iter().map(|&point| linear(point)));
     let star = Arc::unwrap_or_clone(mesh(&points, triangles));
     let heat = Property::new("heat", PropertyOf::Vertices, heat);
-    let scene = scene(vec![Object::new(Arc::new(
-        star.with_properties(vec![heat]).unwrap(),
-    ))]);
+    let scene = scene(vec![Object::new(Arc::new(star.with_properties(vec![heat]).unwrap()))]);
     let rays = rays(&points, 3000, 9);
     let hits = shot(&scene, &rays);
     let (_, found) = values(&scene, &hits, "heat", None);
@@ -171,10 +157,7 @@ fn a_linear_quantity_is_that_of_the_point_that_was_hit() {
             continue;
         };
         met += 1;
-        assert!(
-            (found[k] - linear(surface.position())).abs() < 1e-13,
-            "{hit:?}"
-        );
+        assert!((found[k] - linear(surface.position())).abs() < 1e-13, "{hit:?}");
     }
     assert!(met > 1000, "{met}");
 }
@@ -186,19 +169,9 @@ fn at_a_vertex_the_number_is_that_of_the_vertex() {
     let holes = doubles([0.1, f64::NAN, f64::INFINITY]);
     let star = Mesh::new(Positions::compact(points), vec![[0, 1, 2]]).unwrap();
     let holes = Property::new("holes", PropertyOf::Vertices, holes);
-    let scene = scene(vec![Object::new(Arc::new(
-        star.with_properties(vec![holes]).unwrap(),
-    ))]);
+    let scene = scene(vec![Object::new(Arc::new(star.with_properties(vec![holes]).unwrap()))]);
     let down = |x, y| Ray::new(DVec3::new(x, y, 1.0), DVec3::NEG_Z);
-    let hits = shot(
-        &scene,
-        &[
-            down(0.0, 0.0),
-            down(0.0, 0.5),
-            down(0.0, 1.0),
-            down(0.5, 0.0),
-        ],
-    );
+    let hits = shot(&scene, &[down(0.0, 0.0), down(0.0, 0.5), down(0.0, 1.0), down(0.5, 0.0)]);
     let (_, found) = values(&scene, &hits, "holes", None);
     assert_eq!(found[..3], [0.1, f64::INFINITY, f64::INFINITY]);
     assert!(found[3].is_nan());
@@ -212,21 +185,14 @@ fn meshes_without_the_attribute_or_with_fewer_numbers_leave_nan() {
     };
     let named = |mesh: Mesh, components: usize| {
         let values = doubles((0..components).map(|k| 0.5 + k as f64));
-        let property = Property {
-            components,
-            ..Property::new("tone", PropertyOf::Faces, values)
-        };
+        let property = Property { components, ..Property::new("tone", PropertyOf::Faces, values) };
         mesh.with_properties(vec![property]).unwrap()
     };
     let object = |mesh: Mesh| Object::new(Arc::new(mesh));
-    let colored = square(0.0)
-        .with_colors(Attribute::per_vertex(vec![[0.25, 0.5, 1.0]; 3]))
-        .unwrap();
-    let scene = scene(vec![
-        object(named(square(5.0), 1)),
-        object(colored),
-        object(named(square(9.0), 3)),
-    ]);
+    let colored =
+        square(0.0).with_colors(Attribute::per_vertex(vec![[0.25, 0.5, 1.0]; 3])).unwrap();
+    let scene =
+        scene(vec![object(named(square(5.0), 1)), object(colored), object(named(square(9.0), 3))]);
     let down = |z| Ray::new(DVec3::new(0.25, 0.25, z), DVec3::NEG_Z);
     let hits = shot(&scene, &[down(10.0), down(6.0), down(1.0), down(-1.0)]);
     let nan = f64::NAN;
@@ -242,13 +208,7 @@ fn meshes_without_the_attribute_or_with_fewer_numbers_leave_nan() {
         .into_iter()
         .map(|found| (found.name, found.of, found.components))
         .collect();
-    assert_eq!(
-        names,
-        [
-            ("colors", PropertyOf::Vertices, 3),
-            ("tone", PropertyOf::Faces, 3)
-        ]
-    );
+    assert_eq!(names, [("colors", PropertyOf::Vertices, 3), ("tone", PropertyOf::Faces, 3)]);
     let refused = attribute("tine\n", None, &scene, &hits, &()).unwrap_err();
     assert_eq!(
         refused.to_string(),
@@ -304,10 +264,7 @@ fn numbers_of_a_ply_are_met_integers_as_labels() {
     let hits = shot(&scene, &[down(3.0, 0.5), down(1.0, 3.5), down(9.0, 9.0)]);
     let met = |name| values(&scene, &hits, name, None).1[..2].to_vec();
     // (0.25, 0.625, 0.125) in the first triangle, (0.125, 0.25, 0.625) in the second.
-    assert_eq!(
-        met("quality"),
-        [0.125 + 0.625 * 1.5 + 0.3125, 0.0625 + 0.625 + 0.625 * 3.5]
-    );
+    assert_eq!(met("quality"), [0.125 + 0.625 * 1.5 + 0.3125, 0.0625 + 0.625 + 0.625 * 3.5]);
     assert_eq!(met("label"), [4_000_000_002.0, 4_000_000_004.0]);
     assert_eq!(met("part"), [-9.0, -9.0]);
     let missed = values(&scene, &hits, "part", None).1[2];
@@ -323,11 +280,7 @@ fn document() -> Vec<u8> {
     };
     floats(&mut bytes, &[0., 0., 0., 4., 0., 0., 0., 4., 0.]);
     floats(&mut bytes, &[10., 20., 40.]);
-    bytes.extend(
-        [u32::MAX, 7, u32::MAX - 1]
-            .iter()
-            .flat_map(|id| id.to_le_bytes()),
-    );
+    bytes.extend([u32::MAX, 7, u32::MAX - 1].iter().flat_map(|id| id.to_le_bytes()));
     for color in [[255_u8, 0, 51, 255], [0, 255, 51, 0], [0, 0, 51, 102]] {
         bytes.extend(color);
     }
@@ -365,12 +318,8 @@ fn attributes_of_a_gltf_are_met_and_stay_in_built_scenes() {
         assert_eq!(met("_ID"), [f64::from(u32::MAX - 1)]);
         assert_eq!(met("_PAIR"), [0.25 + 0.5 + 2.0, -0.25 - 0.5 - 2.0]);
         let blue = 51.0 / 255.0;
-        let color = [
-            0.25,
-            0.25,
-            0.25 * blue + 0.25 * blue + 0.5 * blue,
-            0.25 + 0.5 * (102.0 / 255.0),
-        ];
+        let color =
+            [0.25, 0.25, 0.25 * blue + 0.25 * blue + 0.5 * blue, 0.25 + 0.5 * (102.0 / 255.0)];
         assert_eq!(met("COLOR_1"), color);
     }
 }
@@ -382,22 +331,11 @@ fn odd_attributes_of_a_gltf_are_left_out_with_a_warning() {
     json["accessors"][4]["type"] = "MAT2".into();
     json["accessors"][4]["count"] = 1.into();
     let text = json.to_string();
-    let loaded = load_bytes(
-        Path::new("a.gltf"),
-        text.as_bytes(),
-        &LoadSettings::default(),
-    )
-    .unwrap();
+    let loaded =
+        load_bytes(Path::new("a.gltf"), text.as_bytes(), &LoadSettings::default()).unwrap();
     assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
-    assert!(
-        loaded.warnings[0].contains("is not kept"),
-        "{:?}",
-        loaded.warnings
-    );
+    assert!(loaded.warnings[0].contains("is not kept"), "{:?}", loaded.warnings);
     let scene = loaded.into_scene().unwrap();
-    let names: Vec<_> = attributes(&scene)
-        .into_iter()
-        .map(|found| found.name)
-        .collect();
+    let names: Vec<_> = attributes(&scene).into_iter().map(|found| found.name).collect();
     assert_eq!(names, ["COLOR_1", "_ID"]);
 }

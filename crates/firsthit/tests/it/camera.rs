@@ -44,35 +44,23 @@ fn views() -> Vec<View> {
     let mut views = Vec::new();
     for parallel in [false, true] {
         views.push(View {
-            lens: Lens::Flat(Viewplane {
-                parallel,
-                ..Viewplane::default()
-            }),
+            lens: Lens::Flat(Viewplane { parallel, ..Viewplane::default() }),
             ..View::default()
         });
         views.push(View {
-            lens: Lens::Flat(Viewplane {
-                parallel,
-                ..*some.lens.viewplane().unwrap()
-            }),
+            lens: Lens::Flat(Viewplane { parallel, ..*some.lens.viewplane().unwrap() }),
             ..some
         });
         views.push(View {
             rows: 1,
             columns: 1,
-            lens: Lens::Flat(Viewplane {
-                parallel,
-                ..*some.lens.viewplane().unwrap()
-            }),
+            lens: Lens::Flat(Viewplane { parallel, ..*some.lens.viewplane().unwrap() }),
             ..some
         });
         views.push(View {
             aim: DVec3::Z,
             up: DVec3::NEG_X,
-            lens: Lens::Flat(Viewplane {
-                parallel,
-                ..*some.lens.viewplane().unwrap()
-            }),
+            lens: Lens::Flat(Viewplane { parallel, ..*some.lens.viewplane().unwrap() }),
             ..some
         });
     }
@@ -99,16 +87,10 @@ fn every_pixels_ray_is_the_formulas_with_row_0_at_the_top() {
 
 #[test]
 fn the_frame_is_right_handed_with_the_picture_upright() {
-    let camera = Camera::new(View {
-        aim: DVec3::new(0.0, 3.0, 0.0),
-        up: DVec3::Z,
-        ..View::default()
-    })
-    .unwrap();
-    assert_eq!(
-        (camera.right(), camera.upwards(), camera.aim()),
-        (DVec3::X, DVec3::Z, DVec3::Y)
-    );
+    let camera =
+        Camera::new(View { aim: DVec3::new(0.0, 3.0, 0.0), up: DVec3::Z, ..View::default() })
+            .unwrap();
+    assert_eq!((camera.right(), camera.upwards(), camera.aim()), (DVec3::X, DVec3::Z, DVec3::Y));
     let [top_left, bottom_right] =
         [camera.ray(0, 0), camera.ray(479, 639)].map(|ray| ray.direction);
     assert!(top_left.x < 0.0 && top_left.z > 0.0 && bottom_right.x > 0.0 && bottom_right.z < 0.0);
@@ -148,10 +130,7 @@ fn range_and_z_are_what_their_definitions_say() {
             } else {
                 (hit - view.position).length()
             };
-            assert!(
-                (camera.range(row, column, 7.25) - range).abs() < 1e-13,
-                "{view:?}"
-            );
+            assert!((camera.range(row, column, 7.25) - range).abs() < 1e-13, "{view:?}");
             assert_eq!(camera.range(row, column, f64::INFINITY), f64::INFINITY);
             assert_eq!(camera.z(row, column, f64::INFINITY), f64::INFINITY);
         }
@@ -164,44 +143,26 @@ fn points_of_a_pixel_run_rightwards_and_upwards() {
     let middle = camera.ray_within(10, 20, DVec2::new(0.5, 0.5));
     assert_eq!(middle, camera.ray(10, 20));
     let corner = camera.ray_within(10, 20, DVec2::new(1.0, 1.0));
-    assert!(close(
-        corner.origin,
-        camera.ray_within(9, 21, DVec2::ZERO).origin
-    ));
+    assert!(close(corner.origin, camera.ray_within(9, 21, DVec2::ZERO).origin));
 }
 
 /// A camera as far away as the moon is from a watch still tells its pixels apart.
 #[test]
 fn directions_do_not_suffer_from_a_far_position() {
     let near = Camera::new(View {
-        lens: Lens::Flat(Viewplane {
-            width: 0.01,
-            height: 0.01,
-            ..Viewplane::default()
-        }),
+        lens: Lens::Flat(Viewplane { width: 0.01, height: 0.01, ..Viewplane::default() }),
         ..View::default()
     })
     .unwrap();
-    let far = Camera::new(View {
-        position: DVec3::splat(4e11),
-        ..*near.view()
-    })
-    .unwrap();
+    let far = Camera::new(View { position: DVec3::splat(4e11), ..*near.view() }).unwrap();
     assert_eq!(near.ray(3, 5).direction, far.ray(3, 5).direction);
 }
 
 #[test]
 fn look_at_has_its_field_of_view_between_the_edges() {
     let position = DVec3::new(1.0, 2.0, 3.0);
-    let camera = Camera::look_at(
-        position,
-        DVec3::new(1.0, 2.0, -4.0),
-        DVec3::Y,
-        90.0,
-        200,
-        300,
-    )
-    .unwrap();
+    let camera =
+        Camera::look_at(position, DVec3::new(1.0, 2.0, -4.0), DVec3::Y, 90.0, 200, 300).unwrap();
     let view = camera.view();
     assert_eq!(view.lens.viewplane().unwrap().ray_start, RayStart::Eye);
     assert!(
@@ -228,10 +189,7 @@ fn viewplane(view: &mut View) -> &mut Viewplane {
 fn angles(camera: &Camera, direction: DVec3) -> (f64, f64) {
     let along = |axis: DVec3| direction.dot(axis);
     let longitude = libm::atan2(along(camera.right()), along(camera.aim()));
-    (
-        longitude.to_degrees(),
-        libm::asin(along(camera.upwards())).to_degrees(),
-    )
+    (longitude.to_degrees(), libm::asin(along(camera.upwards())).to_degrees())
 }
 
 #[test]
@@ -303,13 +261,7 @@ fn what_makes_no_sense_is_refused_with_its_name() {
 #[test]
 fn an_up_that_is_almost_the_aim_will_do() {
     let up = DVec3::new(1e-9, 0.0, -1.0);
-    assert!(
-        Camera::new(View {
-            up,
-            ..View::default()
-        })
-        .is_ok()
-    );
+    assert!(Camera::new(View { up, ..View::default() }).is_ok());
 }
 
 #[test]
@@ -350,11 +302,7 @@ fn the_frame_is_orthonormal_however_close_up_is_to_aim() {
         let aim = DVec3::new(0.3, -0.7, 0.1 + 0.01 * f64::from(k));
         for apart in [1e-3, 1e-8, 1e-12, 1e-14, 3e-15] {
             let up = aim + apart * DVec3::new(0.5, 1.0, -0.3);
-            let Ok(camera) = Camera::new(View {
-                aim,
-                up,
-                ..View::default()
-            }) else {
+            let Ok(camera) = Camera::new(View { aim, up, ..View::default() }) else {
                 continue;
             };
             let (right, upwards) = (camera.right(), camera.upwards());
@@ -394,23 +342,13 @@ fn a_camera_that_was_taken_apart_is_the_same_to_the_last_bit() {
     for k in 0..1000 {
         let place = |step: f64| (step * f64::from(k)).fract() - 0.5;
         let aim = DVec3::new(place(0.618_034), place(0.414_214), place(0.732_051) + 1.0);
-        let camera = Camera::new(View {
-            aim,
-            up: DVec3::new(0.3, -2.0, 5.0),
-            ..View::default()
-        })
-        .unwrap();
+        let camera =
+            Camera::new(View { aim, up: DVec3::new(0.3, -2.0, 5.0), ..View::default() }).unwrap();
         assert_eq!(Camera::from_view_exact(*camera.view()).unwrap(), camera);
         changed_by_new += usize::from(Camera::new(*camera.view()).unwrap() != camera);
     }
     assert!(changed_by_new > 0, "there is no need for it");
-    let view = View {
-        aim: DVec3::new(0.0, 0.0, -2.0),
-        ..View::default()
-    };
+    let view = View { aim: DVec3::new(0.0, 0.0, -2.0), ..View::default() };
     let message = Camera::from_view_exact(view).unwrap_err().to_string();
-    assert!(
-        message.starts_with("aim must be of length one"),
-        "{message}"
-    );
+    assert!(message.starts_with("aim must be of length one"), "{message}");
 }

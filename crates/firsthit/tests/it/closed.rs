@@ -59,18 +59,9 @@ fn place(k: usize, numbers: &mut Numbers) -> DVec2 {
     let halves = [0.0, 0.5, 1.0];
     match k % 4 {
         0 => [DVec2::ZERO, DVec2::X, DVec2::Y][numbers.below(3)],
-        1 => [
-            DVec2::new(0.5, 0.5),
-            DVec2::new(0.0, 0.5),
-            DVec2::new(0.5, 0.0),
-        ][numbers.below(3)],
+        1 => [DVec2::new(0.5, 0.5), DVec2::new(0.0, 0.5), DVec2::new(0.5, 0.0)][numbers.below(3)],
         2 => DVec2::splat(1.0 / 3.0),
-        _ => {
-            0.5 * DVec2::new(
-                halves[numbers.below(3)],
-                0.25 + 0.1 * halves[numbers.below(3)],
-            )
-        }
+        _ => 0.5 * DVec2::new(halves[numbers.below(3)], 0.25 + 0.1 * halves[numbers.below(3)]),
     }
 }
 
@@ -85,11 +76,7 @@ fn lines(scene: &Scene, count: usize, numbers: &mut Numbers) -> Vec<Ray> {
     let bounds = mesh.bounds();
     let size = bounds.high - bounds.low;
     let all = (0..count).map(|k| {
-        let at = point(
-            mesh,
-            numbers.below(mesh.triangles().len()),
-            place(k / 3, numbers),
-        );
+        let at = point(mesh, numbers.below(mesh.triangles().len()), place(k / 3, numbers));
         let from = match k % 4 {
             0 => bounds.low - size,
             1 => at + DVec3::AXES[numbers.below(3)] * 4.0 * size.max_element(),
@@ -127,19 +114,9 @@ fn leaving(scene: &Scene, count: usize, numbers: &mut Numbers) -> (Vec<Ray>, Vec
     for k in 0..count / 2 {
         let triangle = numbers.below(mesh.triangles().len());
         let barycentric = place(k, numbers);
-        let surface = SurfaceId {
-            object: 0,
-            primitive: triangle as i32,
-        };
-        let departure = Some(Departure {
-            surface,
-            barycentric,
-            side: Some(Side::Front),
-        });
-        let filter = RayFilter {
-            departure,
-            ..RayFilter::NONE
-        };
+        let surface = SurfaceId { object: 0, primitive: triangle as i32 };
+        let departure = Some(Departure { surface, barycentric, side: Some(Side::Front) });
+        let filter = RayFilter { departure, ..RayFilter::NONE };
         let (start, way) = (point(mesh, triangle, barycentric), numbers.point());
         rays.extend([Ray::new(start, way), Ray::new(start, -way)]);
         filters.extend([filter; 2]);
@@ -151,9 +128,7 @@ fn leaving(scene: &Scene, count: usize, numbers: &mut Numbers) -> (Vec<Ray>, Vec
 fn is_ahead(mesh: &Mesh, from: &Departure, way: DVec3, triangle: usize) -> bool {
     let left = usize::try_from(from.surface.primitive).unwrap();
     let start = point_left(mesh.corners(left), from.barycentric);
-    let [a, b, c] = mesh
-        .corners(triangle)
-        .map(|corner| minus(&exact(corner), &start));
+    let [a, b, c] = mesh.corners(triangle).map(|corner| minus(&exact(corner), &start));
     let way = exact(way);
     let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&way, &cross(p, q)));
     let n = cross(&minus(&b, &a), &minus(&c, &a));
@@ -178,28 +153,17 @@ fn soak_rays_that_leave_closed_meshes_do_not_meet_what_they_leave() {
             let hits = trace(scene, &filtered, First, &()).unwrap();
             let counts = trace(scene, &filtered, Count, &()).unwrap();
             for (k, ray) in rays.iter().enumerate() {
-                let Departure {
-                    surface,
-                    barycentric,
-                    ..
-                } = filters[k].departure.unwrap();
+                let Departure { surface, barycentric, .. } = filters[k].departure.unwrap();
                 assert_ne!(hits.primitive[k], surface.primitive, "{file}: {ray:?}");
                 if hits.t[k] * ray.direction.length() < 1e-12 * size {
                     // Surfaces that are nearly in one place.
                     let met = usize::try_from(hits.primitive[k]).unwrap();
                     let departure = filters[k].departure.unwrap();
-                    assert!(
-                        is_ahead(mesh, &departure, ray.direction, met),
-                        "{file}: {ray:?}"
-                    );
+                    assert!(is_ahead(mesh, &departure, ray.direction, met), "{file}: {ray:?}");
                     near += 1;
                 }
                 // Within a triangle both ways and its own crossing are a line's.
-                let weights = [
-                    1.0 - barycentric.x - barycentric.y,
-                    barycentric.x,
-                    barycentric.y,
-                ];
+                let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
                 if k % 2 == 0 && weights.iter().all(|&weight| weight > 0.0) {
                     let both = counts[k] + counts[k + 1];
                     assert!(both % 2 == 1, "{file}: {ray:?} crosses {both} more times");

@@ -71,14 +71,9 @@ fn numbers_of_vertices_corners_and_faces_get_the_colours_of_the_map() {
 
 #[test]
 fn of_several_numbers_the_length_of_their_vector_counts() {
-    let flow = Property {
-        components: 2,
-        ..property("flow", PropertyOf::Faces, &[3.0, 4.0, 0.0, 1.0])
-    };
-    let coloring = Coloring {
-        range: Some([0.0, 10.0]),
-        ..attribute("flow")
-    };
+    let flow =
+        Property { components: 2, ..property("flow", PropertyOf::Faces, &[3.0, 4.0, 0.0, 1.0]) };
+    let coloring = Coloring { range: Some([0.0, 10.0]), ..attribute("flow") };
     let scene = colored(vec![square(vec![flow])], coloring);
     assert_eq!(seen(&scene, "unlit", 1.5, 0.5), VIRIDIS.color(0.5));
     assert_eq!(seen(&scene, "unlit", 0.5, 1.5), VIRIDIS.color(0.1));
@@ -89,10 +84,7 @@ fn shaders_light_the_colours_of_numbers_as_they_light_others() {
     let heat = property("heat", PropertyOf::Faces, &[0.0, 1.0]);
     let scene = colored(vec![square(vec![heat])], attribute("heat"));
     let ambient = Lambert::default().ambient;
-    assert_eq!(
-        seen(&scene, "lambert", 0.5, 1.5),
-        VIRIDIS.color(1.0) * ambient
-    );
+    assert_eq!(seen(&scene, "lambert", 0.5, 1.5), VIRIDIS.color(1.0) * ambient);
     let plain = scene.clone().with_coloring(None).unwrap();
     for shader in ["phong", "blinn-phong", "hemisphere", "matcap", "ghost"] {
         let [numbered, own] = [&scene, &plain].map(|scene| seen(scene, shader, 0.5, 1.5));
@@ -111,10 +103,7 @@ fn where_there_is_no_number_a_surface_has_its_own_colour_or_one_that_is_given() 
     let own = colored(objects.clone(), attribute("heat"));
     assert_eq!(seen(&own, "unlit", 1.5, 0.5), Color::new(0.5, 0.25, 0.125));
     assert_eq!(seen(&own, "unlit", 9.0, 9.0), Color::X);
-    let grey = Coloring {
-        missing: Some(Color::splat(0.5)),
-        ..attribute("heat")
-    };
+    let grey = Coloring { missing: Some(Color::splat(0.5)), ..attribute("heat") };
     let grey = colored(objects, grey);
     assert_eq!(seen(&grey, "unlit", 1.5, 0.5), Color::splat(0.5));
     assert_eq!(seen(&grey, "unlit", 9.0, 9.0), Color::splat(0.5));
@@ -125,25 +114,11 @@ fn where_there_is_no_number_a_surface_has_its_own_colour_or_one_that_is_given() 
 #[test]
 fn numbers_outside_of_a_range_are_clamped_or_have_colours_of_their_own() {
     let heat = property("heat", PropertyOf::Faces, &[-5.0, 50.0]);
-    let given = Coloring {
-        range: Some([0.0, 10.0]),
-        map: ColorMap::CoolWarm,
-        ..attribute("heat")
-    };
+    let given = Coloring { range: Some([0.0, 10.0]), map: ColorMap::CoolWarm, ..attribute("heat") };
     let clamped = colored(vec![square(vec![heat.clone()])], given.clone());
-    assert_eq!(
-        seen(&clamped, "unlit", 1.5, 0.5),
-        ColorMap::CoolWarm.color(0.0)
-    );
-    assert_eq!(
-        seen(&clamped, "unlit", 0.5, 1.5),
-        ColorMap::CoolWarm.color(1.0)
-    );
-    let marked = Coloring {
-        below: Some(Color::Y),
-        above: Some(Color::Z),
-        ..given
-    };
+    assert_eq!(seen(&clamped, "unlit", 1.5, 0.5), ColorMap::CoolWarm.color(0.0));
+    assert_eq!(seen(&clamped, "unlit", 0.5, 1.5), ColorMap::CoolWarm.color(1.0));
+    let marked = Coloring { below: Some(Color::Y), above: Some(Color::Z), ..given };
     let marked = colored(vec![square(vec![heat])], marked);
     assert_eq!(seen(&marked, "unlit", 1.5, 0.5), Color::Y);
     assert_eq!(seen(&marked, "unlit", 0.5, 1.5), Color::Z);
@@ -154,11 +129,7 @@ fn row() -> Vec<Object> {
     let moved = |x: f64| Transform::translation(DVec3::new(x, 0.0, 0.0)).unwrap();
     let square = square(vec![]);
     let cuboid = Cuboid::new(DVec3::new(6.0, 0.0, -1.0), DVec3::new(8.0, 2.0, 3.0)).unwrap();
-    vec![
-        square.clone(),
-        square.placed(moved(3.0)),
-        Object::new(cuboid),
-    ]
+    vec![square.clone(), square.placed(moved(3.0)), Object::new(cuboid)]
 }
 
 #[test]
@@ -211,20 +182,9 @@ fn what_makes_no_sense_is_refused_and_names_what_there_is() {
     assert!(refused(attribute("heat")).contains("attribute:heat"));
     let values = Coloring::new(ColorBy::Values([1.0, 2.0].into()));
     assert!(refused(values).contains("2 for 1 objects"));
-    for range in [
-        [1.0, 1.0],
-        [2.0, 1.0],
-        [f64::NAN, 1.0],
-        [0.0, f64::INFINITY],
-    ] {
-        let coloring = Coloring {
-            range: Some(range),
-            ..Coloring::new(ColorBy::Object)
-        };
-        assert!(
-            refused(coloring).contains("two numbers that rise"),
-            "{range:?}"
-        );
+    for range in [[1.0, 1.0], [2.0, 1.0], [f64::NAN, 1.0], [0.0, f64::INFINITY]] {
+        let coloring = Coloring { range: Some(range), ..Coloring::new(ColorBy::Object) };
+        assert!(refused(coloring).contains("two numbers that rise"), "{range:?}");
     }
     for by in ColorBy::NAMES {
         assert_eq!(by.parse::<ColorBy>().unwrap().text(), by);
@@ -248,19 +208,13 @@ fn bits(frame: &Frame) -> Vec<u64> {
 /// The part sees only the first object, but has the colours that it has in the whole.
 #[test]
 fn a_picture_has_its_legend_and_the_same_bytes_for_any_threads_and_parts() {
-    let coloring = Coloring {
-        above: Some(Color::X),
-        ..Coloring::new(ColorBy::Object)
-    };
+    let coloring = Coloring { above: Some(Color::X), ..Coloring::new(ColorBy::Object) };
     let scene = colored(row(), coloring);
     let (eye, goal) = (DVec3::new(4.0, -9.0, 6.0), DVec3::new(4.0, 1.0, 0.0));
     let camera = Camera::look_at(eye, goal, DVec3::Z, 60.0, 90, 160).unwrap();
     let shade = Shader::default().on(&scene);
     let kinds = ["color", "t"].map(|name| kind(name).unwrap());
-    let picture = Picture {
-        samples: 2,
-        ..Picture::new(&scene, &camera, &shade, &kinds)
-    };
+    let picture = Picture { samples: 2, ..Picture::new(&scene, &camera, &shade, &kinds) };
     let with = |threads: usize| on_threads(threads, || picture.render(&())).unwrap();
     let mut whole = with(1);
     for threads in [2, 7] {
@@ -268,10 +222,7 @@ fn a_picture_has_its_legend_and_the_same_bytes_for_any_threads_and_parts() {
     }
     for (rows, columns) in [(30..60, 0..50), (20..80, 100..160)] {
         let part = Picture {
-            region: Some(Region {
-                rows: rows.clone(),
-                columns: columns.clone(),
-            }),
+            region: Some(Region { rows: rows.clone(), columns: columns.clone() }),
             ..picture.clone()
         };
         let (part, all) = (bits(&part.render(&()).unwrap()), bits(&whole));
@@ -284,10 +235,7 @@ fn a_picture_has_its_legend_and_the_same_bytes_for_any_threads_and_parts() {
     let metadata = Metadata::from_json(&whole.metadata().to_json()).unwrap();
     let legend = metadata.colors.unwrap();
     assert_eq!((&*legend.by, &*legend.map), ("object", "viridis"));
-    assert_eq!(
-        (legend.range, legend.above),
-        ([0.0, 2.0], Some([1.0, 0.0, 0.0]))
-    );
+    assert_eq!((legend.range, legend.above), ([0.0, 2.0], Some([1.0, 0.0, 0.0])));
     // It goes with colours.
     let distances = whole.select(&["t"], |_| false).unwrap();
     assert_eq!(distances.metadata().colors, None);

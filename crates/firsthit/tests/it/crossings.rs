@@ -119,10 +119,7 @@ fn crossings_are_those_of_a_ray_beside() {
         }
     }
     // Some rays only touch.
-    assert!(
-        touched > cases(10) && total > cases(1000),
-        "{touched} {total}"
-    );
+    assert!(touched > cases(10) && total > cases(1000), "{touched} {total}");
 }
 
 /// A line that begins behind the mesh enters and leaves in turn, too.
@@ -145,10 +142,7 @@ fn lines_cross_closed_meshes_in_pairs() {
             assert_eq!(slow_counts[k] as usize, range.len());
             for (place, &triangle) in all.hits.primitive[range].iter().enumerate() {
                 let [a, b, c] = mesh.corners(usize::try_from(triangle).unwrap()).map(exact);
-                let slope = dot(
-                    &cross(&minus(&b, &a), &minus(&c, &a)),
-                    &exact(line.direction),
-                );
+                let slope = dot(&cross(&minus(&b, &a), &minus(&c, &a)), &exact(line.direction));
                 assert!(!slope.is_zero() && slope.is_negative() == (place % 2 == 0));
             }
         }
@@ -159,11 +153,7 @@ fn lines_cross_closed_meshes_in_pairs() {
 #[test]
 fn close_sheets_are_in_order() {
     let sheet = |z: f64, tilt: f64| {
-        let corners = [
-            [-1.0, -1.0, z - tilt],
-            [3.0, -1.0, z + 3.0 * tilt],
-            [-1.0, 3.0, z - tilt],
-        ];
+        let corners = [[-1.0, -1.0, z - tilt], [3.0, -1.0, z + 3.0 * tilt], [-1.0, 3.0, z - tilt]];
         corners.map(DVec3::from)
     };
     let z = 1.0_f64 / 3.0;

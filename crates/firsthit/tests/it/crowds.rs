@@ -33,11 +33,7 @@ fn crowd(numbers: &mut Numbers, off: Off, planes: usize) -> (Scene, DVec3) {
     for k in 0..count {
         for _ in 0..3 {
             let few = (numbers.point() * f64::from(1 << 20)).round() / f64::from(1 << 20);
-            let point = if matches!(off, Off::Nothing) {
-                few
-            } else {
-                numbers.point()
-            };
+            let point = if matches!(off, Off::Nothing) { few } else { numbers.point() };
             let first = if matches!(off, Off::Nothing) { 2 } else { 0 };
             let [a, b] = slopes[first + k % planes];
             let point = DVec3::new(point.x, point.y, a * point.x + b * point.y);
@@ -48,10 +44,7 @@ fn crowd(numbers: &mut Numbers, off: Off, planes: usize) -> (Scene, DVec3) {
         }
     }
     let triangles = (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
-    (
-        scene(vec![Object::new(mesh(&points, triangles.collect()))]),
-        middle,
-    )
+    (scene(vec![Object::new(mesh(&points, triangles.collect()))]), middle)
 }
 
 /// A camera from one side or the other.
@@ -118,21 +111,14 @@ fn rays_that_leave_hundreds_nearly_in_one_plane_meet_what_is_ahead() {
                 assert_eq!(fast, found, "{off:?} {planes}");
                 let fast = trace_with(&cpu, &scene, &rays, First, &()).unwrap();
                 for k in 0..found.len() {
-                    assert_eq!(
-                        bits(&fast.get(k)),
-                        bits(&first.get(k)),
-                        "{off:?} {planes} {k}"
-                    );
+                    assert_eq!(bits(&fast.get(k)), bits(&first.get(k)), "{off:?} {planes} {k}");
                 }
             }
             free += found.iter().filter(|found| !**found).count();
             blocked += found.iter().filter(|found| **found).count();
         }
     }
-    assert!(
-        free > cases(1000) && blocked > cases(300),
-        "{free} {blocked}"
-    );
+    assert!(free > cases(1000) && blocked > cases(300), "{free} {blocked}");
 }
 
 /// Rays in no order, which no tile sees.

@@ -1,9 +1,6 @@
 //! Cryptomattes: against counts of what every sample meets, and the same bytes however they are made.
 
-#![allow(
-    clippy::large_types_passed_by_value,
-    reason = "a camera is handed over whole"
-)]
+#![allow(clippy::large_types_passed_by_value, reason = "a camera is handed over whole")]
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -26,11 +23,7 @@ fn scene() -> Scene {
     let mut objects = Vec::new();
     for k in 0..9 {
         let along = f64::from(k);
-        let centre = DVec3::new(
-            0.31 * along - 1.2,
-            0.4 * libm::sin(2.1 * along),
-            -0.3 * along,
-        );
+        let centre = DVec3::new(0.31 * along - 1.2, 0.4 * libm::sin(2.1 * along), -0.3 * along);
         let ball = Object::new(Sphere::new(centre, 0.37).unwrap());
         let name = ["ball", "ball", "", "Ünï\"\\", "e"][k as usize % 5];
         let material = Material {
@@ -56,10 +49,7 @@ fn camera() -> Camera {
 }
 
 fn picture<'a>(scene: &'a Scene, camera: Camera, channels: &'a [&'a str]) -> Render<'a> {
-    let picture = Render::new(scene)
-        .camera(camera)
-        .samples(SAMPLES)
-        .ground(false);
+    let picture = Render::new(scene).camera(camera).samples(SAMPLES).ground(false);
     let background = Background::Transparent;
     picture.background(background).channels(channels)
 }
@@ -80,9 +70,7 @@ fn counted(
     let mut counts = vec![BTreeMap::new(); camera.pixels()];
     for k in 0..SAMPLES {
         let sample = Sample::new(camera, k);
-        let rays: Vec<Ray> = (0..camera.pixels())
-            .map(|pixel| sample.ray(pixel))
-            .collect();
+        let rays: Vec<Ray> = (0..camera.pixels()).map(|pixel| sample.ray(pixel)).collect();
         let mut hits = firsthit::shoot::Hits::default();
         let engine: &dyn Engine = &BruteForce;
         trace_into(engine, scene, &rays, (First, &mut hits), &()).unwrap();
@@ -113,11 +101,7 @@ fn coverages_are_the_counts_of_brute_force() {
         let frame = picture(&scene, camera, &names).frame().unwrap();
         let material = |object: usize| {
             let material = scene.objects()[object].materials().first()?;
-            let number = scene
-                .catalog()
-                .materials()
-                .iter()
-                .position(|name| *name == material.name);
+            let number = scene.catalog().materials().iter().position(|name| *name == material.name);
             Some(match &*material.name {
                 "" => format!("material_{}", number.unwrap()),
                 name => name.to_owned(),
@@ -144,10 +128,7 @@ fn coverages_are_the_counts_of_brute_force() {
             let shares = pairs[12 * pixel..][..12].iter().skip(1).step_by(2);
             let sum: f32 = shares.sum();
             let alpha = colors[4 * pixel + 3];
-            assert!(
-                sum <= 1.0 && (sum - alpha).abs() < 1e-6,
-                "{pixel}: {sum} {alpha}"
-            );
+            assert!(sum <= 1.0 && (sum - alpha).abs() < 1e-6, "{pixel}: {sum} {alpha}");
         }
     }
 }
@@ -174,26 +155,14 @@ fn check(frame: &Frame, channel: &str, counts: &[BTreeMap<u32, u32>]) {
 #[test]
 fn fewer_pairs_are_the_largest_of_more() {
     let scene = scene();
-    let all = picture(&scene, camera(), &["crypto_object:12"])
-        .frame()
-        .unwrap();
-    let few = picture(&scene, camera(), &["crypto_object:2"])
-        .frame()
-        .unwrap();
-    let (all, few) = (
-        numbers(&all, "crypto_object"),
-        numbers(&few, "crypto_object"),
-    );
+    let all = picture(&scene, camera(), &["crypto_object:12"]).frame().unwrap();
+    let few = picture(&scene, camera(), &["crypto_object:2"]).frame().unwrap();
+    let (all, few) = (numbers(&all, "crypto_object"), numbers(&few, "crypto_object"));
     assert_eq!((all.len(), few.len()), (1200 * 24, 1200 * 4));
     for pixel in 0..1200 {
         assert_eq!(all[24 * pixel..][..4], few[4 * pixel..][..4]);
     }
-    for wrong in [
-        "crypto_object:3",
-        "crypto_object:0",
-        "crypto_object:66",
-        "crypto_object:x",
-    ] {
+    for wrong in ["crypto_object:3", "crypto_object:0", "crypto_object:66", "crypto_object:x"] {
         let error = asked(wrong).unwrap_err().to_string();
         let expected = "channel must be a Cryptomatte of an even number of pairs from 2 to 64";
         assert_eq!(error, format!("{expected}, got {wrong}"));
@@ -204,30 +173,17 @@ fn fewer_pairs_are_the_largest_of_more() {
 fn threads_regions_and_engines_make_the_same_pairs() {
     let scene = scene();
     let bits = |frame: Frame| -> Vec<u32> {
-        numbers(&frame, "crypto_object")
-            .iter()
-            .map(|value| value.to_bits())
-            .collect()
+        numbers(&frame, "crypto_object").iter().map(|value| value.to_bits()).collect()
     };
-    let whole = bits(
-        picture(&scene, camera(), &["crypto_object"])
-            .frame()
-            .unwrap(),
-    );
+    let whole = bits(picture(&scene, camera(), &["crypto_object"]).frame().unwrap());
     for threads in [1, 2, 3] {
-        let made = on_threads(threads, || {
-            picture(&scene, camera(), &["crypto_object"])
-                .frame()
-                .unwrap()
-        });
+        let made =
+            on_threads(threads, || picture(&scene, camera(), &["crypto_object"]).frame().unwrap());
         assert!(bits(made) == whole, "{threads}");
     }
     let slow = picture(&scene, camera(), &["crypto_object"]).engine(&BruteForce);
     assert!(bits(slow.frame().unwrap()) == whole);
-    let region = Region {
-        rows: 7..19,
-        columns: 5..33,
-    };
+    let region = Region { rows: 7..19, columns: 5..33 };
     let part = picture(&scene, camera(), &["crypto_object"]).region(region);
     let part = bits(part.frame().unwrap());
     for row in 0..12 {
@@ -270,10 +226,7 @@ fn files_have_the_same_bytes_each_time_and_are_read_back() {
             assert_eq!(manifest[name], format!("{:08x}", matte_id(name)));
         }
         let found = |name: &str| {
-            let array = read
-                .arrays
-                .iter()
-                .find(|array| array.name.as_deref() == Some(name));
+            let array = read.arrays.iter().find(|array| array.name.as_deref() == Some(name));
             array.unwrap().shape.clone()
         };
         assert_eq!(found("crypto_object"), [30, 40, 12]);
@@ -287,17 +240,13 @@ fn files_have_the_same_bytes_each_time_and_are_read_back() {
 #[test]
 fn formats_of_pictures_and_points_refuse_mattes() {
     let scene = scene();
-    let frame = picture(&scene, camera(), &["crypto_object"])
-        .frame()
-        .unwrap();
+    let frame = picture(&scene, camera(), &["crypto_object"]).frame().unwrap();
     let error = encoded(&frame, "png").unwrap_err().to_string();
     assert_eq!(
         error,
         "channel must be a channel other than a Cryptomatte for a PNG (use exr), got crypto_object"
     );
-    let frame = picture(&scene, camera(), &["position", "crypto_object"])
-        .frame()
-        .unwrap();
+    let frame = picture(&scene, camera(), &["position", "crypto_object"]).frame().unwrap();
     for format in ["ply", "pcd"] {
         let error = encoded(&frame, format).unwrap_err().to_string();
         let expected = "channel must be channels other than a Cryptomatte for a point cloud";

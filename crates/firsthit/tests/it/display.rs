@@ -19,43 +19,25 @@ const ROWS: [Row; 5] = [
     (
         [0.5, 0.25, 0.05],
         1.0,
-        [
-            0.869_090_909_090_909_1,
-            0.422_528_876_206_006_3,
-            0.065_279_249_898_084_02,
-        ],
+        [0.869_090_909_090_909_1, 0.422_528_876_206_006_3, 0.065_279_249_898_084_02],
         [240, 174, 72],
         [255, 188, 89],
     ),
     (
         [4.0, 1.0, 0.2],
         0.0,
-        [
-            0.983_255_813_953_488_4,
-            0.468_299_173_594_918_74,
-            0.330_977_402_832_633_55,
-        ],
+        [0.983_255_813_953_488_4, 0.468_299_173_594_918_74, 0.330_977_402_832_633_55],
         [253, 182, 156],
         [255, 255, 124],
     ),
     (
         [0.02, 0.05, 0.9],
         0.0,
-        [
-            0.007_558_611_607_061_345,
-            0.035_974_912_857_134_1,
-            0.841_103_448_275_862_1,
-        ],
+        [0.007_558_611_607_061_345, 0.035_974_912_857_134_1, 0.841_103_448_275_862_1],
         [21, 53, 236],
         [39, 63, 243],
     ),
-    (
-        [100.0; 3],
-        1.0,
-        [0.999_711_191_335_74; 3],
-        [255; 3],
-        [255; 3],
-    ),
+    ([100.0; 3], 1.0, [0.999_711_191_335_74; 3], [255; 3], [255; 3]),
 ];
 
 fn display(exposure: f64, tone_map: ToneMap) -> DisplayTransform {
@@ -79,10 +61,7 @@ fn encode(format: &str, frame: &Frame, settings: WriteSettings) -> Vec<u8> {
 }
 
 fn with(display: DisplayTransform) -> WriteSettings {
-    WriteSettings {
-        display,
-        ..WriteSettings::default()
-    }
+    WriteSettings { display, ..WriteSettings::default() }
 }
 
 /// The bytes of the pixels, as another reader sees them, and what the file says of its colours.
@@ -100,10 +79,7 @@ fn check(rows: &[Row]) {
     for (linear, stops, neutral, neutral_bytes, bytes) in rows {
         let map = display(*stops, ToneMap::Neutral);
         let got = map.apply(Color::from(*linear));
-        assert!(
-            got.abs_diff_eq(Color::from(*neutral), 1e-6),
-            "{linear:?} {got}"
-        );
+        assert!(got.abs_diff_eq(Color::from(*neutral), 1e-6), "{linear:?} {got}");
         let frame = picture(&[linear.to_vec()]);
         assert_eq!(shown(&frame, map).0, neutral_bytes, "{linear:?}");
         let none = display(*stops, ToneMap::None);
@@ -127,13 +103,7 @@ fn khronos_neutral_agrees_with_the_oracle() {
         let bytes = |key: &str| serde_json::from_value(row[key].clone()).unwrap();
         let stops = row["exposure"].as_f64().unwrap();
         let all = (three("linear"), stops, three("neutral"));
-        (
-            all.0,
-            all.1,
-            all.2,
-            bytes("neutral_srgb8"),
-            bytes("none_srgb8"),
-        )
+        (all.0, all.1, all.2, bytes("neutral_srgb8"), bytes("none_srgb8"))
     };
     let rows: Vec<Row> = case["table"].as_array().unwrap().iter().map(row).collect();
     assert!(rows.len() >= 10);
@@ -151,10 +121,7 @@ fn brighter_greys_are_never_shown_darker() {
         let mut before = Color::ZERO;
         for grey in greys() {
             let now = tone_map.apply(Color::splat(grey));
-            assert!(
-                now.cmpge(before).all(),
-                "{tone_map:?} {grey}: {now} {before}"
-            );
+            assert!(now.cmpge(before).all(), "{tone_map:?} {grey}: {now} {before}");
             before = now;
         }
         let white = srgb_encode(before.min_element()) * 255.0;
@@ -174,10 +141,7 @@ fn white_stays_white_without_a_tone_map_and_leaves_room_with_one() {
 #[test]
 fn black_is_black() {
     for &tone_map in ToneMap::ALL {
-        assert!(
-            tone_map.apply(Color::ZERO).max_element() < 1e-12,
-            "{tone_map:?}"
-        );
+        assert!(tone_map.apply(Color::ZERO).max_element() < 1e-12, "{tone_map:?}");
     }
 }
 
@@ -220,10 +184,7 @@ fn whatever_a_colour_holds_is_shown_from_0_to_1() {
                 for g in extremes {
                     let shown = display(exposure, tone_map).apply(Color::new(r, g, 0.25));
                     let is_fine = |level: f64| (0.0..=1.0).contains(&level);
-                    assert!(
-                        shown.to_array().into_iter().all(is_fine),
-                        "{tone_map:?} {r} {g}"
-                    );
+                    assert!(shown.to_array().into_iter().all(is_fine), "{tone_map:?} {r} {g}");
                 }
             }
         }
@@ -234,42 +195,15 @@ fn whatever_a_colour_holds_is_shown_from_0_to_1() {
 #[test]
 fn agx_and_aces_agree_with_another_program() {
     for (tone_map, color, expected) in [
-        (
-            ToneMap::Agx,
-            [0.18; 3],
-            [0.217_584_14, 0.217_651_62, 0.217_655_81],
-        ),
-        (
-            ToneMap::Agx,
-            [1.0, 0.0, 0.0],
-            [0.719_938_64, 0.039_261_32, 0.039_327_55],
-        ),
-        (
-            ToneMap::Agx,
-            [4.0, 1.0, 0.2],
-            [0.929_598_14, 0.619_080_19, 0.349_203_98],
-        ),
-        (
-            ToneMap::Aces,
-            [0.18; 3],
-            [0.105_591_25, 0.105_591_25, 0.105_590_19],
-        ),
-        (
-            ToneMap::Aces,
-            [1.0, 0.0, 0.0],
-            [0.688_027_87, 0.0, 0.002_639_01],
-        ),
-        (
-            ToneMap::Aces,
-            [4.0, 1.0, 0.2],
-            [0.997_160_81, 0.663_380_65, 0.281_856_34],
-        ),
+        (ToneMap::Agx, [0.18; 3], [0.217_584_14, 0.217_651_62, 0.217_655_81]),
+        (ToneMap::Agx, [1.0, 0.0, 0.0], [0.719_938_64, 0.039_261_32, 0.039_327_55]),
+        (ToneMap::Agx, [4.0, 1.0, 0.2], [0.929_598_14, 0.619_080_19, 0.349_203_98]),
+        (ToneMap::Aces, [0.18; 3], [0.105_591_25, 0.105_591_25, 0.105_590_19]),
+        (ToneMap::Aces, [1.0, 0.0, 0.0], [0.688_027_87, 0.0, 0.002_639_01]),
+        (ToneMap::Aces, [4.0, 1.0, 0.2], [0.997_160_81, 0.663_380_65, 0.281_856_34]),
     ] {
         let shown = tone_map.apply(Color::from(color));
-        assert!(
-            shown.abs_diff_eq(Color::from(expected), 1e-8),
-            "{tone_map:?} {shown}"
-        );
+        assert!(shown.abs_diff_eq(Color::from(expected), 1e-8), "{tone_map:?} {shown}");
     }
 }
 
@@ -288,10 +222,7 @@ fn the_default_shows_colours_as_they_are() {
 fn a_png_says_how_its_colours_are_shown() {
     let frame = picture(&[vec![0.1, 0.2, 0.3]]);
     let (_, stored) = shown(&frame, display(-1.5, ToneMap::Agx));
-    assert_eq!(
-        (stored.exposure, stored.tone_map.as_deref()),
-        (Some(-1.5), Some("agx"))
-    );
+    assert_eq!((stored.exposure, stored.tone_map.as_deref()), (Some(-1.5), Some("agx")));
 }
 
 /// A colour behind glass of half a pixel is shown as the same colour in a whole one.
@@ -325,10 +256,7 @@ fn other_formats_and_other_channels_are_as_they_were() {
     let mut frame = picture(&[vec![0.1, 2.0, 30.0], vec![0.5, 0.5, 0.5]]);
     let position = Data::Float64(vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     let position = Channel::new("position", 3, position, Display::Position);
-    for format in FORMATS
-        .iter()
-        .filter(|format| format.holds == Holds::AllChannels)
-    {
+    for format in FORMATS.iter().filter(|format| format.holds == Holds::AllChannels) {
         let same = encode(format.name, &frame, bright) == encode(format.name, &frame, usual);
         assert!(same, "{}", format.name);
     }
@@ -348,14 +276,8 @@ fn other_formats_and_other_channels_are_as_they_were() {
     ] {
         let mut other = Frame::new([1, 2]);
         let data = Data::Float64((0..2 * components).map(|k| k as f64 / 6.0).collect());
-        other
-            .push(Channel::new(name, components, data, shown_as))
-            .unwrap();
-        assert_eq!(
-            encode("png", &other, bright),
-            encode("png", &other, usual),
-            "{name}"
-        );
+        other.push(Channel::new(name, components, data, shown_as)).unwrap();
+        assert_eq!(encode("png", &other, bright), encode("png", &other, usual), "{name}");
     }
 }
 
@@ -365,13 +287,7 @@ fn an_exposure_that_is_no_number_is_refused() {
     let png = format_named("png").unwrap();
     for stops in [f64::NAN, f64::INFINITY] {
         let refused = png.check(&frame, None, with(display(stops, ToneMap::None)));
-        assert!(matches!(
-            refused,
-            Err(Error::Argument {
-                name: "exposure",
-                ..
-            })
-        ));
+        assert!(matches!(refused, Err(Error::Argument { name: "exposure", .. })));
     }
 }
 
@@ -380,8 +296,5 @@ fn tone_maps_have_names() {
     assert_eq!(ToneMap::NAMES, ["none", "neutral", "agx", "aces"]);
     assert_eq!("agx".parse::<ToneMap>().unwrap(), ToneMap::Agx);
     let message = "filmic".parse::<ToneMap>().unwrap_err().to_string();
-    assert_eq!(
-        message,
-        "tone_map must be one of none, neutral, agx, aces, got 'filmic'"
-    );
+    assert_eq!(message, "tone_map must be one of none, neutral, agx, aces, got 'filmic'");
 }

@@ -67,10 +67,7 @@ fn what_directions_see_of_a_picture_is_what_the_oracle_decoded() {
         let list = value.as_array().unwrap().iter();
         list.map(|number| number.as_f64().unwrap()).collect()
     };
-    let (rays, expected) = (
-        case["rays"].as_array().unwrap(),
-        case["expected"].as_array().unwrap(),
-    );
+    let (rays, expected) = (case["rays"].as_array().unwrap(), case["expected"].as_array().unwrap());
     assert!(rays.len() > 5);
     for (ray, expected) in rays.iter().zip(expected) {
         let ray = numbers(ray);
@@ -102,13 +99,7 @@ fn sampled(scene: &Scene, count: usize) -> (f64, f64) {
     let hit = shoot(scene, p, u_r);
     let (rays, hits) = (vec![Ray::new(p, u_r); count], vec![hit; count]);
     let pixels: Vec<u64> = (0..count as u64).collect();
-    let samples = Samples {
-        rays: &rays,
-        hits: &hits,
-        pixels: &pixels,
-        sample: 0,
-        cull: None,
-    };
+    let samples = Samples { rays: &rays, hits: &hits, pixels: &pixels, sample: 0, cull: None };
     let mut colors = vec![Color::ZERO; count];
     let mut coverage = vec![1.0; count];
     let shade = direct().on(scene);
@@ -116,10 +107,7 @@ fn sampled(scene: &Scene, count: usize) -> (f64, f64) {
     let greens: Vec<f64> = colors.iter().map(|color| color.y).collect();
     let mean = greens.iter().sum::<f64>() / count as f64;
     let squares = greens.iter().map(|green| (green - mean) * (green - mean));
-    (
-        mean,
-        (squares.sum::<f64>() / count as f64 / count as f64).sqrt(),
-    )
+    (mean, (squares.sum::<f64>() / count as f64 / count as f64).sqrt())
 }
 
 /// What a level, white surface takes: the mean of the upper half's green by the cosine, summed over fine cells.
@@ -142,19 +130,13 @@ fn a_small_sun_lights_the_ground_without_bias_and_with_little_noise() {
     let environment = upright(sunny(), DVec3::Z);
     let expected = taken(&environment);
     let dim = 0.55;
-    assert!(
-        expected > 3.0 * dim,
-        "the sun should count most: {expected}"
-    );
+    assert!(expected > 3.0 * dim, "the sun should count most: {expected}");
     let white = Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()).colored(Color::ONE);
     let scene = lit(vec![white], environment);
     let mut errors = Vec::new();
     for count in [1 << 10, 1 << 14] {
         let (mean, error) = sampled(&scene, count);
-        assert!(
-            (mean - expected).abs() < 3.0 * error,
-            "{count}: {mean} {expected} {error}"
-        );
+        assert!((mean - expected).abs() < 3.0 * error, "{count}: {mean} {expected} {error}");
         errors.push(error / expected);
     }
     // Of 1,024 directions that surfaces choose, hardly one would find the sun at all. What is left is the tent of its one texel, which
@@ -170,18 +152,12 @@ fn daylight_lights_the_ground_as_much_as_its_sum_says() {
     let expected = taken(&environment);
     let white = Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()).colored(Color::ONE);
     let (mean, error) = sampled(&lit(vec![white.clone()], environment.clone()), 1 << 13);
-    assert!(
-        (mean - expected).abs() < 3.0 * error + 1e-4,
-        "{mean} {expected} {error}"
-    );
+    assert!((mean - expected).abs() < 3.0 * error + 1e-4, "{mean} {expected} {error}");
     assert!(error < 0.01 * expected, "{error}");
     let scene = lit(vec![white], environment).with_lights(vec![day.sun_light().into()]);
     let whole = expected + (day.sun_light().color * day.towards_sun().z).y;
     let (mean, error) = sampled(&scene, 1 << 13);
-    assert!(
-        (mean - whole).abs() < 3.0 * error + 1e-4,
-        "{mean} {whole} {error}"
-    );
+    assert!((mean - whole).abs() < 3.0 * error + 1e-4, "{mean} {whole} {error}");
     // The sum of both is white, nearly.
     assert!((whole - 1.0).abs() < 0.05, "{whole}");
 }
@@ -216,9 +192,7 @@ fn scene_environment_and_camera_turned_together_make_the_same_picture() {
     for (axis, degrees) in [(DVec3::Z, 30.0), (DVec3::new(1.0, -2.0, 0.5), 250.0)] {
         let turn = rotation(axis, degrees);
         let pairs = picture(&plain, &DMat3::IDENTITY);
-        let pairs = pairs
-            .into_iter()
-            .zip(picture(&turned(DVec3::Z, &turn), &turn));
+        let pairs = pairs.into_iter().zip(picture(&turned(DVec3::Z, &turn), &turn));
         for (a, b) in pairs {
             assert!((a - b).length() < 1e-9, "{a} {b}");
         }
@@ -256,10 +230,7 @@ fn scene_files_have_environments_of_every_kind() {
     let text = "file = \"sky/a.hdr\"\nrotate = 30\nstrength = 2\nseen = false";
     assert_eq!(radiance(text, DVec3::Y), 2.0 * blue);
     assert!(!of(text).environment.unwrap().is_seen);
-    assert_eq!(
-        radiance("color = [1, 2, 3]", DVec3::X),
-        Color::new(1.0, 2.0, 3.0)
-    );
+    assert_eq!(radiance("color = [1, 2, 3]", DVec3::X), Color::new(1.0, 2.0, 3.0));
     let halves = "above = [1, 1, 1]\nbelow = [0.5, 0, 0]";
     assert_eq!(radiance(halves, DVec3::Z), Color::ONE);
     assert_eq!(radiance(halves, DVec3::NEG_Z), 0.5 * Color::X);
@@ -312,28 +283,13 @@ fn mistakes_in_environments_are_told_at_their_place() {
         ("file = \"/etc/passwd\"", ":2:8:", "refused"),
         ("strength = 2", ":1:1:", "needs `file` or `color`"),
         ("colour = [1, 1, 1]", ":1:1:", "did you mean `color`"),
-        (
-            "color = [1, 1, 1]\nrotate = 3",
-            ":3:1:",
-            "unknown key `rotate`",
-        ),
+        ("color = [1, 1, 1]\nrotate = 3", ":3:1:", "unknown key `rotate`"),
         ("daylight = { elevation = 91 }", ":2:26:", "from 0 to 90"),
-        (
-            "daylight = { elevation = 9, ground = [2, 0, 0] }",
-            ":2:38:",
-            "ground must be",
-        ),
-        (
-            "file = \"short.hdr\"\nrotate = \"left\"",
-            ":3:10:",
-            "a finite number, or a table",
-        ),
+        ("daylight = { elevation = 9, ground = [2, 0, 0] }", ":2:38:", "ground must be"),
+        ("file = \"short.hdr\"\nrotate = \"left\"", ":3:10:", "a finite number, or a table"),
     ] {
         let error = in_scene(folder.path(), &format!("[environment]\n{text}")).unwrap_err();
-        assert!(
-            error.contains(place) && error.contains(part),
-            "{text}: {error}"
-        );
+        assert!(error.contains(place) && error.contains(part), "{text}: {error}");
     }
     let text = b"[environment]\nfile = \"a.hdr\"";
     let error = load_bytes(Path::new("a.toml"), text, &LoadSettings::default()).unwrap_err();
@@ -348,26 +304,14 @@ fn built_scenes_keep_their_environments() {
     let day = Daylight::new(DVec3::Y, 12.0, -30.0, 5.0, Color::splat(0.4)).unwrap();
     let mut prints = Vec::new();
     for kind in [of_map, EnvironmentKind::Daylight(day)] {
-        let environment = Arc::new(Environment {
-            strength: 1.5,
-            is_seen: false,
-            ..Environment::new(kind)
-        });
-        let world = World {
-            environment: Some(Arc::clone(&environment)),
-            ..World::default()
-        };
+        let environment =
+            Arc::new(Environment { strength: 1.5, is_seen: false, ..Environment::new(kind) });
+        let world = World { environment: Some(Arc::clone(&environment)), ..World::default() };
         let scene = world.clone().into_scene().unwrap();
         let path = folder.path().join("a.fhs");
         fhs::save(&path, &scene, &world, &()).unwrap();
-        let opened = load(
-            &path,
-            &LoadSettings {
-                verify: true,
-                ..LoadSettings::default()
-            },
-        )
-        .unwrap();
+        let opened =
+            load(&path, &LoadSettings { verify: true, ..LoadSettings::default() }).unwrap();
         assert_eq!(opened.world.environment.as_deref(), Some(&*environment));
         let opened = opened.into_scene().unwrap();
         assert_eq!(opened.fingerprint(), scene.fingerprint());
@@ -388,17 +332,11 @@ fn no_bytes_crash_the_reader() {
     let path = folder.path().join("a.hdr");
     let whole = [
         &b"#?RADIANCE\nEXPOSURE=2\n\n-Y 2 +X 9\n"[..],
-        &[
-            2, 2, 0, 9, 137, 7, 9, 1, 2, 3, 4, 5, 6, 7, 8, 9, 137, 0, 137, 129,
-        ],
+        &[2, 2, 0, 9, 137, 7, 9, 1, 2, 3, 4, 5, 6, 7, 8, 9, 137, 0, 137, 129],
         &[2, 2, 0, 9, 137, 7, 137, 7, 137, 0, 137, 129],
     ]
     .concat();
-    let settings = LoadSettings {
-        max_memory: 1 << 20,
-        max_texture: 64,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { max_memory: 1 << 20, max_texture: 64, ..LoadSettings::default() };
     let mut read = 0;
     for place in 0..whole.len() {
         for value in [0, 1, 2, 9, 43, 48, 57, 127, 128, 255] {

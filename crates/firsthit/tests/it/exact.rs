@@ -34,9 +34,7 @@ fn crossing(ray: &Ray, corners: [DVec3; 3]) -> Option<BigRational> {
 pub(crate) fn check(scene: &Scene, ray: &Ray, hit: &Hit) {
     let mut all = Vec::new();
     for (index, object) in (0..).zip(scene.objects()) {
-        let Shape::Mesh(mesh) = object.shape() else {
-            unreachable!("only meshes here")
-        };
+        let Shape::Mesh(mesh) = object.shape() else { unreachable!("only meshes here") };
         for (triangle, _) in (0..).zip(mesh.triangles()) {
             let t = crossing(ray, mesh.corners(triangle as usize));
             all.extend(t.map(|t| (nearest(&t), index, triangle)));
@@ -47,11 +45,7 @@ pub(crate) fn check(scene: &Scene, ray: &Ray, hit: &Hit) {
         assert!(hit.is_miss(), "{ray:?} {hit:?}");
         return;
     };
-    assert_eq!(
-        (hit.object, hit.primitive),
-        (object, triangle),
-        "{ray:?} {hit:?} {t:?}"
-    );
+    assert_eq!((hit.object, hit.primitive), (object, triangle), "{ray:?} {hit:?} {t:?}");
     let is_next = hit.t == t || hit.t == t.next_up() || hit.t == t.next_down();
     assert!(is_next, "{ray:?} {hit:?}, exactly {t:?}");
 }
@@ -109,12 +103,7 @@ fn a_hit_has_one_t_whatever_else_is_in_the_scene_and_whatever_is_asked() {
     let more = mesh(&[a, b, c, DVec3::splat(5.0)], vec![[0, 1, 2], [1, 2, 3]]);
     let ray = Ray::new(DVec3::new(-2.5, -0.5, -0.5), DVec3::X);
     let t = agree(&scene(vec![Object::new(alone.clone())]), &ray).t;
-    for meshes in [
-        vec![&alone],
-        vec![&more],
-        vec![&alone, &more],
-        vec![&more, &alone],
-    ] {
+    for meshes in [vec![&alone], vec![&more], vec![&alone, &more], vec![&more, &alone]] {
         let count = meshes.len();
         let objects = meshes.into_iter().map(|mesh| Object::new(mesh.clone()));
         let scene = scene(objects.collect());
@@ -139,10 +128,7 @@ fn of_two_floors_close_together_the_first_is_met() {
             let shift = 1e-9 * frame.z_axis;
             let near = around(&mut numbers, frame, 3.0).map(|corner| corner + shift);
             let corners = around(&mut numbers, frame, far);
-            let scene = scene(vec![
-                Object::new(triangle(near)),
-                Object::new(triangle(corners)),
-            ]);
+            let scene = scene(vec![Object::new(triangle(near)), Object::new(triangle(corners))]);
             for slant in [1.0, 1e-1, 1e-2] {
                 let target = frame * (numbers.point() * DVec3::new(0.2, 0.2, 0.0));
                 let way = frame * (numbers.point() * DVec3::new(1.0, 1.0, slant));
@@ -207,16 +193,12 @@ fn triangles_with_one_exact_t_are_a_tie_wherever_it_lies() {
             let near = nearest(&exact);
             let [below, above] = [near.next_down(), near.next_up()].map(number);
             let two = number(2.0);
-            let is_halfway = [below, above]
-                .iter()
-                .any(|other| number(near) + other == &two * &exact);
+            let is_halfway =
+                [below, above].iter().any(|other| number(near) + other == &two * &exact);
             halfway += u32::from(is_halfway);
         }
     }
-    assert!(
-        hits > cases(1500) && halfway > cases(150),
-        "{hits} {halfway}"
-    );
+    assert!(hits > cases(1500) && halfway > cases(150), "{hits} {halfway}");
 }
 
 /// Pictures too: each pixel's `t`, of triangles large and small, near and far.
@@ -226,9 +208,8 @@ fn pictures_have_exact_distances() {
     let mut hits = 0;
     for size in [1e-3, 0.1, 1.0, 30.0, 1e4, 1e9] {
         for parallel in [false, true] {
-            let points: Vec<_> = (0..12)
-                .map(|_| size * numbers.point() + DVec3::Z * 1e-3)
-                .collect();
+            let points: Vec<_> =
+                (0..12).map(|_| size * numbers.point() + DVec3::Z * 1e-3).collect();
             let triangles = vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]];
             let scene = scene(vec![Object::new(mesh(&points, triangles))]);
             let eye = (2.0 + 0.3 * size.min(10.0)) * numbers.point().normalize();
@@ -269,27 +250,15 @@ fn edges_and_corners_are_decided_exactly() {
     let (points, triangles) = bumpy_sphere(3, 5);
     let few = |v: DVec3, digits: f64| (v * digits).round() / digits;
     let (mut hits, mut misses) = (0, 0);
-    for (digits, scale) in [
-        (1.0, 1.0),
-        (4.0, 1.0),
-        (4.0, power(-490)),
-        (4.0, power(470)),
-        (1e3, 1.0),
-        (1e15, 1.0),
-    ] {
-        let points: Vec<_> = points
-            .iter()
-            .map(|&point| few(3.0 * point, digits))
-            .collect();
+    for (digits, scale) in
+        [(1.0, 1.0), (4.0, 1.0), (4.0, power(-490)), (4.0, power(470)), (1e3, 1.0), (1e15, 1.0)]
+    {
+        let points: Vec<_> = points.iter().map(|&point| few(3.0 * point, digits)).collect();
         let scaled: Vec<_> = points.iter().map(|&point| scale * point).collect();
         let scene = scene(vec![Object::new(mesh(&scaled, triangles.clone()))]);
         for k in 0..cases(600) {
             let [a, b] = [0, 1].map(|_| points[numbers.below(points.len())]);
-            let through = if k % 2 == 0 {
-                a
-            } else {
-                few(0.5 * (a + b), 2.0 * digits)
-            };
+            let through = if k % 2 == 0 { a } else { few(0.5 * (a + b), 2.0 * digits) };
             let way = match k % 3 {
                 0 => few(5.0 * numbers.point(), digits),
                 1 => [DVec3::X, DVec3::NEG_Y, DVec3::Z][k / 3 % 3] * 5.0,
@@ -311,11 +280,7 @@ fn edges_and_corners_are_decided_exactly() {
 /// An edge where the products of a side round to the same number, at sizes where what is left of them is tiny.
 #[test]
 fn edges_of_tiny_triangles_are_met() {
-    let corners = [
-        [1.25, 0.125, 0.0],
-        [0.125, 1.0, 0.125],
-        [0.0625, 0.125, 1.0],
-    ];
+    let corners = [[1.25, 0.125, 0.0], [0.125, 1.0, 0.125], [0.0625, 0.125, 1.0]];
     let origin = DVec3::new(0.0625, 1.5, 14.3125);
     let direction = DVec3::new(0.625, -0.9375, -14.25);
     for exponent in [0, -440, -460, -490] {
@@ -341,11 +306,7 @@ fn positions_in_slivers_are_where_the_ray_is() {
         let corners = [[a, b, c], [b, c, a], [c, a, b]][usize::try_from(k % 3).unwrap()];
         let scene = scene(vec![Object::new(triangle(corners))]);
         let [v, w] = [numbers.unit(), numbers.unit()];
-        let [v, w] = if v + w > 1.0 {
-            [1.0 - v, 1.0 - w]
-        } else {
-            [v, w]
-        };
+        let [v, w] = if v + w > 1.0 { [1.0 - v, 1.0 - w] } else { [v, w] };
         let [a, b, c] = corners;
         let target = a + v * (b - a) + w * (c - a);
         let direction = numbers.point();
@@ -356,11 +317,7 @@ fn positions_in_slivers_are_where_the_ray_is() {
         }
         hits += 1;
         // At a grazing angle what `t` is rounded to counts along the triangle.
-        let off = scene
-            .interaction(&ray, &hit)
-            .unwrap()
-            .position()
-            .distance(ray.at(hit.t));
+        let off = scene.interaction(&ray, &hit).unwrap().position().distance(ray.at(hit.t));
         let normal = (b - a).cross(c - a);
         let sine = direction.dot(normal).abs() / (direction.length() * normal.length());
         assert!(off * sine < 3e-15, "{corners:?} {ray:?} {off:e}");

@@ -17,10 +17,7 @@ use crate::support::{Ask, Numbers, bits, bumpy_sphere, mesh, scene};
 
 /// A material through which rays pass where alpha is below one half.
 fn leaf() -> Material {
-    Material {
-        alpha_mode: AlphaMode::Mask { cutoff: 0.5 },
-        ..Material::default()
-    }
+    Material { alpha_mode: AlphaMode::Mask { cutoff: 0.5 }, ..Material::default() }
 }
 
 /// A mesh whose vertices have random alphas.
@@ -85,10 +82,7 @@ fn ray(scene: &Scene, numbers: &mut Numbers, k: usize) -> (Ray, RayFilter) {
     let mut ray = Ray::new(3.0 * numbers.point(), numbers.point() - numbers.point());
     let mut filter = RayFilter::NONE;
     let hit = first(scene, &ray, &filter);
-    let surface = SurfaceId {
-        object: hit.object,
-        primitive: hit.primitive,
-    };
+    let surface = SurfaceId { object: hit.object, primitive: hit.primitive };
     match k % 8 {
         0 | 6 if !hit.is_miss() => filter.skip = [Some(surface), None],
         1 if !hit.is_miss() => {
@@ -121,9 +115,7 @@ fn ray(scene: &Scene, numbers: &mut Numbers, k: usize) -> (Ray, RayFilter) {
 fn first(scene: &Scene, ray: &Ray, filter: &RayFilter) -> Hit {
     let rays = [*ray];
     let rays = Filtered::new(&rays, *filter);
-    trace_with(&BruteForce, scene, &rays, First, &())
-        .unwrap()
-        .get(0)
+    trace_with(&BruteForce, scene, &rays, First, &()).unwrap().get(0)
 }
 
 /// The scene with one object to be seen.
@@ -138,9 +130,7 @@ fn alone(scene: &Scene, object: usize) -> Scene {
 /// The same, the object as it would be if nothing were cut out.
 fn opaque(scene: &Scene, object: usize) -> Scene {
     let mut objects = scene.objects().to_vec();
-    objects[object] = objects[object]
-        .clone()
-        .with_materials([Material::default()]);
+    objects[object] = objects[object].clone().with_materials([Material::default()]);
     alone(&scene.with_objects(objects).unwrap(), object)
 }
 
@@ -157,11 +147,7 @@ fn check_candidate(scene: &Scene, story: &Explanation<'_>, candidate: &Candidate
         (object.mask() & filter.mask == 0).then_some(Reason::Masked)
     };
     if let Some(expected) = never {
-        assert_eq!(
-            (candidate.reason, candidate.place),
-            (expected, None),
-            "{what}"
-        );
+        assert_eq!((candidate.reason, candidate.place), (expected, None), "{what}");
         return;
     }
     let by_itself = first(&alone(scene, index), ray, filter);
@@ -208,20 +194,14 @@ fn check_departing(
         Reason::BehindStart => assert!(place.t <= ray.t_min + near, "{what}"),
         Reason::BeyondEnd => assert!(place.t > ray.t_max, "{what}"),
         Reason::CulledFront | Reason::CulledBack => {
-            let but_cull = RayFilter {
-                cull: None,
-                ..*filter
-            };
+            let but_cull = RayFilter { cull: None, ..*filter };
             let index = usize::try_from(candidate.object).unwrap();
             let met = first(&opaque(scene, index), ray, &but_cull);
             assert!(!met.is_miss() && filter.cull.is_some(), "{what}");
         }
         Reason::CutOut => {
             let index = usize::try_from(candidate.object).unwrap();
-            assert!(
-                !first(&opaque(scene, index), ray, filter).is_miss(),
-                "{what}"
-            );
+            assert!(!first(&opaque(scene, index), ray, filter).is_miss(), "{what}");
         }
         reason => panic!("{reason:?}: {what}"),
     }
@@ -237,10 +217,7 @@ fn check_rejected(
     let index = usize::try_from(candidate.object).unwrap();
     let scene = &opaque(scene, index);
     let meets = |ray: &Ray, filter: &RayFilter| !first(scene, ray, filter).is_miss();
-    let but_cull = RayFilter {
-        cull: None,
-        ..*filter
-    };
+    let but_cull = RayFilter { cull: None, ..*filter };
     let t_min = ray.t_min;
     let place = candidate.place.map(|place| place.t);
     match candidate.reason {
@@ -260,10 +237,7 @@ fn check_rejected(
         }
         _ => assert!(!meets(ray, &RayFilter::NONE), "{what}"),
     }
-    let on = Ray {
-        t_max: f64::INFINITY,
-        ..*ray
-    };
+    let on = Ray { t_max: f64::INFINITY, ..*ray };
     match candidate.reason {
         Reason::BeyondEnd => {
             let met = first(scene, &on, &RayFilter::NONE);
@@ -317,18 +291,11 @@ fn stories_agree_with_brute_force() {
     let mut counts: BTreeMap<Reason, usize> = BTreeMap::new();
     for seed in 0..9 {
         // The last ones with objects that share a tree.
-        let scene = if seed < 6 {
-            everything(seed)
-        } else {
-            scene(pieces(seed))
-        };
+        let scene = if seed < 6 { everything(seed) } else { scene(pieces(seed)) };
         let mut numbers = Numbers::new(seed + 50);
         for k in 0..120 {
             let (ray, filter) = ray(&scene, &mut numbers, k);
-            let settings = ExplainSettings {
-                filter,
-                ..ExplainSettings::default()
-            };
+            let settings = ExplainSettings { filter, ..ExplainSettings::default() };
             let story = explain(&scene, &ray, &settings, &()).unwrap();
             check(&scene, &story);
             for (reason, count) in story.counts() {
@@ -336,10 +303,7 @@ fn stories_agree_with_brute_force() {
             }
         }
     }
-    for reason in Reason::ALL
-        .iter()
-        .filter(|&&reason| reason != Reason::NoRay)
-    {
+    for reason in Reason::ALL.iter().filter(|&&reason| reason != Reason::NoRay) {
         let count = counts.get(reason).copied().unwrap_or(0);
         assert!(count >= 5, "{reason:?}: {count} of {counts:?}");
     }
@@ -369,14 +333,8 @@ fn a_ray_that_is_not_valid_meets_nothing_and_says_why() {
     let scene = scene(vec![ball(), ball().hidden(true)]);
     let good = Ray::new(DVec3::splat(3.0), DVec3::NEG_ONE);
     let bad = [
-        (
-            Ray::new(DVec3::NAN, DVec3::X),
-            "its origin is NaN or beyond 1e150",
-        ),
-        (
-            Ray::new(DVec3::splat(1e200), DVec3::X),
-            "its origin is NaN or beyond 1e150",
-        ),
+        (Ray::new(DVec3::NAN, DVec3::X), "its origin is NaN or beyond 1e150"),
+        (Ray::new(DVec3::splat(1e200), DVec3::X), "its origin is NaN or beyond 1e150"),
         (Ray::new(DVec3::X, DVec3::ZERO), "is zero"),
         (Ray::new(DVec3::X, DVec3::NAN), "not finite"),
         (good.beyond(3.0).up_to(3.0), "ends before"),
@@ -398,20 +356,14 @@ fn only_the_objects_among_which_is_asked_are_met() {
     let ball = |x: f64| Object::new(Sphere::new(DVec3::new(x, 0.0, 0.0), 1.0).unwrap());
     let scene = scene(vec![ball(0.0), ball(4.0), ball(8.0)]);
     let ray = Ray::new(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
-    let settings = ExplainSettings {
-        among: Some(vec![2, 1]),
-        behind: 1,
-        ..ExplainSettings::default()
-    };
+    let settings =
+        ExplainSettings { among: Some(vec![2, 1]), behind: 1, ..ExplainSettings::default() };
     let story = explain(&scene, &ray, &settings, &()).unwrap();
     let reasons: Vec<Reason> = story.candidates.iter().map(|it| it.reason).collect();
     let expected = [Reason::NotAmong, Reason::Hit, Reason::BehindHit];
     assert_eq!(reasons, expected);
     assert_eq!((story.behind_count, story.behind[0].hit.t), (3, 10.0));
-    let beyond = ExplainSettings {
-        among: Some(vec![3]),
-        ..settings
-    };
+    let beyond = ExplainSettings { among: Some(vec![3]), ..settings };
     let refused = explain(&scene, &ray, &beyond, &()).unwrap_err();
     assert!(refused.to_string().contains("3; there are 3"), "{refused}");
 }
@@ -437,17 +389,10 @@ fn a_pixel_is_that_of_the_picture() {
     for outside in [[0, 9], [6, 0], [usize::MAX; 2]] {
         let refused = explain_pixel(&scene, &camera, outside, &settings, &()).unwrap_err();
         let refused = refused.to_string();
-        assert!(
-            refused.contains("6 rows and 9 columns, from 0,0 to 5,8"),
-            "{refused}"
-        );
+        assert!(refused.contains("6 rows and 9 columns, from 0,0 to 5,8"), "{refused}");
     }
     // The ends that are asked for are those of the ray, a pixel's too.
-    let settings = ExplainSettings {
-        t_min: Some(-1.0),
-        t_max: Some(2.0),
-        ..settings
-    };
+    let settings = ExplainSettings { t_min: Some(-1.0), t_max: Some(2.0), ..settings };
     let story = explain_pixel(&scene, &camera, [2, 4], &settings, &()).unwrap();
     assert_eq!((story.ray.t_min, story.ray.t_max), (-1.0, 2.0));
     assert_eq!(story.counts(), [(Reason::BeyondEnd, 1)]);
@@ -469,16 +414,10 @@ fn a_copy_of_a_triangle_that_is_skipped_is_the_hit() {
         let ray = Ray::new(middle + 1e-6 * normal, -normal);
         let surface = |primitive: usize| {
             let primitive = i32::try_from(primitive).unwrap();
-            Some(SurfaceId {
-                object: 0,
-                primitive,
-            })
+            Some(SurfaceId { object: 0, primitive })
         };
         let skipping = |skip| ExplainSettings {
-            filter: RayFilter {
-                skip,
-                ..RayFilter::NONE
-            },
+            filter: RayFilter { skip, ..RayFilter::NONE },
             ..ExplainSettings::default()
         };
         let skips = [[surface(k), None], [surface(k), surface(k + 30)]];
@@ -493,10 +432,7 @@ fn a_copy_of_a_triangle_that_is_skipped_is_the_hit() {
 }
 
 fn reasons(scene: &Scene, ray: &Ray, filter: RayFilter) -> Vec<(Reason, Option<f64>)> {
-    let settings = ExplainSettings {
-        filter,
-        ..ExplainSettings::default()
-    };
+    let settings = ExplainSettings { filter, ..ExplainSettings::default() };
     let story = explain(scene, ray, &settings, &()).unwrap();
     let candidates = story.candidates.iter();
     let reasons = candidates.map(|it| (it.reason, it.place.map(|place| place.t)));
@@ -514,30 +450,17 @@ fn the_place_that_a_ray_leaves_is_at_its_start() {
     for (object, primitive) in [(ball, 0), (block, 5), (sheets, 0)] {
         let is_mesh = object.mesh().is_some();
         let scene = scene(vec![object]);
-        let surface = SurfaceId {
-            object: 0,
-            primitive,
-        };
+        let surface = SurfaceId { object: 0, primitive };
         // In the triangle, the point (0, 0, 1).
         let barycentric = DVec2::new(0.25, 0.5);
-        let departure = Some(Departure {
-            surface,
-            barycentric,
-            side: Some(Side::Front),
-        });
-        let filter = RayFilter {
-            departure,
-            ..RayFilter::NONE
-        };
+        let departure = Some(Departure { surface, barycentric, side: Some(Side::Front) });
+        let filter = RayFilter { departure, ..RayFilter::NONE };
         let out = Ray::new(DVec3::Z, DVec3::Z);
         let found = reasons(&scene, &out, filter);
         assert_eq!(found, [(Reason::Left, Some(0.0))], "mesh: {is_mesh}");
         // Inwards it meets the other end, or nothing before that.
         let inwards = Ray::new(DVec3::Z, DVec3::NEG_Z);
-        assert_eq!(
-            reasons(&scene, &inwards, filter),
-            [(Reason::Hit, Some(2.0))]
-        );
+        assert_eq!(reasons(&scene, &inwards, filter), [(Reason::Hit, Some(2.0))]);
         let found = reasons(&scene, &inwards.up_to(1.5), filter);
         assert_eq!(found, [(Reason::Left, Some(0.0))], "mesh: {is_mesh}");
     }
@@ -548,21 +471,12 @@ fn what_is_skipped_is_on_the_ray() {
     let points = [DVec3::ZERO, DVec3::X, DVec3::Y];
     let triangle = Object::new(mesh(&points, vec![[0, 1, 2]]));
     let disc = Object::new(Disc::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap());
-    let surface = SurfaceId {
-        object: 0,
-        primitive: 0,
-    };
-    let skip = RayFilter {
-        skip: [Some(surface), None],
-        ..RayFilter::NONE
-    };
+    let surface = SurfaceId { object: 0, primitive: 0 };
+    let skip = RayFilter { skip: [Some(surface), None], ..RayFilter::NONE };
     for object in [triangle, disc] {
         let scene = scene(vec![object]);
         let down = Ray::new(DVec3::new(0.2, 0.2, 3.0), DVec3::NEG_Z);
-        let up = Ray {
-            direction: DVec3::Z,
-            ..down
-        };
+        let up = Ray { direction: DVec3::Z, ..down };
         let found = reasons(&scene, &down, skip);
         assert_eq!(found, [(Reason::Skipped, Some(3.0))]);
         let found = reasons(&scene, &up, skip);
@@ -573,10 +487,7 @@ fn what_is_skipped_is_on_the_ray() {
     // The near end of a ball is skipped, so that another reason counts at the far one.
     let ball = scene(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap())]);
     let inside = Ray::new(0.5 * DVec3::NEG_Z, DVec3::Z);
-    let culling = RayFilter {
-        cull: Some(Side::Back),
-        ..skip
-    };
+    let culling = RayFilter { cull: Some(Side::Back), ..skip };
     let found = reasons(&ball, &inside, culling);
     assert_eq!(found, [(Reason::CulledBack, Some(1.5))]);
     assert_eq!(reasons(&ball, &inside, skip), [(Reason::Hit, Some(1.5))]);
@@ -587,21 +498,10 @@ fn a_ray_that_meets_one_object_only_says_so_of_the_others() {
     let ball = |x: f64| Object::new(Sphere::new(DVec3::new(x, 0.0, 0.0), 1.0).unwrap());
     let scene = scene(vec![ball(0.0), ball(4.0).masked(2), ball(8.0)]);
     let ray = Ray::new(DVec3::new(-5.0, 0.0, 0.0), DVec3::X);
-    let filter = RayFilter {
-        only: Some(2),
-        mask: 1,
-        ..RayFilter::NONE
-    };
-    let expected = [
-        (Reason::NotAmong, None),
-        (Reason::NotAmong, None),
-        (Reason::Hit, Some(12.0)),
-    ];
+    let filter = RayFilter { only: Some(2), mask: 1, ..RayFilter::NONE };
+    let expected = [(Reason::NotAmong, None), (Reason::NotAmong, None), (Reason::Hit, Some(12.0))];
     assert_eq!(reasons(&scene, &ray, filter), expected);
-    let masked = RayFilter {
-        only: None,
-        ..filter
-    };
+    let masked = RayFilter { only: None, ..filter };
     assert_eq!(reasons(&scene, &ray, masked)[1], (Reason::Masked, None));
 }
 

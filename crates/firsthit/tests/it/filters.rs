@@ -50,9 +50,8 @@ fn everything(seed: u64) -> Scene {
 /// Rays of all kinds of filters; many leave surfaces.
 pub(crate) fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec<RayFilter>) {
     let mut numbers = Numbers::new(seed);
-    let starts: Vec<Ray> = (0..count)
-        .map(|_| Ray::new(2.0 * numbers.point(), numbers.point()))
-        .collect();
+    let starts: Vec<Ray> =
+        (0..count).map(|_| Ray::new(2.0 * numbers.point(), numbers.point())).collect();
     let hits = trace(scene, &starts, First, &()).unwrap();
     let crossings = trace(scene, &starts, All::default(), &()).unwrap();
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
@@ -66,10 +65,7 @@ pub(crate) fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec
             0 => hit,
             count => crossings.hits.get(on_the_way.start + numbers.below(count)),
         };
-        let surface = SurfaceId {
-            object: skipped.object,
-            primitive: skipped.primitive,
-        };
+        let surface = SurfaceId { object: skipped.object, primitive: skipped.primitive };
         if k % 2 == 0 && !hit.is_miss() {
             let way = numbers.point();
             let mut snapped = hit;
@@ -94,10 +90,7 @@ pub(crate) fn filtered(scene: &Scene, count: usize, seed: u64) -> (Vec<Ray>, Vec
             filter.cull = Some([Side::Front, Side::Back][k % 7]);
         }
         if k % 11 == 0 {
-            ray = Ray {
-                direction: 1e-120 * ray.direction,
-                ..ray
-            };
+            ray = Ray { direction: 1e-120 * ray.direction, ..ray };
         }
         if k % 13 == 0 {
             ray = ray.beyond(0.3);
@@ -128,10 +121,7 @@ fn trees_and_brute_force_agree_on_every_instruction_set() {
         assert!(any.iter().filter(|&&hit| hit).count() > 60);
         for set in InstructionSet::available() {
             let cpu = Cpu::with(set);
-            same(
-                &trace_with(&cpu, &scene, &rays, First, &()).unwrap(),
-                &first,
-            );
+            same(&trace_with(&cpu, &scene, &rays, First, &()).unwrap(), &first);
             assert_eq!(trace_with(&cpu, &scene, &rays, Any, &()).unwrap(), any);
             assert_eq!(trace_with(&cpu, &scene, &rays, Count, &()).unwrap(), count);
             let fast = trace_with(&cpu, &scene, &rays, All::default(), &()).unwrap();
@@ -144,15 +134,8 @@ fn trees_and_brute_force_agree_on_every_instruction_set() {
 /// Rays that leave what a camera sees: to a light, and short and long ones to all sides, so into things too. Neighbours go in packets.
 pub(crate) fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
     let mut numbers = Numbers::new(9);
-    let camera = Camera::look_at(
-        DVec3::new(1.0, -3.0, 1.5),
-        DVec3::ZERO,
-        DVec3::Z,
-        40.0,
-        40,
-        40,
-    )
-    .unwrap();
+    let camera =
+        Camera::look_at(DVec3::new(1.0, -3.0, 1.5), DVec3::ZERO, DVec3::Z, 40.0, 40, 40).unwrap();
     let hits = trace(scene, &camera, First, &()).unwrap();
     let light = DVec3::new(-2.0, -2.0, 4.0);
     let (mut rays, mut filters) = (Vec::new(), Vec::new());
@@ -162,20 +145,13 @@ pub(crate) fn leaving_together(scene: &Scene) -> (Vec<Ray>, Vec<RayFilter>) {
             let Some(surface) = scene.interaction(&ray, &hit) else {
                 continue;
             };
-            let way = if length > 0.0 {
-                length * numbers.point()
-            } else {
-                light - surface.position()
-            };
+            let way =
+                if length > 0.0 { length * numbers.point() } else { light - surface.position() };
             let (ray, filter) = surface.leave(way);
             let cull = (k % 50 == 7).then_some(Side::Back);
             let mask = if k % 40 == 9 { 0b1000 } else { u32::MAX };
             rays.push(ray.up_to(1.0));
-            filters.push(RayFilter {
-                cull,
-                mask,
-                ..filter
-            });
+            filters.push(RayFilter { cull, mask, ..filter });
         }
     }
     (rays, filters)
@@ -215,12 +191,7 @@ fn rays_that_leave_together_meet_what_brute_force_says() {
     let low = Object::new(bumpy.clone()).masked(0b0111);
     let ball = Object::new(Sphere::new(DVec3::new(-1.0, -1.0, 2.0), 0.3).unwrap());
     let mut met = 0;
-    for objects in [
-        vec![low.clone()],
-        vec![turned.clone()],
-        vec![low, turned, ball],
-        shapes(),
-    ] {
+    for objects in [vec![low.clone()], vec![turned.clone()], vec![low, turned, ball], shapes()] {
         let scene = scene(objects);
         let (rays, filters) = leaving_together(&scene);
         assert!(rays.len() > 700);
@@ -258,17 +229,11 @@ fn a_ray_that_leaves_a_disc_meets_the_neighbour_that_brute_force_says() {
         Object::new(pair).placed(Transform::translation(DVec3::ZERO).unwrap()),
     ]);
     let departure = Departure {
-        surface: SurfaceId {
-            object: 0,
-            primitive: 0,
-        },
+        surface: SurfaceId { object: 0, primitive: 0 },
         barycentric: DVec2::NAN,
         side: None,
     };
-    let leaves = RayFilter {
-        departure: Some(departure),
-        ..RayFilter::NONE
-    };
+    let leaves = RayFilter { departure: Some(departure), ..RayFilter::NONE };
     let rays = [Ray::new(at, way)];
     let rays = Filtered::new(&rays, leaves);
     let slow = trace_with(&BruteForce, &scene, &rays, First, &()).unwrap();
@@ -304,18 +269,8 @@ fn met_from(mesh: &Mesh, start: (usize, DVec2), way: DVec3) -> Vec<i32> {
 }
 
 fn leaving(triangle: usize, barycentric: DVec2) -> RayFilter {
-    let surface = SurfaceId {
-        object: 0,
-        primitive: triangle as i32,
-    };
-    RayFilter {
-        departure: Some(Departure {
-            surface,
-            barycentric,
-            side: None,
-        }),
-        ..RayFilter::NONE
-    }
+    let surface = SurfaceId { object: 0, primitive: triangle as i32 };
+    RayFilter { departure: Some(Departure { surface, barycentric, side: None }), ..RayFilter::NONE }
 }
 
 /// Weights inside, at edges, at corners, and beside those by little more than the rounding.
@@ -357,11 +312,8 @@ fn rays_that_leave_meet_what_exact_arithmetic_says() {
         let away = [0.0, 0.0, 1e6, 0.0][seed as usize % 4];
         let place = |p: &DVec3| (3.0 * *p * digits).round() / digits + away;
         let mut points: Vec<DVec3> = points.iter().map(place).collect();
-        let triangles = if digits == 4.0 {
-            with_layers(&mut points, &triangles)
-        } else {
-            triangles
-        };
+        let triangles =
+            if digits == 4.0 { with_layers(&mut points, &triangles) } else { triangles };
         let mesh = mesh(&points, triangles);
         let scene = scene(vec![Object::new(mesh.clone())]);
         let (mut rays, mut filters, mut expected) = (Vec::new(), Vec::new(), Vec::new());
@@ -388,19 +340,11 @@ fn rays_that_leave_meet_what_exact_arithmetic_says() {
         let hits = trace(&scene, &rays, First, &()).unwrap();
         let any = trace(&scene, &rays, Any, &()).unwrap();
         for (k, expected) in expected.iter().enumerate() {
-            assert_eq!(
-                any[k],
-                !expected.is_empty(),
-                "{k} {:?}",
-                filters[k].departure
-            );
+            assert_eq!(any[k], !expected.is_empty(), "{k} {:?}", filters[k].departure);
             let hit = hits.get(k);
             assert_eq!(hit.is_miss(), expected.is_empty());
             if !hit.is_miss() {
-                assert!(
-                    expected.contains(&hit.primitive),
-                    "{k}: {hit:?} {expected:?}"
-                );
+                assert!(expected.contains(&hit.primitive), "{k}: {hit:?} {expected:?}");
                 assert!(hit.t > 0.0);
                 near += usize::from(hit.t < 1e-12);
             }
@@ -418,18 +362,10 @@ fn closed_convex_meshes_are_left_for_good() {
     let turn = DQuat::from_rotation_x(0.3) * DQuat::from_rotation_y(1.1);
     for (seed, far) in [(1, 0.0), (2, 1e5), (3, 1e9)] {
         let points: Vec<DVec3> = (0..8).map(|k| turn * corner(k) / 3.0 + far).collect();
-        let quads = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        let triangles: Vec<[u32; 3]> = quads
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-            .collect();
+        let quads =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles: Vec<[u32; 3]> =
+            quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let mesh = mesh(&points, triangles);
         let scene = scene(vec![Object::new(mesh.clone())]);
         let mut numbers = Numbers::new(seed);

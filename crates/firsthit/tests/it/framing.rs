@@ -21,48 +21,26 @@ fn meshes() -> [Arc<Mesh>; 3] {
     };
     let at = |k: i32, scale: [f64; 3]| {
         let wave = |step: f64| libm::sin(f64::from(k) * step);
-        [
-            1.3 * scale[0] * wave(1.7),
-            scale[1] * wave(2.9),
-            scale[2] * wave(4.3),
-        ]
+        [1.3 * scale[0] * wave(1.7), scale[1] * wave(2.9), scale[2] * wave(4.3)]
     };
     let scattered = |scale| mesh((0..600).map(|k| at(k, scale)).collect());
-    [
-        scattered([1.0, 3.0, 0.02]),
-        scattered([0.05, 0.05, 7.0]),
-        scattered([1.0, 1.0, 1.0]),
-    ]
+    [scattered([1.0, 3.0, 0.02]), scattered([0.05, 0.05, 7.0]), scattered([1.0, 1.0, 1.0])]
 }
 
 /// Every shape, as it is, and turned, squeezed and far away.
 fn objects() -> Vec<Object> {
     let mut shapes: Vec<Shape> = vec![
         Sphere::new(DVec3::new(4.0, 1.0, -2.0), 0.7).unwrap().into(),
-        Disc::new(DVec3::ZERO, DVec3::new(0.0, 1.0, 0.0), 2.0)
-            .unwrap()
-            .into(),
-        Disc::new(DVec3::ONE, DVec3::new(0.3, -1.0, 0.6), 2.0)
-            .unwrap()
-            .into(),
-        Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 5.0, 0.5))
-            .unwrap()
-            .into(),
-        Cylinder::new(DVec3::NEG_Y, 3.0 * DVec3::Z, 0.4)
-            .unwrap()
-            .into(),
-        Cone::new(DVec3::ZERO, DVec3::new(0.0, 0.5, 2.0), 1.0, 0.0)
-            .unwrap()
-            .into(),
+        Disc::new(DVec3::ZERO, DVec3::new(0.0, 1.0, 0.0), 2.0).unwrap().into(),
+        Disc::new(DVec3::ONE, DVec3::new(0.3, -1.0, 0.6), 2.0).unwrap().into(),
+        Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 5.0, 0.5)).unwrap().into(),
+        Cylinder::new(DVec3::NEG_Y, 3.0 * DVec3::Z, 0.4).unwrap().into(),
+        Cone::new(DVec3::ZERO, DVec3::new(0.0, 0.5, 2.0), 1.0, 0.0).unwrap().into(),
         Plane::new(DVec3::ZERO, DVec3::Z).unwrap().into(),
     ];
     shapes.extend(meshes().map(Shape::from));
     let named: HashSet<_> = shapes.iter().map(Shape::name).collect();
-    assert_eq!(
-        named,
-        Shape::NAMES.iter().copied().collect(),
-        "a shape is not tried"
-    );
+    assert_eq!(named, Shape::NAMES.iter().copied().collect(), "a shape is not tried");
     let turned = DAffine3::from_scale_rotation_translation(
         DVec3::new(0.2, 1.0, 2.0),
         DQuat::from_rotation_x(0.6) * DQuat::from_rotation_z(1.1),
@@ -70,9 +48,7 @@ fn objects() -> Vec<Object> {
     );
     let turned = Transform::new(turned).unwrap();
     let objects = shapes.into_iter().map(Object::new);
-    objects
-        .flat_map(|object| [object.clone(), object.placed(turned)])
-        .collect()
+    objects.flat_map(|object| [object.clone(), object.placed(turned)]).collect()
 }
 
 /// Points of the scene's surface, infinite planes left out: met by rays from all around, and the corners of meshes, which they seldom meet.
@@ -91,8 +67,7 @@ fn points(scene: &Scene) -> Vec<DVec3> {
         let is_finite = scene.object(&hit)?.bounds().is_finite();
         is_finite.then(|| origin + hit.t * (target - origin))
     });
-    met.chain(scene.objects().iter().flat_map(corners))
-        .collect()
+    met.chain(scene.objects().iter().flat_map(corners)).collect()
 }
 
 fn corners(object: &Object) -> Vec<DVec3> {
@@ -101,9 +76,7 @@ fn corners(object: &Object) -> Vec<DVec3> {
         return vec![];
     };
     let corners = (0..mesh.triangles().len()).flat_map(|triangle| mesh.corners(triangle));
-    corners
-        .map(|corner| world_from_object.transform_point3(corner))
-        .collect()
+    corners.map(|corner| world_from_object.transform_point3(corner)).collect()
 }
 
 #[test]
@@ -135,10 +108,7 @@ fn the_model_fills_sixty_percent_of_the_picture_in_every_view() {
                         });
                     let shape = scene.objects()[0].shape().name();
                     let told = format!("{standard:?} {projection:?} {shape} {low} {high}");
-                    assert!(
-                        low.min_element() > -1.0 && high.max_element() < 1.0,
-                        "{told}"
-                    );
+                    assert!(low.min_element() > -1.0 && high.max_element() < 1.0, "{told}");
                     assert!((high - low).max_element() >= 2.0 * 0.6, "{told}");
                     pictures += 1;
                 }
@@ -235,10 +205,7 @@ fn a_point_and_a_line_along_the_aim_are_framed_too() {
     for parallel in [false, true] {
         for (low, high) in [(5.0, 5.0), (-4.0, 9.0)] {
             let view = View {
-                lens: Lens::Flat(Viewplane {
-                    parallel,
-                    ..Viewplane::default()
-                }),
+                lens: Lens::Flat(Viewplane { parallel, ..Viewplane::default() }),
                 ..View::default()
             };
             let ends = [low, high].map(|z| DVec3::new(1.0, 2.0, z));
@@ -255,25 +222,16 @@ fn what_reaches_nowhere_or_everywhere_is_not_framed() {
     for support in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
         let error = Camera::framing(View::default(), |_| support).unwrap_err();
         let message = error.to_string();
-        assert!(
-            message.starts_with("support must be finite, to be framed, got "),
-            "{message}"
-        );
+        assert!(message.starts_with("support must be finite, to be framed, got "), "{message}");
     }
 }
 
 #[test]
 fn framing_does_not_depend_on_where_the_model_is() {
-    let view = View {
-        aim: DVec3::new(-1.0, -2.0, -3.0),
-        ..View::default()
-    };
+    let view = View { aim: DVec3::new(-1.0, -2.0, -3.0), ..View::default() };
     let distance = |far: f64| {
         let place = DVec3::splat(far);
-        let bounds = Bounds {
-            low: place - DVec3::ONE,
-            high: place + DVec3::ONE,
-        };
+        let bounds = Bounds { low: place - DVec3::ONE, high: place + DVec3::ONE };
         let camera = Camera::framing(view, support_of(bounds)).unwrap();
         (camera.position() - place).length()
     };

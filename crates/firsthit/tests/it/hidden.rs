@@ -54,10 +54,7 @@ impl Judge {
     /// Whether identifiers of a scene and those of the fewer objects mean the same.
     fn are_same(&self, found: &[i32], expected: &[i32]) -> bool {
         let number = |object: i32| usize::try_from(object).map_or(-1, |k| self.kept[k] as i32);
-        found
-            .iter()
-            .copied()
-            .eq(expected.iter().map(|&k| number(k)))
+        found.iter().copied().eq(expected.iter().map(|&k| number(k)))
     }
 
     /// Returns how many rays meet something.
@@ -76,10 +73,7 @@ impl Judge {
     }
 
     fn distances(&self, scene: &Scene) {
-        let wanted = NearestSettings {
-            count: 3,
-            ..NearestSettings::default()
-        };
+        let wanted = NearestSettings { count: 3, ..NearestSettings::default() };
         let nearest = |scene| closest_points(scene, &self.points, wanted, &()).unwrap();
         let judged = closest_points_with(Method::BruteForce, scene, &self.points, wanted, &());
         let expected = nearest(&self.fewer);
@@ -93,11 +87,7 @@ impl Judge {
 
     fn insides(&self, scene: &Scene) {
         let points: Vec<DVec3> = self.points.iter().copied().map(DVec3::from).collect();
-        let held = |scene| {
-            inside(scene, &points, Grouping::Union, &())
-                .unwrap()
-                .is_inside
-        };
+        let held = |scene| inside(scene, &points, Grouping::Union, &()).unwrap().is_inside;
         assert_eq!(held(scene), held(&self.fewer));
         let lengths = |scene| {
             let lengths = path_lengths(scene, &self.rays, Grouping::Union, &()).unwrap();
@@ -122,9 +112,7 @@ impl Judge {
 fn asked(numbers: &mut Numbers) -> (Vec<[f64; 3]>, Vec<Ray>) {
     let middle = DVec3::new(2.5, 0.0, 0.0);
     let points: Vec<_> = (0..400).map(|_| 3.0 * numbers.point() + middle).collect();
-    let rays = points
-        .iter()
-        .map(|&origin| Ray::new(origin, numbers.point()));
+    let rays = points.iter().map(|&origin| Ray::new(origin, numbers.point()));
     let rays = rays.collect();
     (points.iter().map(DVec3::to_array).collect(), rays)
 }
@@ -142,21 +130,14 @@ fn hidden_objects_are_as_if_they_were_not_there() {
         let is_hidden: Vec<bool> = (0..all.len()).map(|k| is_hidden(k, &mut numbers)).collect();
         let kept: Vec<usize> = (0..all.len()).filter(|&k| !is_hidden[k]).collect();
         let fewer = Scene::new(kept.iter().map(|&k| all[k].clone()).collect()).unwrap();
-        let judge = Judge {
-            fewer,
-            kept,
-            points,
-            rays,
-        };
+        let judge = Judge { fewer, kept, points, rays };
 
         let marked =
-            all.iter()
-                .zip(&is_hidden)
-                .map(|(object, &is_hidden)| match (is_hidden, round % 2) {
-                    (false, _) => object.clone(),
-                    (true, 0) => object.clone().masked(0),
-                    (true, _) => object.clone().hidden(true),
-                });
+            all.iter().zip(&is_hidden).map(|(object, &is_hidden)| match (is_hidden, round % 2) {
+                (false, _) => object.clone(),
+                (true, 0) => object.clone().masked(0),
+                (true, _) => object.clone().hidden(true),
+            });
         let built = Scene::new(marked.collect()).unwrap();
         let mut later = Scene::new(all.clone()).unwrap();
         let changes: Vec<(usize, bool)> = is_hidden.iter().copied().enumerate().collect();

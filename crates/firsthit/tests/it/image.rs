@@ -23,12 +23,7 @@ fn frame() -> Frame {
     for channel in [
         Channel::new("color", 3, Data::Float32(color), Display::Color),
         Channel::new("t", 1, Data::Float64(t), Display::Distance),
-        Channel::new(
-            "object",
-            1,
-            Data::Int32(vec![0, -1, 1, 2, 3, i32::MAX]),
-            Display::Identifier,
-        ),
+        Channel::new("object", 1, Data::Int32(vec![0, -1, 1, 2, 3, i32::MAX]), Display::Identifier),
         Channel::new(
             "front",
             1,
@@ -44,13 +39,7 @@ fn frame() -> Frame {
 fn encode(format: &str, frame: &Frame, channel: Option<&str>) -> Vec<u8> {
     let mut bytes = Vec::new();
     (format_named(format).unwrap())
-        .encode(
-            frame,
-            channel,
-            WriteSettings::default(),
-            &mut bytes,
-            Path::new("-"),
-        )
+        .encode(frame, channel, WriteSettings::default(), &mut bytes, Path::new("-"))
         .unwrap();
     bytes
 }
@@ -65,20 +54,13 @@ fn check_colors(frame: &Frame) {
         panic!("a picture has rows and columns");
     };
     assert_eq!((info.height as usize, info.width as usize), (rows, columns));
-    assert_eq!(
-        (info.color_type, info.bit_depth),
-        (png::ColorType::Rgb, png::BitDepth::Eight)
-    );
+    assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
     assert!(reader.info().srgb.is_some());
     let data = &frame.channel("color").unwrap().data;
     assert_eq!(pixels.len(), data.len());
     for (index, &byte) in pixels.iter().enumerate() {
         let linear = data.value(index);
-        assert_eq!(
-            f64::from(byte),
-            (srgb_encode(linear) * 255.0).round(),
-            "{index}: {linear}"
-        );
+        assert_eq!(f64::from(byte), (srgb_encode(linear) * 255.0).round(), "{index}: {linear}");
     }
 }
 
@@ -95,9 +77,7 @@ fn large_pngs_are_whole() {
         let colors = colors.map(|k| (k.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
         let colors = Data::Float32(colors.collect());
         let mut frame = Frame::new([rows, columns]);
-        frame
-            .push(Channel::new("color", 3, colors, Display::Color))
-            .unwrap();
+        frame.push(Channel::new("color", 3, colors, Display::Color)).unwrap();
         check_colors(&frame);
     }
 }
@@ -108,37 +88,19 @@ fn an_npz_holds_exactly_what_the_frame_holds() {
     let arrays = npz::arrays(encode("npz", &frame, None));
     for channel in frame.channels() {
         let array = &arrays[&*channel.name];
-        let shape: &[usize] = if channel.components == 3 {
-            &[2, 3, 3]
-        } else {
-            &[2, 3]
-        };
+        let shape: &[usize] = if channel.components == 3 { &[2, 3, 3] } else { &[2, 3] };
         assert_eq!(array.shape, shape);
         match &channel.data {
             Data::Float64(values) => {
-                assert_bits(
-                    values,
-                    &array.values("<f8", f64::from_le_bytes),
-                    f64::to_bits,
-                );
+                assert_bits(values, &array.values("<f8", f64::from_le_bytes), f64::to_bits);
             }
             Data::Float32(values) => {
-                assert_bits(
-                    values,
-                    &array.values("<f4", f32::from_le_bytes),
-                    f32::to_bits,
-                );
+                assert_bits(values, &array.values("<f4", f32::from_le_bytes), f32::to_bits);
             }
             Data::Int32(values) => assert_eq!(*values, array.values("<i4", i32::from_le_bytes)),
             Data::Bool(values) => {
                 let flags = array.values("|b1", |[byte]| byte);
-                assert_eq!(
-                    flags,
-                    values
-                        .iter()
-                        .map(|&flag| u8::from(flag))
-                        .collect::<Vec<_>>()
-                );
+                assert_eq!(flags, values.iter().map(|&flag| u8::from(flag)).collect::<Vec<_>>());
             }
         }
     }
@@ -158,9 +120,7 @@ fn an_npy_file_holds_one_channel_of_a_batch() {
     let values: Vec<i32> = (0..20_001).collect();
     let mut frame = Frame::new([values.len()]);
     let data = Data::Int32(values.clone());
-    frame
-        .push(Channel::new("object", 1, data, Display::Identifier))
-        .unwrap();
+    frame.push(Channel::new("object", 1, data, Display::Identifier)).unwrap();
     write(&frame, &path).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     let array = npz::Array::of(&bytes);
@@ -187,28 +147,15 @@ fn what_a_format_cannot_hold_is_refused_before_the_file_is_touched() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     let message = write(&frame(), &path).unwrap_err().to_string();
-    assert!(
-        message.ends_with("got 4 for png: [color, t, object, front]"),
-        "{message}"
-    );
+    assert!(message.ends_with("got 4 for png: [color, t, object, front]"), "{message}");
     let mut batch = Frame::new([1]);
-    batch
-        .push(Channel::new(
-            "t",
-            1,
-            Data::Float64(vec![1.0]),
-            Display::Distance,
-        ))
-        .unwrap();
+    batch.push(Channel::new("t", 1, Data::Float64(vec![1.0]), Display::Distance)).unwrap();
     let message = write(&batch, &path).unwrap_err().to_string();
     assert_eq!(
         message,
         "shape must be [rows, columns], each from 1 to 2^31 - 1, for a PNG, got [1]"
     );
-    assert!(matches!(
-        write(&Frame::new([0, 4]), &path),
-        Err(Error::Argument { .. })
-    ));
+    assert!(matches!(write(&Frame::new([0, 4]), &path), Err(Error::Argument { .. })));
     assert!(!path.exists());
 }
 
@@ -217,10 +164,7 @@ fn extensions_choose_formats_in_any_case() {
     assert_eq!(format_of(Path::new("a/b.PNG")).unwrap().name, "png");
     for path in ["a.jpg", "png", "", ".png"] {
         let message = format_of(Path::new(path)).unwrap_err().to_string();
-        assert!(
-            message.ends_with(" (known: .png, .exr, .npy, .npz, .ply, .pcd)"),
-            "{message}"
-        );
+        assert!(message.ends_with(" (known: .png, .exr, .npy, .npz, .ply, .pcd)"), "{message}");
     }
 }
 
@@ -257,11 +201,7 @@ mod unix {
         symlink(format!("/proc/self/fd/{}", open.as_raw_fd()), &link).unwrap();
         write_text(&link, "after");
         assert_eq!(fs::read(&path).unwrap(), b"before after");
-        assert_eq!(
-            open.metadata().unwrap().len(),
-            12,
-            "it is still the same file"
-        );
+        assert_eq!(open.metadata().unwrap().len(), 12, "it is still the same file");
     }
 
     #[test]

@@ -13,10 +13,7 @@ fn read(files: &[(&str, &[u8])], name: &str, strict: bool) -> Result<Loaded> {
     for (name, content) in files {
         fs::write(folder.path().join(name), content).expect("room for a small file");
     }
-    let settings = LoadSettings {
-        strict,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { strict, ..LoadSettings::default() };
     load(&folder.path().join(name), &settings)
 }
 
@@ -51,9 +48,7 @@ fn an_ascii_stl_is_told_wherever_it_is_cut() {
     for end in whole..=STL.len() {
         assert_eq!(said("a.stl", &STL.as_bytes()[..end]), "");
     }
-    let (half, _) = STL
-        .split_once("facet normal 0 0 1\nouter loop\nvertex 1")
-        .unwrap();
+    let (half, _) = STL.split_once("facet normal 0 0 1\nouter loop\nvertex 1").unwrap();
     let words = ":8: the file seems to be truncated: the solid that begins at line 1 has no endsolid; \
         facets read: 1";
     assert!(said("a.stl", half.as_bytes()).ends_with(words));
@@ -85,10 +80,7 @@ fn what_an_obj_can_tell_of_being_cut_it_tells() {
     let start = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1 2 3\n";
     for (last, words) in [
         ("f 1", "this face has fewer than 3 corners: 'f 1'"),
-        (
-            "f 1/1/1 2/1/1 3/1",
-            "the corners of this face are not of one form",
-        ),
+        ("f 1/1/1 2/1/1 3/1", "the corners of this face are not of one form"),
         ("f 1/1 2/1 3/", "an index is missing after the slash"),
         ("v 0 0 1", "no face has this vertex"),
         ("vt 1 1", "no face has these texture coordinates"),
@@ -102,20 +94,13 @@ fn what_an_obj_can_tell_of_being_cut_it_tells() {
         let text = format!("{start}{last}");
         let warnings = said("a.obj", text.as_bytes());
         let line = format!(":{}: the file seems to be truncated: ", 7);
-        assert!(
-            warnings.contains(&line) && warnings.contains(words),
-            "{last}: {warnings}"
-        );
+        assert!(warnings.contains(&line) && warnings.contains(words), "{last}: {warnings}");
         let strict = read(&[("a.obj", text.as_bytes())], "a.obj", true);
         let error = strict.expect_err(last).to_string();
         assert!(error.contains(words), "{error}");
     }
     for last in ["v 0", "vn 0 1", "vt", "f 1 2 9", "v 0 0 -"] {
-        let error = read(
-            &[("a.obj", format!("{start}{last}").as_bytes())],
-            "a.obj",
-            false,
-        );
+        let error = read(&[("a.obj", format!("{start}{last}").as_bytes())], "a.obj", false);
         let error = error.expect_err(last).to_string();
         assert!(error.contains(":7: "), "{error}");
     }
@@ -133,10 +118,7 @@ fn what_a_material_library_can_tell_of_being_cut_it_tells() {
         let files = [("a.obj", OBJ.as_bytes()), ("a.mtl", text.as_bytes())];
         let model = read(&files, "a.obj", false).expect("warnings only");
         let warnings = model.warnings.join("\n");
-        assert!(
-            warnings.contains("a.mtl:") && warnings.contains(words),
-            "{last}: {warnings}"
-        );
+        assert!(warnings.contains("a.mtl:") && warnings.contains(words), "{last}: {warnings}");
         let error = read(&files, "a.obj", true).expect_err(last).to_string();
         assert!(error.contains("a.mtl:") && error.contains(words), "{error}");
     }
@@ -156,9 +138,8 @@ fn whole_files_without_a_last_line_break_are_silent() {
     ] {
         let files = [("a.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())];
         let model = read(&files, "a.obj", true).expect(name);
-        let about_ends: Vec<_> = (model.warnings.iter())
-            .filter(|warning| warning.contains("truncated"))
-            .collect();
+        let about_ends: Vec<_> =
+            (model.warnings.iter()).filter(|warning| warning.contains("truncated")).collect();
         assert!(about_ends.is_empty(), "{name}: {about_ends:?}");
     }
     assert_eq!(said("a.stl", STL.trim_end().as_bytes()), "");
@@ -173,11 +154,8 @@ fn packed_files_json_and_toml_fail_by_themselves() {
     let gz = packer.finish().expect("memory");
     let gltf =
         br#"{"asset": {"version": "2.0"}, "nodes": [{"name": "a"}], "scenes": [{"nodes": [0]}]}"#;
-    for (name, bytes, step) in [
-        ("a.ply.gz", &gz[..], 3),
-        ("a.gltf", gltf, 1),
-        ("a.glb", &glb, 97),
-    ] {
+    for (name, bytes, step) in [("a.ply.gz", &gz[..], 3), ("a.gltf", gltf, 1), ("a.glb", &glb, 97)]
+    {
         assert!(read(&[(name, bytes)], name, false).is_ok(), "{name}");
         for end in (12..bytes.len()).step_by(step) {
             let cut = read(&[(name, &bytes[..end])], name, false);

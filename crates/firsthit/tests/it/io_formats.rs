@@ -37,11 +37,7 @@ fn every_spelling_of_the_cuboid_is_the_same_solid() {
         let count: usize = meshes.map(|mesh| mesh.triangles().len()).sum();
         assert_eq!(count, 12, "{}", path.display());
         let high = model.world.objects[0].mesh().unwrap().bounds().high;
-        assert!(
-            (high - DVec3::new(1.14, 1.53, 0.73)).length() < 1e-6,
-            "{}",
-            path.display()
-        );
+        assert!((high - DVec3::new(1.14, 1.53, 0.73)).length() < 1e-6, "{}", path.display());
     }
 }
 
@@ -107,10 +103,7 @@ fn seen(model: &Loaded, x: f64, y: f64) -> Option<Color> {
 fn textures_colour_obj_files_upwards_and_map_d_cuts_holes() {
     let files = [
         ("a.obj", TEXTURED.as_bytes()),
-        (
-            "a.mtl",
-            b"newmtl m\nKd 0.5 0.5 0.5\nmap_Kd my tex.png\nmap_d my tex.png\n",
-        ),
+        ("a.mtl", b"newmtl m\nKd 0.5 0.5 0.5\nmap_Kd my tex.png\nmap_d my tex.png\n"),
         ("my tex.png", &four_texels()),
     ];
     let model = read(&files);
@@ -124,18 +117,9 @@ fn textures_colour_obj_files_upwards_and_map_d_cuts_holes() {
 
 #[test]
 fn a_texture_that_cannot_be_read_is_a_warning_and_a_flat_colour() {
-    for name in [
-        "missing.png",
-        "../a.png",
-        "/etc/passwd",
-        "a.mtl",
-        "a\\b.png",
-    ] {
+    for name in ["missing.png", "../a.png", "/etc/passwd", "a.mtl", "a\\b.png"] {
         let library = format!("newmtl m\nKd 1 0 0\nmap_Kd {name}\n");
-        let model = read(&[
-            ("a.obj", TEXTURED.as_bytes()),
-            ("a.mtl", library.as_bytes()),
-        ]);
+        let model = read(&[("a.obj", TEXTURED.as_bytes()), ("a.mtl", library.as_bytes())]);
         let [warning] = model.warnings.as_slice() else {
             panic!("{name}: {:?}", model.warnings);
         };
@@ -167,25 +151,9 @@ fn normals_and_texture_coordinates_are_those_of_the_corners() {
     let full = model.world.objects[0].mesh().unwrap();
     assert_eq!(full.uv(0, DVec2::ZERO), Some(DVec2::new(0.25, 0.5)));
     assert_eq!(full.shading_normal(1, DVec2::Y), Some(DVec3::X));
-    assert_eq!(
-        model.world.objects[1]
-            .mesh()
-            .unwrap()
-            .shading_normal(0, DVec2::ZERO),
-        None
-    );
-    assert_eq!(
-        model.world.objects[2]
-            .mesh()
-            .unwrap()
-            .shading_normal(0, DVec2::ZERO),
-        None
-    );
-    assert!(
-        model.warnings[0].contains("normals"),
-        "{:?}",
-        model.warnings
-    );
+    assert_eq!(model.world.objects[1].mesh().unwrap().shading_normal(0, DVec2::ZERO), None);
+    assert_eq!(model.world.objects[2].mesh().unwrap().shading_normal(0, DVec2::ZERO), None);
+    assert!(model.warnings[0].contains("normals"), "{:?}", model.warnings);
 }
 
 #[test]
@@ -201,19 +169,13 @@ fn colours_of_ply_vertices_and_faces_are_srgb() {
          0 0 0 128 128 128\n1 0 0 128 128 128\n0 1 0 128 128 128\n3 0 1 2\n"
     );
     let model = read(&[("a.ply", text.as_bytes())]);
-    assert_eq!(
-        model.world.objects[0].mesh().unwrap().color(0, DVec2::ZERO),
-        Some(grey)
-    );
+    assert_eq!(model.world.objects[0].mesh().unwrap().color(0, DVec2::ZERO), Some(grey));
     let text = format!(
         "{head}element vertex 4\n{xyz}element face 1\n{list}{rgb}end_header\n\
          0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 128 128 128\n"
     );
     let model = read(&[("a.ply", text.as_bytes())]);
-    assert_eq!(
-        model.world.objects[0].mesh().unwrap().color(1, DVec2::ZERO),
-        Some(grey)
-    );
+    assert_eq!(model.world.objects[0].mesh().unwrap().color(1, DVec2::ZERO), Some(grey));
 }
 
 #[test]
@@ -236,12 +198,7 @@ fn an_stl_facet_must_have_three_vertices() {
         "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\n";
     fs::write(&path, text).expect("room for a small file");
     let error = load(&path, &LoadSettings::default()).expect_err("two vertices");
-    assert!(
-        error
-            .to_string()
-            .ends_with(":7: a facet must have 3 vertices, this has 2"),
-        "{error}"
-    );
+    assert!(error.to_string().ends_with(":7: a facet must have 3 vertices, this has 2"), "{error}");
 }
 
 #[test]
@@ -261,20 +218,9 @@ fn a_stray_line_before_the_elements_of_a_ply_file_is_a_comment() {
 
 #[test]
 fn files_without_any_geometry_are_empty_scenes() {
-    for (name, text) in [
-        ("a.obj", "o a\n"),
-        ("a.ply", "ply\nformat ascii 1.0\nend_header\n"),
-    ] {
+    for (name, text) in [("a.obj", "o a\n"), ("a.ply", "ply\nformat ascii 1.0\nend_header\n")] {
         let model = read(&[(name, text.as_bytes())]);
-        assert_eq!(
-            model
-                .world
-                .objects
-                .iter()
-                .map(Object::triangles)
-                .sum::<usize>(),
-            0
-        );
+        assert_eq!(model.world.objects.iter().map(Object::triangles).sum::<usize>(), 0);
         assert_eq!(model.warnings.len(), 1, "{:?}", model.warnings);
     }
 }
@@ -321,9 +267,7 @@ fn numbers_of_ply_files_are_kept_by_name() {
         let mesh = model.world.objects[0].mesh().expect("a mesh");
         let values = |of, name| {
             let values = mesh.property(of, name).expect("the property");
-            (0..values.len())
-                .map(|k| values.get(k).expect("a value"))
-                .collect::<Vec<_>>()
+            (0..values.len()).map(|k| values.get(k).expect("a value")).collect::<Vec<_>>()
         };
         let (vertices, faces) = (PropertyOf::Vertices, PropertyOf::Faces);
         assert_eq!(values(vertices, "quality"), [0.0, 10.0, 20.0, 30.0]);

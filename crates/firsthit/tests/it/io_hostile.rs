@@ -71,29 +71,15 @@ fn rows_of_nothing_take_no_time() {
 fn indices_must_name_a_vertex() {
     let header =
         format!("element vertex 3\n{XYZ}element face 1\nproperty list uchar int vertex_indices\n");
-    for (face, place) in [
-        ("3 0 1 3", ":13"),
-        ("3 0 1 -1", ":13"),
-        ("-1", ":13"),
-        ("3 0 1", ":13"),
-    ] {
+    for (face, place) in [("3 0 1 3", ":13"), ("3 0 1 -1", ":13"), ("-1", ":13"), ("3 0 1", ":13")]
+    {
         let body = format!("0 0 0\n1 0 0\n0 1 0\n{face}\n");
         let refused = refusal("a.ply", &ply("ascii", &header, body.as_bytes()));
         assert!(refused.starts_with(place), "{face}: {refused}");
     }
-    for face in [
-        "0 1 2",
-        "1 2 4",
-        "1 2 -4",
-        "1 2 99999999999999999999",
-        "1 2 x",
-        "1 2 3/1/1/1",
-    ] {
+    for face in ["0 1 2", "1 2 4", "1 2 -4", "1 2 99999999999999999999", "1 2 x", "1 2 3/1/1/1"] {
         let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {face}\n");
-        assert!(
-            refusal("a.obj", text.as_bytes()).starts_with(":4: "),
-            "{face}"
-        );
+        assert!(refusal("a.obj", text.as_bytes()).starts_with(":4: "), "{face}");
     }
 }
 
@@ -109,49 +95,22 @@ fn coordinates_that_are_garbage_cost_their_triangles_only() {
         f 1 2 3\nf 1 2 4\nf 1 2 5\nf 1 2 6\n";
     let model = read("a.obj", text).expect("three bad triangles of four");
     assert_eq!(model.world.objects[0].mesh().unwrap().triangles().len(), 1);
-    assert!(
-        model.warnings[0].contains("3 triangles"),
-        "{:?}",
-        model.warnings
-    );
-    assert!(
-        model.warnings[0].contains("triangle 1 of 'a'"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("3 triangles"), "{:?}", model.warnings);
+    assert!(model.warnings[0].contains("triangle 1 of 'a'"), "{:?}", model.warnings);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("a.obj");
     fs::write(&path, text).expect("room for a small file");
-    assert!(
-        load(
-            &path,
-            &LoadSettings {
-                strict: true,
-                ..LOOSE
-            }
-        )
-        .is_err()
-    );
+    assert!(load(&path, &LoadSettings { strict: true, ..LOOSE }).is_err());
 }
 
 #[test]
 fn material_libraries_outside_the_folder_are_not_opened() {
-    for name in [
-        "../../etc/passwd",
-        "/etc/passwd",
-        "file:///etc/passwd",
-        "..\\b.mtl",
-        "/dev/zero",
-    ] {
+    for name in ["../../etc/passwd", "/etc/passwd", "file:///etc/passwd", "..\\b.mtl", "/dev/zero"]
+    {
         let text = format!("mtllib {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         let model = read("a.obj", text.as_bytes()).expect("a warning only");
-        let [warning] = model.warnings.as_slice() else {
-            panic!("{:?}", model.warnings)
-        };
-        assert!(
-            warning.contains(":1: ") && warning.contains("refused"),
-            "{warning}"
-        );
+        let [warning] = model.warnings.as_slice() else { panic!("{:?}", model.warnings) };
+        assert!(warning.contains(":1: ") && warning.contains("refused"), "{warning}");
     }
 }
 
@@ -160,10 +119,7 @@ fn every_prefix_of_a_file_is_read_or_refused() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata");
     for entry in fs::read_dir(data).expect("testdata") {
         let path = entry.expect("testdata").path();
-        let name = format!(
-            "a.{}",
-            path.extension().unwrap_or_default().to_string_lossy()
-        );
+        let name = format!("a.{}", path.extension().unwrap_or_default().to_string_lossy());
         if name == "a.md" || path.is_dir() {
             continue;
         }
@@ -197,11 +153,7 @@ fn colours_that_are_no_numbers_are_a_warning() {
     let mesh = model.world.objects[0].mesh().unwrap();
     let values = &mesh.colors().unwrap().values;
     assert_eq!(values[..], [[1.0; 3], [1.0; 3], [0.0, 1.0, 1.0]]);
-    assert!(
-        model.warnings[0].contains(": 2, the first at index 0;"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains(": 2, the first at index 0;"), "{:?}", model.warnings);
 }
 
 #[test]
@@ -216,9 +168,5 @@ fn what_is_not_the_format_has_a_place_too() {
 fn a_property_that_is_there_twice_is_a_warning() {
     let header = format!("element vertex 1\n{XYZ}property float x\n");
     let model = read("a.ply", &ply("ascii", &header, b"0 0 0 5\n")).expect("odd, but right");
-    assert!(
-        model.warnings[0].contains(":7: property 'x' is there twice"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains(":7: property 'x' is there twice"), "{:?}", model.warnings);
 }

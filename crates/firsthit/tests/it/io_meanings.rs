@@ -50,12 +50,7 @@ fn a_weight_before_the_colour_of_a_vertex_is_not_its_red() {
         ("1 1 1 1", [1.0; 3], true),
     ] {
         let model = painted(extra);
-        assert_eq!(
-            model.warnings.is_empty(),
-            !warns,
-            "{extra}: {:?}",
-            model.warnings
-        );
+        assert_eq!(model.warnings.is_empty(), !warns, "{extra}: {:?}", model.warnings);
         is_near(&model, color);
     }
     // One vertex of several tells: red is not one everywhere.
@@ -68,29 +63,17 @@ fn a_weight_before_the_colour_of_a_vertex_is_not_its_red() {
 #[test]
 fn colours_of_obj_and_ply_files_that_count_to_255_are_not_white() {
     let model = painted("51 102 255");
-    assert!(
-        model.warnings[0].contains("colours reach 255"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("colours reach 255"), "{:?}", model.warnings);
     is_near(&model, [0.2, 0.4, 1.0]);
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
         property float red\nproperty float green\nproperty float blue\nelement face 1\nproperty list uchar int vertex_indices\n\
         end_header\n0 0 0 51 0 255\n1 0 0 51 0 255\n0 1 0 51 0 255\n3 0 1 2\n";
     let model = read("a.ply", ply.as_bytes());
-    assert!(
-        model.warnings[0].contains("colours reach 255"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("colours reach 255"), "{:?}", model.warnings);
     is_near(&model, [0.2, 0.0, 1.0]);
     // A little above one is one.
     let model = painted("1.25 0.5 0.25");
-    assert!(
-        model.warnings[0].contains("not from 0 to 1"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("not from 0 to 1"), "{:?}", model.warnings);
     is_near(&model, [1.0, 0.5, 0.25]);
     assert!(painted("1 0.5 0").warnings.is_empty());
 }
@@ -102,11 +85,7 @@ fn a_material_that_gives_more_light_than_it_gets_is_told() {
     fs::write(folder.path().join("a.obj"), obj).unwrap();
     fs::write(folder.path().join("a.mtl"), "newmtl m\nKd 204 102 51\n").unwrap();
     let model = load(&folder.path().join("a.obj"), &LoadSettings::default()).unwrap();
-    assert!(
-        model.warnings[0].contains("a.mtl:2: Kd is from 0 to 1"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("a.mtl:2: Kd is from 0 to 1"), "{:?}", model.warnings);
 }
 
 /// A binary STL of two facets with these attributes.
@@ -139,10 +118,7 @@ fn facets_of_an_stl_have_their_colours_in_both_layouts() {
     near(0.25, Color::new(1.0, 0.0, decoded(15)));
     near(5.25, Object::NEUTRAL);
     let red_low = 31 | 15 << 10;
-    let model = read(
-        "a.stl",
-        &facets(b"COLOR=\x33\xff\x00\xff,MATERIAL=", [red_low, 0x8000]),
-    );
+    let model = read("a.stl", &facets(b"COLOR=\x33\xff\x00\xff,MATERIAL=", [red_low, 0x8000]));
     let near = |x: f64, color: Color| {
         let found = seen(&model, x, x);
         assert!(found.abs_diff_eq(color, 1e-6), "{found} {color}");
@@ -159,10 +135,7 @@ fn a_file_under_a_wrong_name_is_called_what_it_is() {
     let off = b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     for name in ["a.stl", "a.ply", "a.obj", "a.gltf"] {
         let refused = refusal(name, off);
-        assert!(
-            refused.ends_with("by its content this is OFF: name it .off"),
-            "{refused}"
-        );
+        assert!(refused.ends_with("by its content this is OFF: name it .off"), "{refused}");
     }
     let long = [&off[..], &[b'#'; 200]].concat();
     assert!(refusal("a.stl", &long).contains("name it .off"));
@@ -192,17 +165,11 @@ fn units_and_scale_multiply_objects_cameras_and_lights() {
     let text = b"v 0 0 0\nv 1000 0 0\nv 0 1000 0\nf 1 2 3\n";
     let &(_, millimetre) = UNITS.iter().find(|(name, _)| *name == "mm").unwrap();
     let scaled = |name: &str, content: &[u8], scale| {
-        let settings = LoadSettings {
-            scale,
-            ..LoadSettings::default()
-        };
+        let settings = LoadSettings { scale, ..LoadSettings::default() };
         load_bytes(Path::new(name), content, &settings)
     };
     let model = scaled("a.obj", text, millimetre).unwrap();
-    assert_eq!(
-        model.into_scene().unwrap().bounds().high,
-        DVec3::new(1.0, 1.0, 0.0)
-    );
+    assert_eq!(model.into_scene().unwrap().bounds().high, DVec3::new(1.0, 1.0, 0.0));
     let gltf = br#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
         "nodes": [{"camera": 0, "translation": [0, 0, 4]}, {"translation": [0, 2, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
         "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 3, "znear": 0, "zfar": 9}}],
@@ -217,13 +184,9 @@ fn units_and_scale_multiply_objects_cameras_and_lights() {
     };
     assert_eq!(lamp.position, DVec3::new(0.0, 20.0, 0.0));
     assert!(lamp.intensity.abs_diff_eq(100.0 * before.intensity, 1e-12));
-    for (name, scale) in [
-        ("a.obj", 0.0),
-        ("a.obj", f64::NAN),
-        ("a.obj", -1.0),
-        ("a.toml", 2.0),
-        ("a.fhs", 2.0),
-    ] {
+    for (name, scale) in
+        [("a.obj", 0.0), ("a.obj", f64::NAN), ("a.obj", -1.0), ("a.toml", 2.0), ("a.fhs", 2.0)]
+    {
         let error = scaled(name, text, scale).unwrap_err().to_string();
         assert!(error.starts_with("scale must be"), "{error}");
     }
@@ -238,14 +201,9 @@ fn a_scene_file_says_the_unit_of_each_file() {
     let path = folder.path().join("s.toml");
     fs::write(&path, scene).unwrap();
     let model = load(&path, &LoadSettings::default()).unwrap();
-    assert_eq!(
-        model.into_scene().unwrap().bounds().high,
-        DVec3::new(2.0, 2.0, 5.0)
-    );
+    assert_eq!(model.into_scene().unwrap().bounds().high, DVec3::new(2.0, 2.0, 5.0));
     fs::write(&path, scene.replace("\"mm\"", "\"furlong\"")).unwrap();
-    let error = load(&path, &LoadSettings::default())
-        .unwrap_err()
-        .to_string();
+    let error = load(&path, &LoadSettings::default()).unwrap_err().to_string();
     assert!(error.contains("\"mm\""), "{error}");
 }
 
@@ -266,25 +224,14 @@ fn textures_above_the_folder_are_read_where_it_is_allowed_and_else_the_material_
     writer.finish().unwrap();
     fs::write(textures.join("red.png"), png).unwrap();
     fs::write(model.join("a.obj"), TEXTURED).unwrap();
-    let allowed = LoadSettings {
-        resources: vec![textures],
-        ..LoadSettings::default()
-    };
-    for name in [
-        "../textures/red.png",
-        "..\\textures\\red.png",
-        "D:\\work\\red.png",
-    ] {
+    let allowed = LoadSettings { resources: vec![textures], ..LoadSettings::default() };
+    for name in ["../textures/red.png", "..\\textures\\red.png", "D:\\work\\red.png"] {
         fs::write(model.join("a.mtl"), format!("newmtl m\nmap_Kd {name}\n")).unwrap();
         let found = load(&model.join("a.obj"), &allowed).unwrap();
         assert!(found.warnings.is_empty(), "{:?}", found.warnings);
         assert_eq!(seen(&found, 0.25, 0.25), Color::X);
         let refused = load(&model.join("a.obj"), &LoadSettings::default()).unwrap();
-        assert!(
-            refused.warnings[0].contains("refused"),
-            "{:?}",
-            refused.warnings
-        );
+        assert!(refused.warnings[0].contains("refused"), "{:?}", refused.warnings);
         assert_eq!(&*refused.world.objects[0].materials()[0].name, "m");
         assert_eq!(seen(&refused, 0.25, 0.25), Object::NEUTRAL);
     }

@@ -37,10 +37,7 @@ fn every_spelling_of_a_square_is_the_same_two_triangles() {
         format!("OFF\r\n4 1 0\r\n{}{face}\r\n", SQUARE.replace('\n', "\r\n")),
         format!("OFF 4 1 0 {} {face}", SQUARE.replace('\n', " "))
             .replace("0 0 0 0 1", "0\n0 0 0\n1"),
-        format!(
-            "4OFF\n4 1 0\n{}{face}\n",
-            "0 0 0 2\n2 0 0 2\n2 2 0 2\n0 2 0 2\n"
-        ),
+        format!("4OFF\n4 1 0\n{}{face}\n", "0 0 0 2\n2 0 0 2\n2 2 0 2\n0 2 0 2\n"),
         format!("nOFF\n3\n4 1 0\n{SQUARE}{face}\n"),
         format!("\u{feff}OFF\n4 1 0\n{SQUARE}{face}\n"),
     ] {
@@ -95,10 +92,7 @@ fn what_is_not_read_is_told() {
     ] {
         let text = format!("OFF\n4 1 0\n{SQUARE}{face}\n");
         let warnings = read(text.as_bytes()).unwrap().warnings;
-        assert!(
-            warnings.iter().any(|line| line.contains(said)),
-            "{face}: {warnings:?}"
-        );
+        assert!(warnings.iter().any(|line| line.contains(said)), "{face}: {warnings:?}");
     }
     let text = "OFF\n3 1 0\n0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n";
     assert!(read(text.as_bytes()).unwrap().warnings[0].contains("does not declare"));
@@ -112,34 +106,13 @@ fn hostile_off_files_are_refused_with_their_line_and_reserve_nothing() {
         ("OFF\n1099511627776 0 0\n0 0 0\n", ":2: truncated"),
         ("OFF\n-1 1 0\n", ":2: '-1' is not a count"),
         ("OFF\n99999999999999999999 1 0\n", "is not a count"),
-        (
-            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
-            ":6: a vertex index",
-        ),
-        (
-            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n",
-            ":6: a vertex index",
-        ),
-        (
-            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 4294967296\n",
-            ":6: a vertex index",
-        ),
-        (
-            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4294967295 0 1 2\n",
-            "which do not follow",
-        ),
-        (
-            "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n",
-            "the count of its corners",
-        ),
-        (
-            "OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n",
-            ":4: the row has fewer",
-        ),
-        (
-            "OFF\n3 1 0\n0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n",
-            ":4: 'x' is not a number",
-        ),
+        ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6: a vertex index"),
+        ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", ":6: a vertex index"),
+        ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 4294967296\n", ":6: a vertex index"),
+        ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n4294967295 0 1 2\n", "which do not follow"),
+        ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "the count of its corners"),
+        ("OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", ":4: the row has fewer"),
+        ("OFF\n3 1 0\n0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n", ":4: 'x' is not a number"),
         ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n", "truncated"),
         ("OFF BINARY\n\0\0\0\x08", "binary OFF is not read"),
         ("OFF", "truncated"),
@@ -153,18 +126,8 @@ fn hostile_off_files_are_refused_with_their_line_and_reserve_nothing() {
     }
     let text = "OFF\n3 1 0\n0 0 0\n1e300 0 0\nnan 1 0\n3 0 1 2\n";
     let model = read(text.as_bytes()).unwrap();
-    assert!(
-        model.world.objects[0]
-            .mesh()
-            .unwrap()
-            .triangles()
-            .is_empty()
-    );
-    assert!(
-        model.warnings[0].contains("dropped: 1 triangle"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.world.objects[0].mesh().unwrap().triangles().is_empty());
+    assert!(model.warnings[0].contains("dropped: 1 triangle"), "{:?}", model.warnings);
 }
 
 #[test]
@@ -194,14 +157,8 @@ fn a_face_of_65536_corners_takes_moments_and_memory_is_bounded() {
     let start = std::time::Instant::now();
     let model = read(text.as_bytes()).unwrap();
     assert!(start.elapsed().as_secs() < 20);
-    assert_eq!(
-        model.world.objects[0].mesh().unwrap().triangles().len(),
-        65_534
-    );
-    let settings = LoadSettings {
-        max_memory: 1 << 20,
-        ..LoadSettings::default()
-    };
+    assert_eq!(model.world.objects[0].mesh().unwrap().triangles().len(), 65_534);
+    let settings = LoadSettings { max_memory: 1 << 20, ..LoadSettings::default() };
     let refused = load_bytes(Path::new("a.off"), text.as_bytes(), &settings);
     assert!(matches!(refused, Err(Error::TooLarge { .. })));
 }

@@ -35,10 +35,7 @@ fn check(points: &[[f64; 2]]) {
         })
         .collect();
     let next = points.iter().cycle().skip(1);
-    let shoelace = points
-        .iter()
-        .zip(next)
-        .map(|(a, b)| a[0] * b[1] - b[0] * a[1]);
+    let shoelace = points.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]);
     let area = shoelace.sum::<f64>() / 2.0;
     // Sums of n terms of at most the size of the polygon's box.
     let rounding = 4.0 * points.len() as f64 * f64::EPSILON * area.abs().max(1.0) * 10.0;
@@ -70,12 +67,7 @@ fn a_polygon_of_65536_corners_takes_less_than_5_seconds() {
     let count = 65_536_usize;
     let star = |k: usize| if k.is_multiple_of(2) { 2.0 } else { 1.0 };
     let comb = (0..count - 2)
-        .map(|k| {
-            [
-                (count - k) as f64 / 1000.0,
-                if k.is_multiple_of(2) { 1.0 } else { 2.0 },
-            ]
-        })
+        .map(|k| [(count - k) as f64 / 1000.0, if k.is_multiple_of(2) { 1.0 } else { 2.0 }])
         .chain([[0.0, 0.0], [66.0, 0.0]])
         .collect();
     for (name, points) in [
@@ -97,9 +89,7 @@ fn crossing_itself_everywhere_takes_less_than_5_seconds() {
     // A fixed pseudo-random walk: nearly every edge crosses thousands of others.
     let mut state = 1_u64;
     let mut random = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (state >> 40) as f64
     };
     let points: Vec<_> = (0..65_536).map(|_| [random(), random()]).collect();

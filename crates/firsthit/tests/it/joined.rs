@@ -57,18 +57,12 @@ pub(crate) fn pieces(seed: u64) -> Vec<Object> {
         _ => soup(60, numbers),
     };
     let (here, there) = (kind(&mut numbers), kind(&mut numbers));
-    let mut objects: Vec<Object> = dealt(&here, 9, &mut numbers)
-        .into_iter()
-        .map(Object::new)
-        .collect();
+    let mut objects: Vec<Object> =
+        dealt(&here, 9, &mut numbers).into_iter().map(Object::new).collect();
     let there = dealt(&there, 4, &mut numbers).into_iter();
     objects.extend(there.map(|mesh| Object::new(mesh).placed(turned())));
-    objects.push(Object::new(
-        Sphere::new(0.5 * numbers.point(), 0.5).unwrap(),
-    ));
-    objects.push(Object::new(
-        Cuboid::new(DVec3::splat(-0.4), DVec3::splat(0.3)).unwrap(),
-    ));
+    objects.push(Object::new(Sphere::new(0.5 * numbers.point(), 0.5).unwrap()));
+    objects.push(Object::new(Cuboid::new(DVec3::splat(-0.4), DVec3::splat(0.3)).unwrap()));
     let beside = Transform::translation(0.1 * numbers.point()).unwrap();
     objects.push(objects[3].clone().placed(beside));
     // In any order.
@@ -100,10 +94,7 @@ fn check_pictures(scene: &Scene) {
     let camera = Camera::look_at(eye, DVec3::ZERO, up, 45.0, 40, 33).unwrap();
     let slow = trace_with(&BruteForce, scene, &camera, First, &()).unwrap();
     for set in InstructionSet::available() {
-        same(
-            &trace_with(&Cpu::with(set), scene, &camera, First, &()).unwrap(),
-            &slow,
-        );
+        same(&trace_with(&Cpu::with(set), scene, &camera, First, &()).unwrap(), &slow);
     }
 }
 
@@ -173,10 +164,8 @@ fn a_scene_that_is_all_joined_is_one_mesh_to_its_rays() {
         let rays = crate::support::generators::rays(&points, scale, cases(2000), &mut numbers);
         check_queries(&joined, &rays[..]);
         // As one mesh they have the same `t`.
-        let (of_parts, of_one) = (
-            trace(&joined, &rays, First, &()).unwrap(),
-            trace(&one, &rays, First, &()).unwrap(),
-        );
+        let (of_parts, of_one) =
+            (trace(&joined, &rays, First, &()).unwrap(), trace(&one, &rays, First, &()).unwrap());
         for (t, other) in of_parts.t.iter().zip(&of_one.t) {
             assert!(t == other || (t - other).abs() <= 4.0 * f64::EPSILON * t.abs());
         }
@@ -196,17 +185,11 @@ fn leaving_upwards() -> (Object, Ray, RayFilter) {
     let raised = Transform::translation(DVec3::new(0.1, 0.1, 1e-30)).unwrap();
     let left = Object::new(mesh(&corners, vec![[0, 1, 2]])).placed(raised);
     let departure = Departure {
-        surface: SurfaceId {
-            object: 0,
-            primitive: 0,
-        },
+        surface: SurfaceId { object: 0, primitive: 0 },
         barycentric: DVec2::splat(0.25),
         side: None,
     };
-    let filter = RayFilter {
-        departure: Some(departure),
-        ..RayFilter::NONE
-    };
+    let filter = RayFilter { departure: Some(departure), ..RayFilter::NONE };
     let start = DVec3::new(0.225, 0.225, 1e-30);
     (left, Ray::new(start, DVec3::new(0.01, 0.02, 1.0)), filter)
 }
@@ -247,9 +230,7 @@ fn objects_that_move_or_hide_leave_those_that_they_were_joined_with() {
         let mut changed = scene(pieces(seed));
         for step in 0..8 {
             let objects = changed.objects().len();
-            let some: Vec<usize> = (0..=numbers.below(4))
-                .map(|_| numbers.below(objects))
-                .collect();
+            let some: Vec<usize> = (0..=numbers.below(4)).map(|_| numbers.below(objects)).collect();
             let before = changed.clone();
             match step % 3 {
                 0 => {
@@ -263,9 +244,7 @@ fn objects_that_move_or_hide_leave_those_that_they_were_joined_with() {
                 }
                 _ => {
                     let kept = |k: &usize| !some.contains(k);
-                    let objects = (0..objects)
-                        .filter(kept)
-                        .map(|k| changed.objects()[k].clone());
+                    let objects = (0..objects).filter(kept).map(|k| changed.objects()[k].clone());
                     let mut objects: Vec<Object> = objects.collect();
                     objects.push(Object::new(mesh(
                         &[numbers.point(), numbers.point(), numbers.point()],
@@ -296,9 +275,8 @@ fn check_changed(changed: &Scene, seed: u64) {
     let (rays, filters) = filtered(&anew, cases(300), seed);
     let filters = Filtered::each(&rays, &filters);
     let mut numbers = Numbers::new(seed);
-    let mut points: Vec<[f64; 3]> = (0..cases(60))
-        .map(|_| (2.0 * numbers.point()).to_array())
-        .collect();
+    let mut points: Vec<[f64; 3]> =
+        (0..cases(60)).map(|_| (2.0 * numbers.point()).to_array()).collect();
     points.extend([[0.0, 0.0, 1e10], [1e300, 0.0, 0.0]]);
     let world = World::default();
     let bytes = fhs::encode(changed, &world, &()).unwrap();
@@ -331,17 +309,13 @@ fn objects_that_are_moved_to_where_they_are_stay_with_the_others() {
 #[test]
 fn an_object_is_hidden_and_shown_in_one_call_and_in_several() {
     let mut changed = scene(pieces(1));
-    changed
-        .hide_objects(&[(2, true), (2, false), (4, false), (4, true)])
-        .unwrap();
+    changed.hide_objects(&[(2, true), (2, false), (4, false), (4, true)]).unwrap();
     assert!(!changed.objects()[2].is_hidden() && changed.objects()[4].is_hidden());
     check_changed(&changed, 1);
     let all: Vec<_> = (0..changed.objects().len()).map(|k| (k, true)).collect();
     changed.hide_objects(&all).unwrap();
     check_changed(&changed, 2);
-    changed
-        .hide_objects(&[(3, false), (5, false), (6, false)])
-        .unwrap();
+    changed.hide_objects(&[(3, false), (5, false), (6, false)]).unwrap();
     check_changed(&changed, 3);
 }
 
@@ -350,29 +324,17 @@ fn a_mesh_that_is_moved_onto_a_joined_one_hides_no_other() {
     let beside = Transform::translation(DVec3::new(0.0, 0.0, 3.0)).unwrap();
     let loose = tile(0.0, 1.0, 0.0).placed(beside);
     let tiles = || [0.0, 1.25, 2.5].map(|x| tile(x, 1.0, 0.0)).to_vec();
-    for objects in [
-        [vec![loose.clone()], tiles()].concat(),
-        [tiles(), vec![loose]].concat(),
-    ] {
+    for objects in [[vec![loose.clone()], tiles()].concat(), [tiles(), vec![loose]].concat()] {
         let mut changed = scene(objects);
         let all = changed.objects().iter();
-        let mover = all
-            .enumerate()
-            .find(|(_, object)| !object.transform().is_identity());
-        changed
-            .move_object(mover.unwrap().0, Transform::IDENTITY)
-            .unwrap();
+        let mover = all.enumerate().find(|(_, object)| !object.transform().is_identity());
+        changed.move_object(mover.unwrap().0, Transform::IDENTITY).unwrap();
         check_changed(&changed, 4);
         // The tree over the objects is built anew.
         changed.hide_objects(&[]).unwrap();
         check_changed(&changed, 5);
         let rays = [0.5, 1.75, 3.0].map(|x| Ray::new(DVec3::new(x, 0.3, 5.0), DVec3::NEG_Z));
-        assert!(
-            trace(&changed, &rays[..], Any, &())
-                .unwrap()
-                .iter()
-                .all(|&met| met)
-        );
+        assert!(trace(&changed, &rays[..], Any, &()).unwrap().iter().all(|&met| met));
     }
 }
 
@@ -400,9 +362,8 @@ fn the_nearest_points_of_joined_objects_are_those_of_each() {
     for seed in 0..6 {
         let scene = scene(pieces(seed));
         let mut numbers = Numbers::new(seed);
-        let points: Vec<[f64; 3]> = (0..cases(500))
-            .map(|_| (2.0 * numbers.point()).to_array())
-            .collect();
+        let points: Vec<[f64; 3]> =
+            (0..cases(500)).map(|_| (2.0 * numbers.point()).to_array()).collect();
         checked(&scene, &points);
     }
 }

@@ -36,40 +36,18 @@ fn soup(count: usize, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 
 #[test]
 fn the_tree_gives_the_judges_bits_on_soups_of_every_scale_and_place() {
-    for (scale, offset) in [
-        (1.0, 0.0),
-        (1e-6, 0.0),
-        (1e6, 0.0),
-        (1.0, 1e5),
-        (1.0, -1e7),
-        (1e-3, 1e2),
-    ] {
+    for (scale, offset) in
+        [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e5), (1.0, -1e7), (1e-3, 1e2)]
+    {
         let (points, triangles) = soup(600, 3);
         let place = |p: &DVec3| scale * (*p + DVec3::new(offset, -offset, 0.5 * offset));
         let points: Vec<DVec3> = points.iter().map(place).collect();
         let scene = scene(vec![Object::new(mesh(&points, triangles))]);
         let middle = scene.bounds().centre();
-        for ray in rays(
-            &points
-                .iter()
-                .map(|p| (*p - middle) / scale)
-                .collect::<Vec<_>>(),
-            3000,
-            5,
-        ) {
-            let direction = if ray.t_max < 1.0 {
-                ray.direction
-            } else {
-                ray.direction * scale
-            };
-            agree(
-                &scene,
-                &Ray {
-                    origin: ray.origin * scale + middle,
-                    direction,
-                    ..ray
-                },
-            );
+        for ray in rays(&points.iter().map(|p| (*p - middle) / scale).collect::<Vec<_>>(), 3000, 5)
+        {
+            let direction = if ray.t_max < 1.0 { ray.direction } else { ray.direction * scale };
+            agree(&scene, &Ray { origin: ray.origin * scale + middle, direction, ..ray });
         }
     }
 }
@@ -79,9 +57,7 @@ fn the_tree_gives_the_judges_bits_on_all_shapes_with_all_transforms() {
     let mut numbers = Numbers::new(11);
     let (points, triangles) = bumpy_sphere(12, 4);
     let mesh = mesh(&points, triangles);
-    let mut objects = vec![Object::new(
-        Plane::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z).unwrap(),
-    )];
+    let mut objects = vec![Object::new(Plane::new(DVec3::new(0.0, 0.0, -3.0), DVec3::Z).unwrap())];
     for k in 0..60 {
         let matrix = DMat3::from_cols(numbers.point(), numbers.point(), numbers.point());
         let placed = DAffine3::from_mat3_translation(matrix, 4.0 * numbers.point());
@@ -98,10 +74,7 @@ fn the_tree_gives_the_judges_bits_on_all_shapes_with_all_transforms() {
     let scene = scene(objects);
     let mut hits = 0;
     for ray in rays(&points, 6000, 8) {
-        let ray = Ray {
-            origin: 2.0 * ray.origin,
-            ..ray
-        };
+        let ray = Ray { origin: 2.0 * ray.origin, ..ray };
         hits += u32::from(!agree(&scene, &ray).is_miss());
     }
     assert!(hits > 2000, "{hits}");
@@ -109,11 +82,7 @@ fn the_tree_gives_the_judges_bits_on_all_shapes_with_all_transforms() {
 
 /// Whether the line through `p` and `q` passes through a triangle, in exact arithmetic.
 fn exactly_inside(p: DVec3, q: DVec3, corners: [DVec3; 3]) -> bool {
-    let coord = |p: DVec3| Coord3D {
-        x: p.x,
-        y: p.y,
-        z: p.z,
-    };
+    let coord = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
     let side = |a: DVec3, b: DVec3| orient3d(coord(p), coord(q), coord(a), coord(b));
     let [a, b, c] = corners;
     let sides = [side(a, b), side(b, c), side(c, a)];
@@ -125,10 +94,7 @@ fn exactly_inside(p: DVec3, q: DVec3, corners: [DVec3; 3]) -> bool {
 fn the_judge_agrees_with_exact_arithmetic() {
     let (points, triangles) = soup(400, 21);
     // Duplicates and slivers have no inside to be exact about.
-    let proper: Vec<[u32; 3]> = triangles
-        .into_iter()
-        .filter(|t| t[0] / 3 % 10 < 7)
-        .collect();
+    let proper: Vec<[u32; 3]> = triangles.into_iter().filter(|t| t[0] / 3 % 10 < 7).collect();
     let mesh = mesh(&points, proper.clone());
     let scene = scene(vec![Object::new(Arc::clone(&mesh))]);
     let mut numbers = Numbers::new(22);
@@ -166,14 +132,9 @@ fn the_judge_agrees_with_exact_arithmetic() {
 #[test]
 fn closed_meshes_do_not_leak() {
     let (points, triangles) = bumpy_sphere(if is_full() { 40 } else { 15 }, 9);
-    for (scale, offset) in [
-        (1.0, 0.0),
-        (1.0, 2e5),
-        (1e-4, 0.0),
-        (1e8, 0.0),
-        (1e-4, 10.0),
-        (3.7, -1e3),
-    ] {
+    for (scale, offset) in
+        [(1.0, 0.0), (1.0, 2e5), (1e-4, 0.0), (1e8, 0.0), (1e-4, 10.0), (3.7, -1e3)]
+    {
         // Far away, neighbouring corners fall together: the mesh is another one, and still closed.
         let place = |p: &DVec3| *p * scale + DVec3::splat(offset);
         let placed: Vec<DVec3> = points.iter().map(place).collect();
@@ -226,19 +187,14 @@ fn axis_parallel_rays_through_corners_do_not_leak() {
 #[test]
 fn objects_that_share_edges_do_not_leak_between_them() {
     let (points, triangles) = bumpy_sphere(16, 5);
-    let objects = triangles
-        .iter()
-        .map(|&triangle| Object::new(mesh(&points, vec![triangle])))
-        .collect();
+    let objects =
+        triangles.iter().map(|&triangle| Object::new(mesh(&points, vec![triangle]))).collect();
     let scene = scene(objects);
     for p in &points {
         assert!(
             !agree(
                 &scene,
-                &Ray::new(
-                    DVec3::new(0.01, -0.02, 0.03),
-                    *p - DVec3::new(0.01, -0.02, 0.03)
-                )
+                &Ray::new(DVec3::new(0.01, -0.02, 0.03), *p - DVec3::new(0.01, -0.02, 0.03))
             )
             .is_miss()
         );
@@ -270,26 +226,11 @@ fn rays_that_make_no_sense_miss_and_leave_their_neighbours_alone() {
     let good = Ray::new(DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
     let nan = DVec3::new(0.0, f64::NAN, 0.0);
     let bad = [
-        Ray {
-            direction: DVec3::ZERO,
-            ..good
-        },
-        Ray {
-            direction: nan,
-            ..good
-        },
-        Ray {
-            origin: nan,
-            ..good
-        },
-        Ray {
-            origin: DVec3::INFINITY,
-            ..good
-        },
-        Ray {
-            direction: DVec3::new(0.0, 0.0, f64::NEG_INFINITY),
-            ..good
-        },
+        Ray { direction: DVec3::ZERO, ..good },
+        Ray { direction: nan, ..good },
+        Ray { origin: nan, ..good },
+        Ray { origin: DVec3::INFINITY, ..good },
+        Ray { direction: DVec3::new(0.0, 0.0, f64::NEG_INFINITY), ..good },
         good.up_to(f64::NAN),
         good.up_to(0.0),
         good.up_to(-1.0),
@@ -312,9 +253,7 @@ fn rays_that_make_no_sense_miss_and_leave_their_neighbours_alone() {
 
 #[test]
 fn a_hit_needs_t_above_zero_and_up_to_t_max() {
-    let scene = scene(vec![Object::new(
-        Plane::new(DVec3::ZERO, DVec3::Z).unwrap(),
-    )]);
+    let scene = scene(vec![Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap())]);
     let from = |z: f64| Ray::new(DVec3::new(0.0, 0.0, z), DVec3::NEG_Z);
     assert!(agree(&scene, &from(0.0)).is_miss());
     assert_eq!(agree(&scene, &from(3.0).up_to(3.0)).t, 3.0);
@@ -342,10 +281,8 @@ fn instances_are_the_same_as_copies() {
     for _ in 0..20 {
         // Powers of two, quarter turns, mirrors and short translations: nothing is rounded.
         let scale = [-0.5, 1.0, 2.0, -1.0][numbers.below(4)];
-        let turn = [
-            DMat3::IDENTITY,
-            DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z),
-        ][numbers.below(2)];
+        let turn =
+            [DMat3::IDENTITY, DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z)][numbers.below(2)];
         let offset = (numbers.point() * 8.0).round();
         let placed = DAffine3::from_mat3_translation(turn * scale, offset);
         instances.push(Object::new(Arc::clone(&shared)).placed(Transform::new(placed).unwrap()));
@@ -359,10 +296,7 @@ fn instances_are_the_same_as_copies() {
         let (a, b) = (agree(&instances, &ray), agree(&copies, &ray));
         // Through a corner, triangles tie in one space and are an ulp apart in the other.
         assert_eq!(a.object, b.object, "{ray:?}");
-        assert!(
-            a.is_miss() || (a.t - b.t).abs() <= 1e-12 * b.t,
-            "{ray:?} {a:?} {b:?}"
-        );
+        assert!(a.is_miss() || (a.t - b.t).abs() <= 1e-12 * b.t, "{ray:?} {a:?} {b:?}");
     }
 }
 
@@ -401,10 +335,7 @@ fn batches_of_every_size_and_any_number_of_threads_give_the_same() {
         for hits in &results {
             assert_eq!(hits.len(), size);
             for (k, ray) in all[..size].iter().enumerate() {
-                assert_eq!(
-                    bits(&hits.get(k)),
-                    bits(&Cpu::default().first_hit(&scene, ray))
-                );
+                assert_eq!(bits(&hits.get(k)), bits(&Cpu::default().first_hit(&scene, ray)));
             }
         }
     }

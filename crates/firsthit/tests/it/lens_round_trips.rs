@@ -194,9 +194,8 @@ fn rational_cameras_have_no_holes() {
     let mut report = Vec::new();
     for seed in 0..600 {
         let mut numbers = Numbers::new(1_000 + seed);
-        let given = random_lens(Projection::OpenCv, &mut numbers, |name| {
-            name.starts_with(['s', 't'])
-        });
+        let given =
+            random_lens(Projection::OpenCv, &mut numbers, |name| name.starts_with(['s', 't']));
         let camera = camera(Projection::OpenCv, &given);
         let tally = Tally::directions(&camera, &mut numbers, 2000);
         if tally.without_a_ray + tally.elsewhere > 0 {

@@ -70,10 +70,7 @@ fn own_numbers(projection: Projection) -> &'static [(&'static str, f64)] {
 /// One of each.
 fn lenses() -> Vec<(Projection, Lens)> {
     let matrix = [52.0, 49.0, 30.3, 25.1, 0.4];
-    let matrix: Vec<_> = ["fx", "fy", "cx", "cy", "skew"]
-        .into_iter()
-        .zip(matrix)
-        .collect();
+    let matrix: Vec<_> = ["fx", "fy", "cx", "cy", "skew"].into_iter().zip(matrix).collect();
     let lens = |&projection: &Projection| {
         let default = Lens::named(projection, &[]).unwrap();
         let is_calibrated = default.parameters().iter().any(|&(name, _)| name == "fx");
@@ -124,11 +121,7 @@ fn the_place_of_the_camera_is_seen_by_parallel_rays_alone() {
     for (projection, lens) in lenses() {
         let camera = camera(lens);
         let is_seen = camera.project(camera.position()).is_some();
-        assert_eq!(
-            is_seen,
-            projection == Projection::Orthographic,
-            "{projection:?}"
-        );
+        assert_eq!(is_seen, projection == Projection::Orthographic, "{projection:?}");
     }
 }
 
@@ -205,16 +198,10 @@ fn z_and_range_are_those_of_the_true_ray() {
             assert!(ray.is_valid(), "{projection:?}");
             let from_camera = ray.at(2.5) - camera.position();
             let z = from_camera.dot(camera.aim());
-            assert!(
-                (camera.z(row, column, 2.5) - z).abs() < 1e-12,
-                "{projection:?}"
-            );
+            assert!((camera.z(row, column, 2.5) - z).abs() < 1e-12, "{projection:?}");
             if projection != Projection::Orthographic {
                 let range = from_camera.length();
-                assert!(
-                    (camera.range(row, column, 2.5) - range).abs() < 1e-12,
-                    "{projection:?}"
-                );
+                assert!((camera.range(row, column, 2.5) - range).abs() < 1e-12, "{projection:?}");
             }
         }
     }
@@ -255,10 +242,7 @@ fn a_binned_picture_sees_the_same() {
         let camera = camera(lens);
         let half = camera.resize(ROWS / 2, COLUMNS / 2).unwrap();
         // The middle of four pixels is that of the one that they become.
-        let (own, whole) = (
-            half.ray(11, 17),
-            camera.ray_within(23, 35, DVec2::new(0.0, 1.0)),
-        );
+        let (own, whole) = (half.ray(11, 17), camera.ray_within(23, 35, DVec2::new(0.0, 1.0)));
         let corner = camera.ray_within(22, 34, DVec2::new(1.0, 0.0));
         assert!((corner.direction - whole.direction).length() < 2e-2);
         let off = (own.direction - corner.direction).length();
@@ -269,29 +253,15 @@ fn a_binned_picture_sees_the_same() {
 /// A K that is not centred goes in and comes out.
 #[test]
 fn an_intrinsic_matrix_survives_the_viewplane() {
-    let k = PixelMatrix {
-        fx: 812.0,
-        fy: 790.5,
-        cx: 301.25,
-        cy: 260.75,
-        skew: 1.5,
-    };
+    let k = PixelMatrix { fx: 812.0, fy: 790.5, cx: 301.25, cy: 260.75, skew: 1.5 };
     let view = View::default();
     let lens = Lens::Flat(Viewplane::from_pixel_matrix(&k, view.rows, view.columns).unwrap());
     let camera = Camera::new(View { lens, ..view }).unwrap();
     let own = camera.pixel_matrix().unwrap();
-    let pairs = [
-        (own.fx, k.fx),
-        (own.fy, k.fy),
-        (own.cx, k.cx),
-        (own.cy, k.cy),
-        (own.skew, k.skew),
-    ];
+    let pairs =
+        [(own.fx, k.fx), (own.fy, k.fy), (own.cx, k.cx), (own.cy, k.cy), (own.skew, k.skew)];
     for (own, given) in pairs {
-        assert!(
-            (own - given).abs() < 1e-12 * given.abs().max(1.0),
-            "{own} {given}"
-        );
+        assert!((own - given).abs() < 1e-12 * given.abs().max(1.0), "{own} {given}");
     }
     // By the definition of K.
     let point = DVec3::new(0.3, -0.2, -2.0);
@@ -307,34 +277,15 @@ fn an_intrinsic_matrix_survives_the_viewplane() {
 #[test]
 fn beyond_the_fold_there_is_no_ray() {
     // r (1 - 0.5 r²) is largest at r² = 2/3, where it is (2/3)^1.5.
-    let matrix = PixelMatrix {
-        fx: 100.0,
-        fy: 100.0,
-        cx: 100.0,
-        cy: 100.0,
-        skew: 0.0,
-    };
-    let barrel = distortion::OpenCv {
-        k1: -0.5,
-        ..distortion::OpenCv::default()
-    };
+    let matrix = PixelMatrix { fx: 100.0, fy: 100.0, cx: 100.0, cy: 100.0, skew: 0.0 };
+    let barrel = distortion::OpenCv { k1: -0.5, ..distortion::OpenCv::default() };
     let lens = Lens::OpenCv(Calibrated::new(matrix, barrel));
-    let camera = Camera::new(View {
-        rows: 200,
-        columns: 200,
-        lens,
-        ..View::default()
-    })
-    .unwrap();
+    let camera = Camera::new(View { rows: 200, columns: 200, lens, ..View::default() }).unwrap();
     let fold = 100.0 * (2.0_f64 / 3.0).powf(1.5);
     for row in 0..200 {
         for column in 0..200 {
             let off = DVec2::new(column as f64 - 99.5, row as f64 - 99.5).length();
-            assert_eq!(
-                camera.ray(row, column).is_valid(),
-                off < fold,
-                "{row} {column}"
-            );
+            assert_eq!(camera.ray(row, column).is_valid(), off < fold, "{row} {column}");
         }
     }
     let radius = (2.0_f64 / 3.0).sqrt();
@@ -357,13 +308,7 @@ fn directions_of_double_spheres_do_not_share_a_pixel() {
     let seen = |[x, y, z]: [f64; 3]| camera.project(DVec3::new(x, -y, -z));
     assert_eq!(seen([0.6444, 0.4649, 0.6071]), None);
     assert!(seen([0.5758, 0.4154, 0.7042]).is_some());
-    let pairs = [
-        (-0.7751, 0.8668),
-        (-0.2, 0.6),
-        (0.5, 0.5),
-        (1.0, 0.4),
-        (1.4, 0.7),
-    ];
+    let pairs = [(-0.7751, 0.8668), (-0.2, 0.6), (0.5, 0.5), (1.0, 0.4), (1.4, 0.7)];
     for (xi, alpha) in pairs {
         let camera = of(xi, alpha);
         let radii = (0..1000).map(|k| {
@@ -404,13 +349,7 @@ fn an_opencv_fisheye_ends_at_its_field_of_view() {
 fn calibrated(projection: Projection, pixels: f64, own: &[(&str, f64)]) -> Camera {
     let middle = [("fx", pixels), ("fy", pixels), ("cx", 100.0), ("cy", 100.0)];
     let lens = Lens::named(projection, &[&middle[..], own].concat()).unwrap();
-    Camera::new(View {
-        rows: 200,
-        columns: 200,
-        lens,
-        ..View::default()
-    })
-    .unwrap()
+    Camera::new(View { rows: 200, columns: 200, lens, ..View::default() }).unwrap()
 }
 
 #[test]
@@ -434,10 +373,7 @@ fn half_a_unit_off_the_middle_stays_where_it_is() {
     for omega in [0.3_f64, 1.0, 2.5, -1.0] {
         let camera = calibrated(Projection::Fov, 100.0, &[("omega", omega)]);
         let pixel = camera.project(DVec3::new(0.5, 0.0, -1.0)).unwrap();
-        assert!(
-            (pixel - DVec2::new(150.0, 100.0)).length() < 1e-11,
-            "{omega}: {pixel}"
-        );
+        assert!((pixel - DVec2::new(150.0, 100.0)).length() < 1e-11, "{omega}: {pixel}");
         // A right angle to the axis is at pi / (2 omega), and nothing is behind it.
         let edge = 100.0 * std::f64::consts::FRAC_PI_2 / omega.abs();
         for column in 0..200 {
@@ -455,16 +391,8 @@ fn thin_prism_fisheyes_end_at_the_fold() {
     let cases: [(_, &[(&str, f64)], f64); 4] = [
         (Projection::ThinPrismFisheye, &[("k1", -0.1)], 0.0),
         (Projection::RadTanThinPrismFisheye, &[("k0", -0.1)], 0.0),
-        (
-            Projection::ThinPrismFisheye,
-            &[("k1", -0.1), ("p1", 1e-4), ("sx1", -2e-4)],
-            0.1,
-        ),
-        (
-            Projection::RadTanThinPrismFisheye,
-            &[("k0", -0.1), ("p0", 1e-4), ("s2", 2e-4)],
-            0.1,
-        ),
+        (Projection::ThinPrismFisheye, &[("k1", -0.1), ("p1", 1e-4), ("sx1", -2e-4)], 0.1),
+        (Projection::RadTanThinPrismFisheye, &[("k0", -0.1), ("p0", 1e-4), ("s2", 2e-4)], 0.1),
     ];
     let angle = (10.0_f64 / 3.0).sqrt();
     let fold = 60.0 * angle * 2.0 / 3.0;
@@ -497,10 +425,7 @@ fn thin_prism_fisheyes_end_at_the_fold() {
 fn thin_prism_fisheyes_see_behind_the_camera() {
     for (projection, own) in [
         (Projection::ThinPrismFisheye, [("k1", 0.002), ("sx1", 1e-3)]),
-        (
-            Projection::RadTanThinPrismFisheye,
-            [("k0", 0.002), ("s0", 1e-3)],
-        ),
+        (Projection::RadTanThinPrismFisheye, [("k0", 0.002), ("s0", 1e-3)]),
     ] {
         let camera = calibrated(projection, 25.0, &own);
         let mut behind = 0;
@@ -528,11 +453,7 @@ fn thin_prism_fisheyes_without_a_prism_are_opencvs() {
     let series = [0.03, -0.01, 0.002, -0.0003];
     let named =
         |names: [&'static str; 4]| std::array::from_fn::<_, 4, _>(|k| (names[k], series[k]));
-    let reference = calibrated(
-        Projection::OpenCvFisheye,
-        70.0,
-        &named(["k1", "k2", "k3", "k4"]),
-    );
+    let reference = calibrated(Projection::OpenCvFisheye, 70.0, &named(["k1", "k2", "k3", "k4"]));
     for (projection, names) in [
         (Projection::ThinPrismFisheye, ["k1", "k2", "k3", "k4"]),
         (Projection::RadTanThinPrismFisheye, ["k0", "k1", "k2", "k3"]),
@@ -543,11 +464,7 @@ fn thin_prism_fisheyes_without_a_prism_are_opencvs() {
             for column in 0..200 {
                 let [own, other] =
                     [&camera, &reference].map(|camera| camera.ray(row, column).direction);
-                assert_eq!(
-                    own.is_nan(),
-                    other.is_nan(),
-                    "{projection:?} {row} {column}"
-                );
+                assert_eq!(own.is_nan(), other.is_nan(), "{projection:?} {row} {column}");
                 if !own.is_nan() {
                     seen += 1;
                     assert!((own - other).length() < 1e-14, "{projection:?}");
@@ -562,22 +479,10 @@ fn thin_prism_fisheyes_without_a_prism_are_opencvs() {
 fn numbers_that_make_no_lens_are_refused() {
     let bad: &[(Projection, &[(&str, f64)])] = &[
         (Projection::OpenCv, &[("fx", 0.0)]),
-        (
-            Projection::OpenCv,
-            &[("fx", 1.0), ("fy", 1.0), ("k1", f64::NAN)],
-        ),
-        (
-            Projection::DoubleSphere,
-            &[("fx", 1.0), ("fy", 1.0), ("alpha", 1.5)],
-        ),
-        (
-            Projection::KannalaBrandt,
-            &[("fx", 1.0), ("fy", 1.0), ("k1", -1.0)],
-        ),
-        (
-            Projection::Fov,
-            &[("fx", 1.0), ("fy", 1.0), ("omega", std::f64::consts::PI)],
-        ),
+        (Projection::OpenCv, &[("fx", 1.0), ("fy", 1.0), ("k1", f64::NAN)]),
+        (Projection::DoubleSphere, &[("fx", 1.0), ("fy", 1.0), ("alpha", 1.5)]),
+        (Projection::KannalaBrandt, &[("fx", 1.0), ("fy", 1.0), ("k1", -1.0)]),
+        (Projection::Fov, &[("fx", 1.0), ("fy", 1.0), ("omega", std::f64::consts::PI)]),
         (Projection::Equirectangular, &[("horizontal_fov", 400.0)]),
         (Projection::Cylindrical, &[("vertical_fov", 180.0)]),
         (Projection::Perspective, &[("tilt_x", 90.0)]),
@@ -585,25 +490,12 @@ fn numbers_that_make_no_lens_are_refused() {
     ];
     for (projection, numbers) in bad {
         let lens = Lens::named(*projection, numbers).unwrap();
-        assert!(
-            Camera::new(view(lens)).is_err(),
-            "{projection:?} {numbers:?}"
-        );
+        assert!(Camera::new(view(lens)).is_err(), "{projection:?} {numbers:?}");
     }
-    let error = Lens::named(Projection::Eucm, &[("k1", 0.1)])
-        .unwrap_err()
-        .to_string();
+    let error = Lens::named(Projection::Eucm, &[("k1", 0.1)]).unwrap_err().to_string();
     assert!(error.contains("alpha, beta"), "{error}");
     let cube = Lens::named(Projection::CubeMap, &[]).unwrap();
-    assert!(
-        Camera::new(View {
-            rows: 50,
-            columns: 64,
-            lens: cube,
-            ..View::default()
-        })
-        .is_err()
-    );
+    assert!(Camera::new(View { rows: 50, columns: 64, lens: cube, ..View::default() }).is_err());
 }
 
 /// Solid angles of pixels from their corners add up to the whole sphere.
@@ -611,13 +503,7 @@ fn numbers_that_make_no_lens_are_refused() {
 fn a_cube_map_sees_every_direction_once() {
     let lens = Lens::named(Projection::CubeMap, &[]).unwrap();
     for [rows, columns] in [[8, 48], [48, 8], [16, 24], [24, 32]] {
-        let camera = Camera::new(View {
-            rows,
-            columns,
-            lens,
-            ..View::default()
-        })
-        .unwrap();
+        let camera = Camera::new(View { rows, columns, lens, ..View::default() }).unwrap();
         let mut sum = DVec3::ZERO;
         let mut count = 0;
         for k in 0..rows * columns {

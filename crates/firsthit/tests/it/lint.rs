@@ -11,12 +11,8 @@ use num_traits::{Signed, Zero};
 use crate::support::rational::{Exact, cross, dot, exact, minus};
 use crate::support::{Ask, Numbers, bumpy_sphere, cases, is_full, mesh, on_threads, scene};
 
-const POINTS: [DVec3; 4] = [
-    DVec3::ZERO,
-    DVec3::new(2.0, 0.0, 0.0),
-    DVec3::new(0.0, 2.0, 0.0),
-    DVec3::new(0.0, 0.0, 2.0),
-];
+const POINTS: [DVec3; 4] =
+    [DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0), DVec3::new(0.0, 0.0, 2.0)];
 const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
 fn one(points: &[DVec3], triangles: Vec<[u32; 3]>) -> Scene {
@@ -27,9 +23,7 @@ fn one(points: &[DVec3], triangles: Vec<[u32; 3]>) -> Scene {
 fn said(report: &Report) -> Vec<(&'static str, u64, &str)> {
     let words = |finding: &Finding| (finding.kind.name, finding.count);
     let findings = report.findings().iter();
-    findings
-        .map(|f| (words(f).0, words(f).1, &*f.note))
-        .collect()
+    findings.map(|f| (words(f).0, words(f).1, &*f.note)).collect()
 }
 
 #[track_caller]
@@ -47,27 +41,17 @@ fn closed_meshes_are_clean() {
         let (points, triangles) = bumpy_sphere(14, seed);
         check(&one(&points, triangles.clone()), &[]);
         // With vertices of their own, as in STL files.
-        let own: Vec<DVec3> = triangles
-            .iter()
-            .flatten()
-            .map(|&k| points[k as usize])
-            .collect();
+        let own: Vec<DVec3> = triangles.iter().flatten().map(|&k| points[k as usize]).collect();
         let alone = (0..triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
         check(&one(&own, alone.collect()), &[]);
     }
     check(&scene(Vec::new()), &[]);
-    check(
-        &scene(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap())]),
-        &[],
-    );
+    check(&scene(vec![Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap())]), &[]);
 }
 
 #[test]
 fn holes_are_counted_by_edges_and_components() {
-    let report = check(
-        &one(&POINTS, FACES[..3].to_vec()),
-        &[("hole", 3, "around 1 hole")],
-    );
+    let report = check(&one(&POINTS, FACES[..3].to_vec()), &[("hole", 3, "around 1 hole")]);
     let places = &report.findings()[0].places;
     let middles: Vec<DVec3> = places.iter().map(|place| place.position).collect();
     assert_eq!(middles, [DVec3::Y, DVec3::Z, DVec3::new(0.0, 1.0, 1.0)]);
@@ -82,9 +66,7 @@ fn holes_are_counted_by_edges_and_components() {
 fn a_surface_in_several_objects_has_no_hole_between_them() {
     let positions = Arc::new(Positions::compact(POINTS.map(|p| p.to_array()).to_vec()));
     let part = |faces: &[[u32; 3]]| {
-        Object::new(Arc::new(
-            Mesh::new(Arc::clone(&positions), faces.to_vec()).unwrap(),
-        ))
+        Object::new(Arc::new(Mesh::new(Arc::clone(&positions), faces.to_vec()).unwrap()))
     };
     check(&scene(vec![part(&FACES[..1]), part(&FACES[1..])]), &[]);
     let apart = scene(vec![
@@ -102,10 +84,7 @@ fn two_places_of_one_mesh_close_each_other() {
     check(&scene(vec![Object::new(Arc::clone(&half)), below]), &[]);
     let apart = Transform::translation(DVec3::Z).unwrap();
     let above = Object::new(Arc::clone(&half)).placed(apart);
-    check(
-        &scene(vec![Object::new(half), above]),
-        &[("hole", 4, "around 1 hole")],
-    );
+    check(&scene(vec![Object::new(half), above]), &[("hole", 4, "around 1 hole")]);
 }
 
 /// Each border meets that of the copy in its place, which was taken for the other side of the edge.
@@ -137,16 +116,12 @@ fn an_open_mesh_that_is_there_twice_is_open() {
 fn a_hole_in_the_second_place_of_a_mesh_is_told() {
     let roof = Arc::new(Mesh::new(Positions::compact(SQUARE.to_vec()), ROOF.to_vec()).unwrap());
     let floor = vec![[0, 2, 1], [0, 3, 2]];
-    let floor = Object::new(Arc::new(
-        Mesh::new(Positions::compact(SQUARE.to_vec()), floor).unwrap(),
-    ));
+    let floor =
+        Object::new(Arc::new(Mesh::new(Positions::compact(SQUARE.to_vec()), floor).unwrap()));
     let away = Transform::translation(DVec3::X * 9.0).unwrap();
     let second = Object::new(Arc::clone(&roof)).placed(away);
     let both = scene(vec![floor.clone(), Object::new(roof), second]);
-    let report = check(
-        &both,
-        &[("hole", 4, "around 1 hole"), ("unreferenced", 1, "")],
-    );
+    let report = check(&both, &[("hole", 4, "around 1 hole"), ("unreferenced", 1, "")]);
     let places = &report.findings()[0].places;
     assert!(places.iter().all(|place| place.object == Some(2)));
     assert_eq!(places[0].position, DVec3::new(10.0, 0.0, 0.0));
@@ -199,13 +174,8 @@ fn marked_faces_by_the_report_of_another_scene_are_refused() {
 }
 
 /// A square, the tip of a roof over it, and the roof.
-const SQUARE: [[f64; 3]; 5] = [
-    [0.0, 0.0, 0.0],
-    [2.0, 0.0, 0.0],
-    [2.0, 2.0, 0.0],
-    [0.0, 2.0, 0.0],
-    [1.0, 1.0, 1.0],
-];
+const SQUARE: [[f64; 3]; 5] =
+    [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 1.0]];
 const ROOF: [[u32; 3]; 4] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
 
 #[test]
@@ -214,27 +184,12 @@ fn places_are_in_the_world() {
     points.push([1.0, 2.0, 3.0]);
     let mesh = Arc::new(Mesh::new(Positions::compact(points), FACES[1..].to_vec()).unwrap());
     let up = Transform::translation(DVec3::new(0.0, 0.0, 10.0)).unwrap();
-    let report = lint(
-        &scene(vec![Object::new(mesh).placed(up)]),
-        &LintSettings::default(),
-        &(),
-    );
+    let report = lint(&scene(vec![Object::new(mesh).placed(up)]), &LintSettings::default(), &());
     let report = report.unwrap();
-    let of = |name: &str| {
-        report
-            .findings()
-            .iter()
-            .find(|finding| finding.kind.name == name)
-    };
+    let of = |name: &str| report.findings().iter().find(|finding| finding.kind.name == name);
     let unused = of("unreferenced").unwrap().places[0].position;
     assert_eq!(unused, DVec3::new(1.0, 2.0, 13.0));
-    assert!(
-        of("hole")
-            .unwrap()
-            .places
-            .iter()
-            .all(|place| place.position.z >= 10.0)
-    );
+    assert!(of("hole").unwrap().places.iter().all(|place| place.position.z >= 10.0));
 }
 
 #[test]
@@ -248,12 +203,7 @@ fn a_flipped_face_disagrees_at_all_its_edges() {
 fn a_closed_mesh_is_inside_out_by_the_exact_sign_of_its_volume() {
     let flipped: Vec<[u32; 3]> = FACES.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let report = check(&one(&POINTS, flipped.clone()), &[("inside-out", 1, "")]);
-    assert!(
-        report
-            .marked(0)
-            .unwrap()
-            .all(|kind| kind.unwrap().name == "inside-out")
-    );
+    assert!(report.marked(0).unwrap().all(|kind| kind.unwrap().name == "inside-out"));
     // Thinner than any rounding, and far away.
     for flip in [false, true] {
         let thin = [
@@ -273,11 +223,7 @@ fn a_closed_mesh_is_inside_out_by_the_exact_sign_of_its_volume() {
         points.extend(POINTS.map(|p| p + 15.0 * (offset - 0.2)));
         let mut faces = FACES.to_vec();
         faces.extend(flipped.iter().map(|face| face.map(|k| k + 4)));
-        let wanted: &[(&str, u64, &str)] = if is_cavity {
-            &[]
-        } else {
-            &[("inside-out", 1, "")]
-        };
+        let wanted: &[(&str, u64, &str)] = if is_cavity { &[] } else { &[("inside-out", 1, "")] };
         check(&one(&points, faces), wanted);
     }
 }
@@ -302,15 +248,8 @@ fn shells_that_overlap_are_told_and_cavities_are_none() {
     let inside_out = ("inside-out", 1, "");
     // A cavity, one that faces outwards, a solid in a cavity, and the same inside out.
     check(&shells(&[(&large, false), (&small, true)]), &[]);
-    check(
-        &shells(&[(&large, false), (&small, false)]),
-        &[("overlap", 1, "")],
-    );
-    let island = [
-        (&large as &dyn Fn(_) -> _, false),
-        (&small, true),
-        (&smallest, false),
-    ];
+    check(&shells(&[(&large, false), (&small, false)]), &[("overlap", 1, "")]);
+    let island = [(&large as &dyn Fn(_) -> _, false), (&small, true), (&smallest, false)];
     check(&shells(&island), &[]);
     let twice = [("inside-out", 2, ""), ("overlap", 1, "")];
     check(&shells(&[(&large, true), (&small, true)]), &twice);
@@ -332,20 +271,12 @@ fn degenerate_and_duplicate_faces_are_told_apart() {
     // A copy the other way round is a face of its own at the edges.
     let mut faces = FACES.to_vec();
     faces.push([0, 1, 2]);
-    check(
-        &one(&POINTS, faces),
-        &[("non-manifold", 3, ""), ("duplicate", 1, "")],
-    );
+    check(&one(&POINTS, faces), &[("non-manifold", 3, ""), ("duplicate", 1, "")]);
     let thin = one(&[DVec3::ZERO, DVec3::X, DVec3::X * 3.0], vec![[0, 1, 2]]);
     assert_eq!(said(&thin.lint().unwrap())[0], ("degenerate", 1, ""));
     let tiny = [DVec3::ZERO, DVec3::X, DVec3::new(3.0, 1e-300, 0.0)];
     let report = one(&tiny, vec![[0, 1, 2]]).lint().unwrap();
-    assert!(
-        report
-            .findings()
-            .iter()
-            .all(|finding| finding.kind.name != "degenerate")
-    );
+    assert!(report.findings().iter().all(|finding| finding.kind.name != "degenerate"));
 }
 
 #[test]
@@ -387,16 +318,10 @@ fn vertices_of_no_face_and_vertices_that_are_nowhere_are_counted_once() {
 #[test]
 fn digits_lost_to_an_offset_and_unlikely_sizes_are_told() {
     let at = |offset: f64, scale: f64| {
-        one(
-            &POINTS.map(|p| p * scale + DVec3::splat(offset)),
-            FACES.to_vec(),
-        )
+        one(&POINTS.map(|p| p * scale + DVec3::splat(offset)), FACES.to_vec())
     };
     // At 500,000 float32 has steps of 1/32.
-    check(
-        &at(500_000.0, 32.0),
-        &[("far", 1, "coordinates of object 0 come in steps of 0.03125")],
-    );
+    check(&at(500_000.0, 32.0), &[("far", 1, "coordinates of object 0 come in steps of 0.03125")]);
     check(&at(500_000.0, 512.0), &[]);
     // Not in float64.
     check(&at(500_000.1, 32.1), &[]);
@@ -413,16 +338,8 @@ fn what_is_ignored_is_not_looked_for() {
     let ignore = vec![FindingKind::named("hole").unwrap()];
     let report = lint(&scene, &LintSettings { ignore, places: 1 }, &()).unwrap();
     assert!(report.is_clean() && report.checked().len() == KINDS.len() - 1);
-    let settings = LintSettings {
-        places: 1,
-        ..LintSettings::default()
-    };
-    assert_eq!(
-        lint(&scene, &settings, &()).unwrap().findings()[0]
-            .places
-            .len(),
-        1
-    );
+    let settings = LintSettings { places: 1, ..LintSettings::default() };
+    assert_eq!(lint(&scene, &settings, &()).unwrap().findings()[0].places.len(), 1);
 }
 
 #[test]
@@ -433,11 +350,7 @@ fn lint_can_be_stopped() {
             true
         }
     }
-    let stopped = lint(
-        &one(&POINTS, FACES.to_vec()),
-        &LintSettings::default(),
-        &Stopped,
-    );
+    let stopped = lint(&one(&POINTS, FACES.to_vec()), &LintSettings::default(), &Stopped);
     assert!(matches!(stopped, Err(Error::Interrupted)));
 }
 
@@ -472,11 +385,8 @@ fn common(p: &[Exact; 3], q: &[Exact; 3]) -> Vec<Exact> {
 
 /// Whether two triangles meet in a point that is not on what they share.
 fn judged(p: &[DVec3; 3], q: &[DVec3; 3]) -> bool {
-    let shared: Vec<Exact> = p
-        .iter()
-        .filter(|corner| q.contains(corner))
-        .map(|&c| exact(c))
-        .collect();
+    let shared: Vec<Exact> =
+        p.iter().filter(|corner| q.contains(corner)).map(|&c| exact(c)).collect();
     let beside = |point: &Exact| match &shared[..] {
         [] => true,
         [a] => point != a,
@@ -507,36 +417,21 @@ fn triangles_meet_where_rational_arithmetic_says_so() {
         for l in 0..shared {
             points[3 + l] = points[l];
         }
-        let [p, q] = [
-            [points[0], points[1], points[2]],
-            [points[3], points[4], points[5]],
-        ];
+        let [p, q] = [[points[0], points[1], points[2]], [points[3], points[4], points[5]]];
         let has_area = |[a, b, c]: [Exact; 3]| {
-            !cross(&minus(&b, &a), &minus(&c, &a))
-                .iter()
-                .all(Zero::is_zero)
+            !cross(&minus(&b, &a), &minus(&c, &a)).iter().all(Zero::is_zero)
         };
         let in_common = p.iter().filter(|corner| q.contains(corner)).count();
         if !(has_area(p.map(exact)) && has_area(q.map(exact))) || in_common == 3 {
             continue;
         }
         let report = one(&points, vec![[0, 1, 2], [3, 4, 5]]).lint().unwrap();
-        let found = report
-            .findings()
-            .iter()
-            .find(|f| f.kind.name == "self-intersection");
+        let found = report.findings().iter().find(|f| f.kind.name == "self-intersection");
         let judge = judged(&p, &q);
-        assert_eq!(
-            found.map_or(0, |f| f.count),
-            if judge { 2 } else { 0 },
-            "{p:?} {q:?}"
-        );
+        assert_eq!(found.map_or(0, |f| f.count), if judge { 2 } else { 0 }, "{p:?} {q:?}");
         counts[in_common][usize::from(judge)] += 1;
     }
-    assert!(
-        counts.as_flattened().iter().all(|&count| count > cases(40)),
-        "{counts:?}"
-    );
+    assert!(counts.as_flattened().iter().all(|&count| count > cases(40)), "{counts:?}");
 }
 
 #[test]
@@ -561,10 +456,7 @@ fn self_intersections_of_soups_are_those_of_all_pairs() {
         .collect();
     assert_eq!(found, wanted);
     let met = wanted.iter().filter(|&&meets| meets).count();
-    assert!(
-        (wanted.len() / 6..wanted.len() * 5 / 6).contains(&met),
-        "{met}"
-    );
+    assert!((wanted.len() / 6..wanted.len() * 5 / 6).contains(&met), "{met}");
 }
 
 #[test]

@@ -20,35 +20,12 @@ struct Row<'a> {
 
 fn row(line: &str) -> Option<Row<'_>> {
     let fields: Vec<_> = line.split('\t').collect();
-    let [
-        file,
-        expect,
-        vertices,
-        triangles,
-        _,
-        _,
-        area,
-        _,
-        low,
-        high,
-        ..,
-    ] = fields[..]
-    else {
+    let [file, expect, vertices, triangles, _, _, area, _, low, high, ..] = fields[..] else {
         return None;
     };
     let extension = Path::new(file).extension()?.to_ascii_lowercase();
-    let is_mesh = ["ply", "stl", "obj", "gltf", "glb"]
-        .iter()
-        .any(|&mesh| extension == mesh);
-    is_mesh.then_some(Row {
-        file,
-        expect,
-        vertices,
-        triangles,
-        area,
-        low,
-        high,
-    })
+    let is_mesh = ["ply", "stl", "obj", "gltf", "glb"].iter().any(|&mesh| extension == mesh);
+    is_mesh.then_some(Row { file, expect, vertices, triangles, area, low, high })
 }
 
 fn point(text: &str) -> DVec3 {
@@ -71,9 +48,7 @@ fn area(model: &Loaded) -> f64 {
         let corners = move |k| mesh.corners(k).map(|corner| place.transform_point3(corner));
         (0..mesh.triangles().len()).map(corners)
     });
-    triangles
-        .map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0)
-        .sum()
+    triangles.map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
 }
 
 /// What is wrong with the model, if anything.
@@ -83,10 +58,7 @@ fn compare(model: &Loaded, row: &Row) -> Option<String> {
     if row.area == "nan" {
         return (triangles == row.triangles).then(|| "unusable triangles are there".to_owned());
     }
-    if let Some(vertices) = model
-        .vertices
-        .filter(|count| count.to_string() != row.vertices)
-    {
+    if let Some(vertices) = model.vertices.filter(|count| count.to_string() != row.vertices) {
         return Some(format!("{vertices} vertices, not {}", row.vertices));
     }
     if triangles != row.triangles {
@@ -100,10 +72,7 @@ fn compare(model: &Loaded, row: &Row) -> Option<String> {
     let (low, high) = (point(row.low), point(row.high));
     // The manifest states nine digits.
     let rounding = 1e-6 * (high - low).max_element();
-    let off = (bounds.low - low)
-        .abs()
-        .max((bounds.high - high).abs())
-        .max_element();
+    let off = (bounds.low - low).abs().max((bounds.high - high).abs()).max_element();
     if off > rounding {
         return Some(format!("{bounds:?}, not {low} to {high}"));
     }

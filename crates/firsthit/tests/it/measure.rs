@@ -53,9 +53,7 @@ fn is_inside_exactly(mesh: &Mesh, point: &Exact, numbers: &mut Numbers) -> Optio
         let way = exact((1e4 * numbers.point()).round());
         let mut is_inside = false;
         for triangle in 0..mesh.triangles().len() {
-            let [a, b, c] = mesh
-                .corners(triangle)
-                .map(|corner| minus(&exact(corner), point));
+            let [a, b, c] = mesh.corners(triangle).map(|corner| minus(&exact(corner), point));
             let n = cross(&minus(&b, &a), &minus(&c, &a));
             if n.iter().all(Zero::is_zero) {
                 continue;
@@ -103,9 +101,7 @@ fn adversarial(seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 fn points_for(points: &[DVec3], triangles: &[[u32; 3]], numbers: &mut Numbers) -> Vec<DVec3> {
     let (low, high) = points
         .iter()
-        .fold((points[0], points[0]), |(low, high), &point| {
-            (low.min(point), high.max(point))
-        });
+        .fold((points[0], points[0]), |(low, high), &point| (low.min(point), high.max(point)));
     let size = high - low;
     let all = (0..90).map(|k| {
         let [p, q, r] = triangles[numbers.below(triangles.len())].map(|k| points[k as usize]);
@@ -173,21 +169,13 @@ fn of_cells_without_a_gap_exactly_one_holds_each_point() {
     let points: Vec<_> = (0..13 * 13 * 13)
         .map(|k| DVec3::new(quarters(k % 13), quarters(k / 13 % 13), quarters(k / 169)))
         .collect();
-    let answers = inside(&scene, &points, Grouping::Object, &())
-        .unwrap()
-        .is_inside;
-    let union = inside(&scene, &points, Grouping::Union, &())
-        .unwrap()
-        .is_inside;
+    let answers = inside(&scene, &points, Grouping::Object, &()).unwrap().is_inside;
+    let union = inside(&scene, &points, Grouping::Union, &()).unwrap().is_inside;
     for ((point, of_cells), is_inside) in points.iter().zip(answers.chunks(27)).zip(union) {
         // Looking ahead, all faces behind a point are its own.
         let expected = point.max_element() < 3.0;
         let held = of_cells.iter().filter(|&&held| held).count();
-        assert_eq!(
-            (held, is_inside),
-            (usize::from(expected), expected),
-            "{point:?}"
-        );
+        assert_eq!((held, is_inside), (usize::from(expected), expected), "{point:?}");
         if expected {
             let [x, y, z] = point.floor().to_array().map(|x| x as usize);
             assert!(of_cells[x + 3 * y + 9 * z], "{point:?}");
@@ -218,11 +206,7 @@ fn a_ray_through_cells_without_a_gap_is_inside_all_along() {
             if along == 0.0 {
                 // In the lowest plane a ray beside is within, in the highest it is not.
                 let is_within = (0.0..3.0).contains(&at);
-                return if is_within {
-                    (f64::NEG_INFINITY, f64::INFINITY)
-                } else {
-                    (0.0, 0.0)
-                };
+                return if is_within { (f64::NEG_INFINITY, f64::INFINITY) } else { (0.0, 0.0) };
             }
             (ends[0].min(ends[1]), ends[0].max(ends[1]))
         });
@@ -234,10 +218,7 @@ fn a_ray_through_cells_without_a_gap_is_inside_all_along() {
             (0..3).any(|k| ray.direction[k] == 0.0 && [0.0, 3.0].contains(&ray.origin[k]));
         let is_in_plane = (0..3).any(|k| ray.direction[k] == 0.0 && ray.origin[k].fract() == 0.0);
         if !is_in_outer_plane {
-            assert!(
-                (union - expected).abs() < 1e-12,
-                "{ray:?} {union} {expected}"
-            );
+            assert!((union - expected).abs() < 1e-12, "{ray:?} {union} {expected}");
             inner += usize::from(expected > 0.0);
         }
         if !is_in_plane {
@@ -284,10 +265,7 @@ fn solids_hold_what_their_formulas_say() {
     let points: Vec<_> = (0..40_000).map(|_| 1.5 * numbers.point()).collect();
     let answers = inside(&scene, &points, Grouping::Object, &()).unwrap();
     let names: Vec<_> = answers.rules.iter().map(|rule| rule.name()).collect();
-    assert_eq!(
-        names.join(" "),
-        "nonzero nonzero nonzero nonzero nonzero nonzero none none"
-    );
+    assert_eq!(names.join(" "), "nonzero nonzero nonzero nonzero nonzero nonzero none none");
     let mut held = [0; 8];
     for (&point, row) in points.iter().zip(answers.is_inside.chunks(8)) {
         for (k, depth) in depths(point).into_iter().enumerate() {
@@ -298,12 +276,8 @@ fn solids_hold_what_their_formulas_say() {
         }
     }
     assert!(held[..6].iter().all(|&count| count > 100), "{held:?}");
-    let nowhere = [
-        DVec3::NAN,
-        DVec3::INFINITY,
-        DVec3::splat(1e200),
-        DVec3::new(0.1, 0.1, f64::NAN),
-    ];
+    let nowhere =
+        [DVec3::NAN, DVec3::INFINITY, DVec3::splat(1e200), DVec3::new(0.1, 0.1, f64::NAN)];
     let answers = inside(&scene, &nowhere, Grouping::Object, &()).unwrap();
     assert!(!answers.is_inside.contains(&true));
 }
@@ -316,9 +290,7 @@ fn torus() -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let ((s, c), (v, u)) = (libm::sincos(angle(k)), libm::sincos(angle(l)));
         DVec3::new(c * (2.0 + u), s * (2.0 + u), v)
     };
-    let points = (0..count * count)
-        .map(|k| point(k / count, k % count))
-        .collect();
+    let points = (0..count * count).map(|k| point(k / count, k % count)).collect();
     let at = |k: u32, l: u32| k % count * count + l % count;
     let faces = (0..count * count).flat_map(|k| {
         let (k, l) = (k / count, k % count);
@@ -334,9 +306,7 @@ fn a_torus_and_its_chords_are_as_their_formulas() {
     let scene = scene(vec![Object::new(mesh(&points, triangles))]);
     let mut numbers = Numbers::new(2);
     let asked: Vec<_> = (0..20_000).map(|_| 3.2 * numbers.point()).collect();
-    let answers = inside(&scene, &asked, Grouping::Union, &())
-        .unwrap()
-        .is_inside;
+    let answers = inside(&scene, &asked, Grouping::Union, &()).unwrap().is_inside;
     let off = |p: DVec3| {
         let ring = p.truncate().length() - 2.0;
         (ring * ring + p.z * p.z).sqrt() - 1.0
@@ -351,12 +321,7 @@ fn a_torus_and_its_chords_are_as_their_formulas() {
     assert!(count > 1000);
     // Along the x axis: through corners of the mesh, twice in and out, 2 each.
     let along = Ray::new(DVec3::new(9.0, 0.0, 0.0), DVec3::new(-0.5, 0.0, 0.0));
-    let rays = [
-        along,
-        along.up_to(14.0),
-        along.beyond(14.0),
-        along.beyond(f64::NEG_INFINITY),
-    ];
+    let rays = [along, along.up_to(14.0), along.beyond(14.0), along.beyond(f64::NEG_INFINITY)];
     let lengths = path_lengths(&scene, &rays, Grouping::Union, &()).unwrap();
     for (length, expected) in lengths.iter().zip([4.0, 1.0, 3.0, 4.0]) {
         assert!((length - expected).abs() < 1e-12, "{lengths:?}");
@@ -367,29 +332,16 @@ fn a_torus_and_its_chords_are_as_their_formulas() {
 fn a_shell_within_a_shell_is_a_hollow() {
     let points = [cube(DVec3::ZERO, 4.0), cube(DVec3::ONE, 2.0)].concat();
     // Inwards; or by parity, where that is of no account.
-    for (flip, rule) in [
-        (false, FillRule::Parity),
-        (true, FillRule::Parity),
-        (true, FillRule::Nonzero),
-    ] {
-        let inner = CUBE.map(|[a, b, c]| {
-            if flip {
-                [a + 8, c + 8, b + 8]
-            } else {
-                [a + 8, b + 8, c + 8]
-            }
-        });
+    for (flip, rule) in
+        [(false, FillRule::Parity), (true, FillRule::Parity), (true, FillRule::Nonzero)]
+    {
+        let inner =
+            CUBE.map(|[a, b, c]| if flip { [a + 8, c + 8, b + 8] } else { [a + 8, b + 8, c + 8] });
         let triangles = [CUBE, inner].concat();
         let scene = scene(vec![Object::new(mesh(&points, triangles))]);
-        let asked = [
-            DVec3::splat(2.0),
-            DVec3::splat(0.5),
-            DVec3::new(2.0, 2.0, 3.5),
-            DVec3::NEG_ONE,
-        ];
-        let answers = inside_with(rule, &scene, &asked, Grouping::Union, &())
-            .unwrap()
-            .is_inside;
+        let asked =
+            [DVec3::splat(2.0), DVec3::splat(0.5), DVec3::new(2.0, 2.0, 3.5), DVec3::NEG_ONE];
+        let answers = inside_with(rule, &scene, &asked, Grouping::Union, &()).unwrap().is_inside;
         assert_eq!(answers, [false, true, true, false]);
         let ray = Ray::new(DVec3::new(-1.0, 2.0, 2.0), DVec3::X);
         let lengths = path_lengths_with(rule, &scene, &[ray], Grouping::Union, &());
@@ -401,9 +353,7 @@ fn a_shell_within_a_shell_is_a_hollow() {
 #[test]
 fn an_open_mesh_goes_by_its_winding_number_and_says_so() {
     for flip in [false, true] {
-        let walls = CUBE[..10]
-            .iter()
-            .map(|&[a, b, c]| if flip { [a, c, b] } else { [a, b, c] });
+        let walls = CUBE[..10].iter().map(|&[a, b, c]| if flip { [a, c, b] } else { [a, b, c] });
         let open = mesh(&cube(DVec3::splat(-1.0), 2.0), walls.collect());
         let number = winding_number(&open, DVec3::ZERO, &()).unwrap();
         assert!((number.abs() - 5.0 / 6.0).abs() < 1e-15, "{number}");
@@ -413,13 +363,9 @@ fn an_open_mesh_goes_by_its_winding_number_and_says_so() {
         assert_eq!(rules(&scene).unwrap(), [Rule::WindingNumber, Rule::Nonzero]);
         let at = |z| DVec3::new(0.1, 0.2, z);
         let asked = [at(5.0), at(4.1), at(6.5), at(3.5), at(0.0)];
-        let union = inside(&scene, &asked, Grouping::Union, &())
-            .unwrap()
-            .is_inside;
+        let union = inside(&scene, &asked, Grouping::Union, &()).unwrap().is_inside;
         assert_eq!(union, [true, true, false, false, true]);
-        let each = inside(&scene, &asked, Grouping::Object, &())
-            .unwrap()
-            .is_inside;
+        let each = inside(&scene, &asked, Grouping::Object, &()).unwrap().is_inside;
         assert_eq!(each[..4], [true, false, true, false]);
         assert_eq!(each[8..], [false, true]);
         let rays = [
@@ -448,15 +394,10 @@ fn the_winding_number_of_a_closed_mesh_is_whole() {
     let scene = scene(vec![Object::new(closed.clone())]);
     let mut numbers = Numbers::new(6);
     let asked: Vec<_> = (0..2000).map(|_| 1.4 * numbers.point()).collect();
-    let answers = inside(&scene, &asked, Grouping::Union, &())
-        .unwrap()
-        .is_inside;
+    let answers = inside(&scene, &asked, Grouping::Union, &()).unwrap().is_inside;
     for (&point, &answer) in asked.iter().zip(&answers) {
         let number = winding_number(&closed, point, &()).unwrap();
-        assert!(
-            (number - f64::from(u8::from(answer))).abs() < 1e-9,
-            "{point:?} {number}"
-        );
+        assert!((number - f64::from(u8::from(answer))).abs() < 1e-9, "{point:?} {number}");
     }
     // At every scale.
     for scale in [1e-140, 1e140] {
@@ -472,10 +413,7 @@ fn parts_of_a_ray_add_up_to_it() {
     let mut numbers = Numbers::new(8);
     let (points, triangles) = bumpy_sphere(6, 1);
     let ball = Sphere::new(DVec3::splat(0.3), 0.8).unwrap();
-    let scene = scene(vec![
-        Object::new(mesh(&points, triangles)),
-        Object::new(ball),
-    ]);
+    let scene = scene(vec![Object::new(mesh(&points, triangles)), Object::new(ball)]);
     let (mut whole, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..3000 {
         let ray = Ray::new(2.0 * numbers.point(), 3.0 * numbers.point());
@@ -513,17 +451,12 @@ fn the_answers_are_the_same_with_any_number_of_threads() {
     let (points, triangles) = bumpy_sphere(6, 1);
     let mut holed = triangles.clone();
     holed.truncate(60);
-    let scene = scene(vec![
-        Object::new(mesh(&points, triangles)),
-        Object::new(mesh(&points, holed)),
-    ]);
+    let scene =
+        scene(vec![Object::new(mesh(&points, triangles)), Object::new(mesh(&points, holed))]);
     let mut numbers = Numbers::new(5);
     // More than a block.
     let asked: Vec<_> = (0..20_000).map(|_| 1.3 * numbers.point()).collect();
-    let rays: Vec<_> = asked
-        .iter()
-        .map(|&point| Ray::new(point, numbers.point()))
-        .collect();
+    let rays: Vec<_> = asked.iter().map(|&point| Ray::new(point, numbers.point())).collect();
     let answers = |threads| {
         on_threads(threads, || {
             let lengths = path_lengths(&scene, &rays, Grouping::Object, &()).unwrap();
@@ -535,9 +468,7 @@ fn the_answers_are_the_same_with_any_number_of_threads() {
     assert_eq!(one, three);
     // Few at a time, by one thread alone.
     for (number, few) in asked.chunks(100).enumerate().step_by(20) {
-        let few = inside(&scene, few, Grouping::Object, &())
-            .unwrap()
-            .is_inside;
+        let few = inside(&scene, few, Grouping::Object, &()).unwrap().is_inside;
         assert_eq!(few, one.0.is_inside[200 * number..][..200]);
     }
 }
@@ -562,23 +493,12 @@ fn both_can_be_stopped_and_need_no_objects() {
     ));
     let (points_, triangles) = bumpy_sphere(3, 1);
     let open = mesh(&points_, triangles[1..].to_vec());
-    assert!(matches!(
-        winding_number(&open, DVec3::ZERO, &Stopped),
-        Err(Error::Interrupted)
-    ));
+    assert!(matches!(winding_number(&open, DVec3::ZERO, &Stopped), Err(Error::Interrupted)));
     let empty = scene(Vec::new());
     let of_nothing = inside(&empty, &points, Grouping::Object, &()).unwrap();
     assert!(of_nothing.is_inside.is_empty());
-    assert_eq!(
-        inside(&empty, &points, Grouping::Union, &())
-            .unwrap()
-            .is_inside,
-        [false; 3]
-    );
-    assert_eq!(
-        path_lengths(&empty, &rays, Grouping::Union, &()).unwrap(),
-        [0.0; 3]
-    );
+    assert_eq!(inside(&empty, &points, Grouping::Union, &()).unwrap().is_inside, [false; 3]);
+    assert_eq!(path_lengths(&empty, &rays, Grouping::Union, &()).unwrap(), [0.0; 3]);
     let none: [Ray; 0] = [];
     let lengths = path_lengths(&full, &none, Grouping::Object, &()).unwrap();
     assert!(lengths.is_empty());
@@ -651,33 +571,14 @@ fn an_object_is_as_thick_as_it_is_deep() {
     let ball = Sphere::new(DVec3::new(0.0, 0.0, -1.0), 0.5).unwrap();
     let (points, triangles) = bumpy_sphere(4, 2);
     let bumpy: Vec<DVec3> = points.iter().map(|&p| 0.25 * p).collect();
-    let scene = scene(vec![
-        Object::new(plate()),
-        Object::new(ball),
-        Object::new(mesh(&bumpy, triangles)),
-    ]);
-    let above = [
-        [0.125, 0.25, 0.75],
-        [1.5, 0.0, 3.0],
-        [0.0, 0.0, -2.25],
-        [3.0, 0.25, -1.0],
-    ];
-    assert_eq!(
-        thickness(&scene, &above, &()).unwrap(),
-        [2.5, 2.5, 2.5, 4.0]
-    );
+    let scene =
+        scene(vec![Object::new(plate()), Object::new(ball), Object::new(mesh(&bumpy, triangles))]);
+    let above = [[0.125, 0.25, 0.75], [1.5, 0.0, 3.0], [0.0, 0.0, -2.25], [3.0, 0.25, -1.0]];
+    assert_eq!(thickness(&scene, &above, &()).unwrap(), [2.5, 2.5, 2.5, 4.0]);
     // In the ball, the ball is nearest.
-    assert_eq!(
-        thickness(&scene, &[[0.0, 0.0, -1.4375]], &()).unwrap(),
-        [1.0]
-    );
+    assert_eq!(thickness(&scene, &[[0.0, 0.0, -1.4375]], &()).unwrap(), [1.0]);
     let odd = [[f64::NAN; 3], [f64::INFINITY, 0.0, 0.0]];
-    assert!(
-        thickness(&scene, &odd, &())
-            .unwrap()
-            .iter()
-            .all(|length| length.is_nan())
-    );
+    assert!(thickness(&scene, &odd, &()).unwrap().iter().all(|length| length.is_nan()));
 }
 
 /// It was infinite: its ray went nowhere.
@@ -711,16 +612,12 @@ fn the_thickness_of_a_mesh_is_that_of_rational_arithmetic() {
     for (k, (&from, &found)) in middles.iter().zip(&found).enumerate() {
         let (origin, way) = (exact(from), exact(-mesh.normal(k)));
         let others = (0..count).filter(|&other| other != k).filter_map(|other| {
-            let [a, b, c] = mesh
-                .corners(other)
-                .map(|corner| minus(&exact(corner), &origin));
+            let [a, b, c] = mesh.corners(other).map(|corner| minus(&exact(corner), &origin));
             let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&way, &cross(p, q)));
             let is_met =
                 sides.iter().all(Signed::is_positive) || sides.iter().all(Signed::is_negative);
             let n = cross(&minus(&b, &a), &minus(&c, &a));
-            is_met
-                .then(|| dot(&n, &a) / dot(&n, &way))
-                .filter(Signed::is_positive)
+            is_met.then(|| dot(&n, &a) / dot(&n, &way)).filter(Signed::is_positive)
         });
         let expected = others.min().unwrap().to_f64().unwrap();
         assert!((found - expected).abs() < 1e-13, "{k}: {found} {expected}");

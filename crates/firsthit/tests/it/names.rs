@@ -15,24 +15,16 @@ use firsthit::{
 };
 
 fn label(number: u64, name: &str) -> Label {
-    Label {
-        number,
-        name: name.into(),
-    }
+    Label { number, name: name.into() }
 }
 
 fn steel() -> Material {
-    Material {
-        name: "steel".into(),
-        ..Material::colored(Color::splat(0.3))
-    }
+    Material { name: "steel".into(), ..Material::colored(Color::splat(0.3)) }
 }
 
 fn triangle() -> Arc<Mesh> {
     let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-    Mesh::new(Positions::compact(corners), vec![[0, 1, 2]])
-        .unwrap()
-        .into()
+    Mesh::new(Positions::compact(corners), vec![[0, 1, 2]]).unwrap().into()
 }
 
 /// Two instances of a mesh, a ball, and another mesh.
@@ -104,10 +96,7 @@ fn built_scenes_keep_names() {
     assert_eq!(opened.objects(), scene.objects());
     assert_eq!(opened.objects()[1].node(), Some(&label(5, "car/part")));
     assert_eq!(&*opened.objects()[2].materials()[0].name, "steel");
-    assert_eq!(
-        firsthit::render::names(&opened),
-        firsthit::render::names(&scene)
-    );
+    assert_eq!(firsthit::render::names(&opened), firsthit::render::names(&scene));
 }
 
 /// The same look under two names is two materials, which look alike.
@@ -118,22 +107,12 @@ fn materials_of_obj_files_have_their_names() {
     let faces = "usemtl red\nf 1 2 3\nusemtl rouge\nf 2 4 3\n";
     let text = format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\no board\n{faces}");
     fs::write(&path, text).unwrap();
-    fs::write(
-        folder.path().join("a.mtl"),
-        "newmtl red\nKd 1 0 0\nnewmtl rouge\nKd 1 0 0\n",
-    )
-    .unwrap();
-    let scene = load(&path, &LoadSettings::default())
-        .unwrap()
-        .into_scene()
+    fs::write(folder.path().join("a.mtl"), "newmtl red\nKd 1 0 0\nnewmtl rouge\nKd 1 0 0\n")
         .unwrap();
-    let names: Vec<&str> = (scene.catalog().materials().iter())
-        .map(|name| &**name)
-        .collect();
+    let scene = load(&path, &LoadSettings::default()).unwrap().into_scene().unwrap();
+    let names: Vec<&str> = (scene.catalog().materials().iter()).map(|name| &**name).collect();
     assert_eq!(names, ["red", "rouge"]);
-    let frame = Render::new(&scene)
-        .size(40, 40)
-        .channels(&["material", "primitive"]);
+    let frame = Render::new(&scene).size(40, 40).channels(&["material", "primitive"]);
     let frame = frame.frame().unwrap();
     let data = |name: &str| frame.channel(name).unwrap().data.clone();
     assert_eq!(data("material"), data("primitive"));
@@ -148,48 +127,24 @@ fn nodes_of_a_scene_file_are_those_of_each_of_its_tables() {
         "meshes": [{"name": "Wheel", "primitives": [{"attributes": {"POSITION": 0}}]}],
         "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3"}]}"#;
     fs::write(folder.path().join("car.gltf"), gltf).unwrap();
-    fs::copy(
-        folder.path().join("car.gltf"),
-        folder.path().join("van.gltf"),
-    )
-    .unwrap();
+    fs::copy(folder.path().join("car.gltf"), folder.path().join("van.gltf")).unwrap();
     let text = "[[objects]]\nfile = \"car.gltf\"\nname = \"mine\"\n[[objects]]\nfile = \"car.gltf\"\n\
         [[objects]]\nfile = \"van.gltf\"\n[[objects]]\nshape = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\n";
     let path = folder.path().join("a.toml");
     fs::write(&path, text).unwrap();
-    let scene = load(&path, &LoadSettings::default())
-        .unwrap()
-        .into_scene()
-        .unwrap();
+    let scene = load(&path, &LoadSettings::default()).unwrap().into_scene().unwrap();
     let names = firsthit::render::names(&scene);
     let nodes = names.node.unwrap();
-    let expected = [
-        "mine/car/wheel",
-        "mine/car/node 2",
-        "car/wheel",
-        "car/node 2",
-        "car/wheel",
-        "car/node 2",
-    ];
+    let expected =
+        ["mine/car/wheel", "mine/car/node 2", "car/wheel", "car/node 2", "car/wheel", "car/node 2"];
     assert_eq!(nodes, expected);
     assert_eq!(names.mesh.unwrap(), ["Wheel", "Wheel"]);
     let objects = names.object.unwrap();
-    let of: Vec<_> = objects
-        .iter()
-        .map(|object| (object.node, object.mesh))
-        .collect();
+    let of: Vec<_> = objects.iter().map(|object| (object.node, object.mesh)).collect();
     let pair = |node, mesh| (Some(node), Some(mesh));
     assert_eq!(
         of,
-        [
-            pair(0, 0),
-            pair(1, 0),
-            pair(2, 0),
-            pair(3, 0),
-            pair(4, 1),
-            pair(5, 1),
-            (None, None)
-        ]
+        [pair(0, 0), pair(1, 0), pair(2, 0), pair(3, 0), pair(4, 1), pair(5, 1), (None, None)]
     );
 }
 
@@ -214,10 +169,7 @@ fn plate() -> Scene {
     let heat = PropertyValues::Double(vec![10.0, 20.0, 40.0].into());
     let many = PropertyValues::Double((0..15).map(f64::from).collect::<Vec<_>>().into());
     let heat = Property::new("heat (K)", PropertyOf::Vertices, heat);
-    let many = Property {
-        components: 5,
-        ..Property::new("many", PropertyOf::Vertices, many)
-    };
+    let many = Property { components: 5, ..Property::new("many", PropertyOf::Vertices, many) };
     let mesh = Mesh::clone(&triangle());
     let mesh = mesh.with_properties(vec![heat, many]).unwrap();
     Scene::new(vec![Object::new(Arc::new(mesh))]).unwrap()
@@ -251,10 +203,7 @@ fn pictures_have_attributes_as_channels() {
     assert!(hits > 50, "{hits}");
     assert_eq!(frame.channel("attribute:many").unwrap().components, 5);
     assert_eq!(doubles(&frame, "attribute:many").len(), 5 * 20 * 30);
-    let region = Region {
-        rows: 3..9,
-        columns: 5..25,
-    };
+    let region = Region { rows: 3..9, columns: 5..25 };
     let part = plate_picture(&scene).region(region).frame().unwrap();
     let part = doubles(&part, "attribute:heat__K_");
     assert_eq!(part.len(), 6 * 20);
@@ -276,10 +225,7 @@ fn files_have_attributes_as_channels() {
     let png = folder.path().join("a.png");
     frame.save_channel("attribute:heat__K_", &png).unwrap();
     let refused = frame.save_channel("attribute:many", &png).unwrap_err();
-    assert!(
-        refused.to_string().contains("one to three numbers"),
-        "{refused}"
-    );
+    assert!(refused.to_string().contains("one to three numbers"), "{refused}");
 }
 
 #[test]
@@ -290,10 +236,7 @@ fn unknown_attributes_are_refused_with_those_there_are() {
         error.to_string()
     };
     let unknown = refused("attribute:cold");
-    assert!(
-        unknown.contains("'cold'; there are heat (K), many"),
-        "{unknown}"
-    );
+    assert!(unknown.contains("'cold'; there are heat (K), many"), "{unknown}");
     let nameless = refused("attribute:");
     assert!(nameless.contains("an attribute's name"), "{nameless}");
 }

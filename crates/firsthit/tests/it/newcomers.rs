@@ -19,13 +19,7 @@ use firsthit::{
 fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
-    let nested = paths.map(|path| {
-        if path.is_dir() {
-            sources(&path)
-        } else {
-            vec![path]
-        }
-    });
+    let nested = paths.map(|path| if path.is_dir() { sources(&path) } else { vec![path] });
     nested.flatten().collect()
 }
 
@@ -35,29 +29,19 @@ fn names(lib: &str) -> Vec<String> {
     let lists = lists.map(|list| list.split(';').next().unwrap());
     let named = lists.flat_map(|list| {
         let words = list.split("::").last().unwrap();
-        words
-            .split(['{', '}', ',', ' ', '\n'])
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
+        words.split(['{', '}', ',', ' ', '\n']).map(str::to_owned).collect::<Vec<_>>()
     });
     let is_foreign = |name: &str| ["DAffine3", "DMat3", "DQuat", "DVec2", "DVec3"].contains(&name);
-    named
-        .filter(|name| !name.is_empty() && !is_foreign(name))
-        .collect()
+    named.filter(|name| !name.is_empty() && !is_foreign(name)).collect()
 }
 
 /// Whether the item `name` has an example in what stands above it.
 fn has_example(name: &str, files: &[String]) -> bool {
     let kinds = ["struct", "enum", "trait", "fn", "type"];
-    let starts: Vec<String> = kinds
-        .iter()
-        .map(|kind| format!("pub {kind} {name}"))
-        .collect();
+    let starts: Vec<String> = kinds.iter().map(|kind| format!("pub {kind} {name}")).collect();
     let is_it = |line: &str| {
         let line = line.trim_start();
-        let rest = starts
-            .iter()
-            .find_map(|start| line.strip_prefix(start.as_str()));
+        let rest = starts.iter().find_map(|start| line.strip_prefix(start.as_str()));
         rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
     };
     files.iter().any(|file| {
@@ -77,17 +61,11 @@ fn every_name_at_the_root_has_an_example() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let files = sources(folder.parent().unwrap());
     let is_rust = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "rs");
-    let files: Vec<_> = files
-        .iter()
-        .filter(is_rust)
-        .map(|path| fs::read_to_string(path).unwrap())
-        .collect();
+    let files: Vec<_> =
+        files.iter().filter(is_rust).map(|path| fs::read_to_string(path).unwrap()).collect();
     let names = names(&fs::read_to_string(folder.join("src/lib.rs")).unwrap());
     assert!(names.len() > 30, "{names:?}");
-    let without: Vec<_> = names
-        .iter()
-        .filter(|name| !has_example(name, &files))
-        .collect();
+    let without: Vec<_> = names.iter().filter(|name| !has_example(name, &files)).collect();
     assert!(without.is_empty(), "no example: {without:?}");
 }
 
@@ -97,22 +75,15 @@ fn large() -> Arc<Mesh> {
     let triangles = (0..10_000).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
     let mesh = Mesh::new(Positions::compact(points), triangles).unwrap();
     let normals = firsthit::shape::Attribute::per_vertex(vec![[0.0, 0.0, 1.0]; 30_000]);
-    Arc::new(
-        mesh.with_normals(normals)
-            .unwrap()
-            .with_slots(vec![0; 10_000])
-            .unwrap(),
-    )
+    Arc::new(mesh.with_normals(normals).unwrap().with_slots(vec![0; 10_000]).unwrap())
 }
 
 #[test]
 fn what_is_printed_of_large_things_is_a_summary() {
     let texture = Arc::new(Texture::new(512, 512, vec![[0; 4]; 512 * 512]).unwrap());
     let material = Material {
-        maps: Maps::default().with(
-            MapRole::Color,
-            TextureMap::new(Arc::clone(&texture), TextureMap::V_UP),
-        ),
+        maps: Maps::default()
+            .with(MapRole::Color, TextureMap::new(Arc::clone(&texture), TextureMap::V_UP)),
         ..Material::default()
     };
     let mesh = large();
@@ -121,10 +92,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
     let objects = vec![object.clone(); 1000];
     let loaded = Loaded {
         variants: Vec::new(),
-        world: World {
-            objects: objects.clone(),
-            ..World::default()
-        },
+        world: World { objects: objects.clone(), ..World::default() },
         files: Vec::new(),
         warnings: vec!["w".repeat(1000); 100],
         vertices: None,
@@ -134,12 +102,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [50, 60]).unwrap();
     let hits = trace(&scene, &camera, First, &()).unwrap();
     let channels: Vec<_> = channel::KINDS.iter().map(|kind| &*kind.name).collect();
-    let frame = Render::new(&scene)
-        .size(50, 60)
-        .channels(&channels)
-        .samples(1)
-        .frame()
-        .unwrap();
+    let frame = Render::new(&scene).size(50, 60).channels(&channels).samples(1).frame().unwrap();
     for (name, text) in [
         ("Loaded", format!("{loaded:?}")),
         ("Mesh", format!("{mesh:?}")),
@@ -153,10 +116,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
         ("Loaded, in lines", format!("{loaded:#?}")),
         ("Scene, in lines", format!("{scene:#?}")),
     ] {
-        assert!(
-            text.len() < 2000 + 2000 * usize::from(name.contains("lines")),
-            "{name}: {text}"
-        );
+        assert!(text.len() < 2000 + 2000 * usize::from(name.contains("lines")), "{name}: {text}");
     }
     assert!(format!("{mesh:?}").contains("triangles: 10000, vertices: 30000"));
     assert!(format!("{scene:?}").contains("... of 1000"), "{scene:?}");
@@ -168,9 +128,7 @@ fn what_is_printed_of_large_things_is_a_summary() {
 fn balls() -> Scene {
     let ball = |x: f64, name: &str| {
         let ball = Sphere::new(DVec3::new(x, 0.0, 0.0), 1.0).unwrap();
-        Object::new(ball)
-            .named(name)
-            .colored(Color::new(0.8, 0.3, 0.1))
+        Object::new(ball).named(name).colored(Color::new(0.8, 0.3, 0.1))
     };
     Scene::new(vec![ball(0.0, "left"), ball(2.5, "right")]).unwrap()
 }
@@ -180,10 +138,7 @@ fn a_picture_of_which_nothing_is_said_is_the_full_form_with_the_defaults() {
     let scene = balls();
     let short = Render::new(&scene).size(48, 64).frame().unwrap();
     let camera = framing_camera(&scene, DVec3::Z, StandardView::Iso, [48, 64]).unwrap();
-    let Lighting {
-        lights,
-        environment,
-    } = LightRig::Auto.lighting(&camera, DVec3::Z);
+    let Lighting { lights, environment } = LightRig::Auto.lighting(&camera, DVec3::Z);
     let lit = scene.clone().with_automatic_lights(lights);
     let lit = lit.with_borrowed_environment(environment);
     let shade = Shading {
@@ -225,16 +180,8 @@ fn everything_said_of_a_picture_shows_in_it() {
         let told = format!("{changed:?}");
         assert_ne!(data(changed), plain, "{told}");
     }
-    let frame = small
-        .clone()
-        .channels(&["t", "object", "color"])
-        .frame()
-        .unwrap();
-    let names: Vec<_> = frame
-        .channels()
-        .iter()
-        .map(|channel| &*channel.name)
-        .collect();
+    let frame = small.clone().channels(&["t", "object", "color"]).frame().unwrap();
+    let names: Vec<_> = frame.channels().iter().map(|channel| &*channel.name).collect();
     assert_eq!(names, ["t", "object", "color"]);
     let error = small.channels(&["depth"]).frame().unwrap_err().to_string();
     assert!(error.starts_with("channel must be "), "{error}");
@@ -249,15 +196,9 @@ fn what_a_shade_of_one_s_own_would_ignore_is_refused() {
     assert!(small.clone().samples(2).frame().is_ok());
     for (name, picture) in [
         ("light", small.clone().light(LightRig::Sun)),
-        (
-            "background",
-            small.clone().background(Background::Transparent),
-        ),
+        ("background", small.clone().background(Background::Transparent)),
         ("ground", small.clone().ground(false)),
-        (
-            "color_by",
-            small.clone().color_by(Coloring::new(ColorBy::Height)),
-        ),
+        ("color_by", small.clone().color_by(Coloring::new(ColorBy::Height))),
     ] {
         let why = picture.frame().unwrap_err().to_string();
         assert!(why.contains(name), "{why}");
@@ -289,17 +230,11 @@ fn a_frame_is_saved_in_the_format_of_its_name() {
     for name in ["z.png", "z.npy"] {
         let path = folder.path().join(name);
         let error = frame.save(&path).unwrap_err().to_string();
-        assert!(
-            error.starts_with("channel must be the single one"),
-            "{error}"
-        );
+        assert!(error.starts_with("channel must be the single one"), "{error}");
         frame.save_channel("z", &path).unwrap();
         assert!(path.is_file());
     }
-    let error = frame
-        .save(folder.path().join("z.gif"))
-        .unwrap_err()
-        .to_string();
+    let error = frame.save(folder.path().join("z.gif")).unwrap_err().to_string();
     assert!(error.contains("known: .png, .exr, .npy, .npz"), "{error}");
 }
 

@@ -92,10 +92,8 @@ fn rays_from_the_bottom_of_an_open_valley_do_not_pass_through_its_slopes() {
         for y in [0.0, 0.25] {
             let above = valley.transform().point_in_world(above + y * DVec3::Y);
             // Alone, and in a scene with others.
-            let beside = object(
-                &[DVec3::splat(-50.0), DVec3::splat(-51.0), DVec3::X],
-                vec![[0, 1, 2]],
-            );
+            let beside =
+                object(&[DVec3::splat(-50.0), DVec3::splat(-51.0), DVec3::X], vec![[0, 1, 2]]);
             for objects in [vec![valley.clone()], vec![valley.clone(), beside]] {
                 let scene = scene(objects);
                 assert_eq!(stopped(&scene, above, &ways), expected, "{number} {y}");
@@ -125,10 +123,9 @@ fn a_face_without_an_area_frees_no_rays_from_its_corners() {
     let (points, triangles) = valley();
     let ways = [[-0.9, 0.0, 0.3], [0.9, 0.4, 0.3], [0.9, 0.5, 0.91]].map(DVec3::from);
     for flat in [[4, 4, 1], [1, 4, 1], [4, 4, 4], [3, 4, 5]] {
-        for all in [
-            [triangles.clone(), vec![flat]].concat(),
-            [vec![flat], triangles.clone()].concat(),
-        ] {
+        for all in
+            [[triangles.clone(), vec![flat]].concat(), [vec![flat], triangles.clone()].concat()]
+        {
             let scene = scene(vec![object(&points, all)]);
             let found = stopped(&scene, DVec3::new(0.0, 0.0, 5.0), &ways);
             assert_eq!(found, [true, true, false], "{flat:?}");
@@ -182,18 +179,11 @@ fn a_terrain_is_seen_from_its_vertices_as_from_a_little_above_them() {
         let (ray, filter) = surface.leave(way);
         let is_stopped = trace(&scene, &Filtered::new(&[ray], filter), Any, &()).unwrap()[0];
         let above = Ray::new(ray.origin + 1e-9 * DVec3::Z, way);
-        assert_eq!(
-            is_stopped,
-            trace(&scene, &[above], Any, &()).unwrap()[0],
-            "{hit:?} {way:?}"
-        );
+        assert_eq!(is_stopped, trace(&scene, &[above], Any, &()).unwrap()[0], "{hit:?} {way:?}");
         stopped += usize::from(is_stopped);
         free += usize::from(!is_stopped);
     }
-    assert!(
-        stopped > cases(300) && free > cases(300),
-        "{stopped} {free}"
-    );
+    assert!(stopped > cases(300) && free > cases(300), "{stopped} {free}");
 }
 
 /// Once many rays have left vertices, what is around each is known, and the answers stay.
@@ -234,12 +224,7 @@ fn thickness_at_a_vertex_of_an_open_mesh_is_measured_through_it() {
     let (mut points, mut triangles) = valley();
     let below = |p: &DVec3| *p - DVec3::Z;
     points.extend(points.clone().iter().map(below));
-    triangles.extend(
-        triangles
-            .clone()
-            .into_iter()
-            .map(|[a, b, c]| [a + 9, c + 9, b + 9]),
-    );
+    triangles.extend(triangles.clone().into_iter().map(|[a, b, c]| [a + 9, c + 9, b + 9]));
     let scene = scene(vec![object(&points, triangles)]);
     // At a vertex, at an edge and in a face, against the normal of a slope.
     let at = [[0.0; 3], [0.0, 0.25, 0.0], [-0.25, 0.1, 0.25]];

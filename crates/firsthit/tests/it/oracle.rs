@@ -21,12 +21,7 @@ fn arrays(path: &Path) -> HashMap<String, Vec<f64>> {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|x| x.as_f64().unwrap())
-        .collect()
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
 
 fn vector(value: &Value) -> DVec3 {
@@ -47,11 +42,8 @@ fn camera(case: &Value) -> Camera {
             focal_length: number("z_p"),
             width: number("w"),
             height: number("h"),
-            parallel: if orthographic {
-                Projection::Orthographic
-            } else {
-                Projection::Perspective
-            } == Projection::Orthographic,
+            parallel: if orthographic { Projection::Orthographic } else { Projection::Perspective }
+                == Projection::Orthographic,
             ..Viewplane::default()
         }),
     })
@@ -77,12 +69,7 @@ fn objects(case: &Value, folder: &Path) -> Vec<Object> {
             panic!("no case has such an object yet: {object}")
         }
     };
-    case["objects"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(object)
-        .collect()
+    case["objects"].as_array().unwrap().iter().map(object).collect()
 }
 
 /// The oracle counts primitives through all objects.
@@ -106,10 +93,7 @@ fn every_pixel_of_every_case_agrees() {
     let mut cases = 0;
     for entry in std::fs::read_dir(&folder).unwrap() {
         let path = entry.unwrap().path();
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "json")
-        {
+        if path.extension().is_some_and(|extension| extension == "json") {
             check_case(&path, &folder);
             cases += 1;
         }
@@ -127,9 +111,7 @@ fn check_case(path: &Path, folder: &Path) {
     for row in 0..camera.rows() {
         for column in 0..camera.columns() {
             let hit = Cpu::default().first_hit(&scene, &camera.ray(row, column));
-            let number = before
-                .get(hit.object as usize)
-                .map_or(-1, |first| first + hit.primitive);
+            let number = before.get(hit.object as usize).map_or(-1, |first| first + hit.primitive);
             // The oracle's row 0 is the bottom one.
             let k = (camera.rows() - 1 - row) * camera.columns() + column;
             let place = format!("{} row {row} column {column}: {hit:?}", path.display());
@@ -144,10 +126,7 @@ fn check_case(path: &Path, folder: &Path) {
                     );
                 }
                 1.0 => assert!(is(answer["t"][k]) && candidate, "{place}"),
-                _ => assert!(
-                    answer["alts"][8 * k..8 * k + 8].iter().any(|&t| is(t)),
-                    "{place}"
-                ),
+                _ => assert!(answer["alts"][8 * k..8 * k + 8].iter().any(|&t| is(t)), "{place}"),
             }
         }
     }
@@ -167,11 +146,7 @@ fn every_ray_from_inside_hits() {
         let hit = Cpu::default().first_hit(&scene, &ray);
         assert!(!hit.is_miss(), "{ray:?}");
         if k % 50 == 0 {
-            assert_eq!(
-                hit.t.to_bits(),
-                BruteForce.first_hit(&scene, &ray).t.to_bits(),
-                "{ray:?}"
-            );
+            assert_eq!(hit.t.to_bits(), BruteForce.first_hit(&scene, &ray).t.to_bits(), "{ray:?}");
         }
     }
     assert!(origins.len() / 3 > 10_000);

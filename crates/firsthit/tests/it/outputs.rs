@@ -25,10 +25,7 @@ const COLUMNS: usize = 50;
 fn frame() -> Frame {
     let scene = example::scene().unwrap();
     let camera = example::camera(ROWS, COLUMNS).unwrap();
-    let shade = Shading {
-        background: example::background(),
-        ..Shader::default().on(&scene)
-    };
+    let shade = Shading { background: example::background(), ..Shader::default().on(&scene) };
     let kinds: Vec<_> = KINDS.iter().collect();
     render(&scene, &camera, &shade, &kinds, 1, &()).unwrap()
 }
@@ -44,9 +41,7 @@ fn encode(format: &Format, frame: &Frame, channel: Option<&str>) -> Vec<u8> {
         others = without_mattes(frame.clone());
         &others
     };
-    format
-        .encode(frame, channel, settings, &mut bytes, path)
-        .unwrap();
+    format.encode(frame, channel, settings, &mut bytes, path).unwrap();
     bytes
 }
 
@@ -81,25 +76,18 @@ fn write_all(frame: &Frame, folder: &Path) -> Vec<std::path::PathBuf> {
     }
     for name in ["t", "range", "z"] {
         paths.push(folder.join(format!("{name}-steps.png")));
-        let settings = WriteSettings {
-            png_scale: Some(0.1),
-            ..WriteSettings::default()
-        };
+        let settings = WriteSettings { png_scale: Some(0.1), ..WriteSettings::default() };
         let png = format_named("png").unwrap();
         let path = paths.last().unwrap();
         png.write(frame, Some(name), settings, path, &()).unwrap();
     }
     paths.push(folder.join("tone-mapped.png"));
     let settings = WriteSettings {
-        display: DisplayTransform {
-            exposure: -0.5,
-            tone_map: ToneMap::Neutral,
-        },
+        display: DisplayTransform { exposure: -0.5, tone_map: ToneMap::Neutral },
         ..WriteSettings::default()
     };
     let (png, path) = (format_named("png").unwrap(), paths.last().unwrap());
-    png.write(frame, Some("color"), settings, path, &())
-        .unwrap();
+    png.write(frame, Some("color"), settings, path, &()).unwrap();
     paths
 }
 
@@ -144,11 +132,7 @@ fn files_hold_the_values_and_say_where_they_come_from() {
                     ArrayValues::Integer(values) => (values[index] as f64, exact),
                 };
                 let same = found == expected || found.is_nan() && expected.is_nan();
-                assert!(
-                    same,
-                    "{} {name} {index}: {found} {expected}",
-                    path.display()
-                );
+                assert!(same, "{} {name} {index}: {found} {expected}", path.display());
                 assert_eq!(found.is_infinite(), exact.is_infinite());
             }
         }
@@ -177,17 +161,9 @@ fn files_of_different_formats_compare_channel_by_channel() {
     write(&frame, &npz).unwrap();
     let (a, b) = (read(&exr).unwrap(), read(&npz).unwrap());
     for channel in frame.channels() {
-        let (a, b) = (
-            a.array(&channel.name).unwrap(),
-            b.array(&channel.name).unwrap(),
-        );
+        let (a, b) = (a.array(&channel.name).unwrap(), b.array(&channel.name).unwrap());
         let difference = compare(a, b, 0.0).unwrap();
-        assert_eq!(
-            (difference.differing, difference.values),
-            (0, None),
-            "{}",
-            channel.name
-        );
+        assert_eq!((difference.differing, difference.values), (0, None), "{}", channel.name);
     }
 }
 
@@ -203,20 +179,14 @@ fn a_16_bit_png_refuses_what_it_cannot_hold_and_names_the_pixel() {
     let nearest = finite.min_by(by_value).unwrap();
     let png = format_named("png").unwrap();
     let write = |scale| {
-        let settings = WriteSettings {
-            png_scale: Some(scale),
-            ..WriteSettings::default()
-        };
+        let settings = WriteSettings { png_scale: Some(scale), ..WriteSettings::default() };
         png.write(&frame, Some("z"), settings, &path, &())
     };
     let too_small = values(farthest) / 65_536.0;
     let message = write(too_small).unwrap_err().to_string();
     let place = |k: usize| format!("at row {}, column {}", k / COLUMNS, k % COLUMNS);
     assert!(message.contains(&place(farthest)), "{message}");
-    assert!(
-        message.contains(&format!("z is {}", values(farthest))),
-        "{message}"
-    );
+    assert!(message.contains(&format!("z is {}", values(farthest))), "{message}");
     // What it suggests is right.
     let (_, fits) = message.rsplit_once("a scale of ").unwrap();
     write(fits.strip_suffix(" fits").unwrap().parse().unwrap()).unwrap();
@@ -232,10 +202,9 @@ fn a_16_bit_png_refuses_what_it_cannot_hold_and_names_the_pixel() {
 /// A frame of a row of distances, and of identifiers.
 fn row(distances: &[f64], identifiers: &[i32]) -> Frame {
     let mut frame = Frame::new([1, distances.len()]);
-    for (name, data) in [
-        ("z", Data::Float64(distances.to_vec())),
-        ("object", Data::Int32(identifiers.to_vec())),
-    ] {
+    for (name, data) in
+        [("z", Data::Float64(distances.to_vec())), ("object", Data::Int32(identifiers.to_vec()))]
+    {
         let kind = firsthit::channel::kind(name).unwrap();
         frame.push(kind.channel(data)).unwrap();
     }
@@ -248,20 +217,14 @@ fn a_far_background_saturates_or_is_a_miss_in_a_png_of_millimetres_as_asked() {
     let path = folder.path().join("z.png");
     let frame = row(&[1.5, 65.5354, 65.536, 1e300, f64::INFINITY], &[0; 5]);
     let write = |far| {
-        let settings = WriteSettings {
-            png_scale: Some(0.001),
-            png_far: far,
-            ..WriteSettings::default()
-        };
+        let settings =
+            WriteSettings { png_scale: Some(0.001), png_far: far, ..WriteSettings::default() };
         let png = format_named("png").unwrap();
         png.write(&frame, Some("z"), settings, &path, &())
     };
     let message = write(None).unwrap_err().to_string();
     assert!(message.contains("unless `far` is given"), "{message}");
-    for (far, beyond, said) in [
-        (Far::Saturate, 65.535, "65535"),
-        (Far::Zero, f64::INFINITY, "0"),
-    ] {
+    for (far, beyond, said) in [(Far::Saturate, 65.535, "65535"), (Far::Zero, f64::INFINITY, "0")] {
         write(Some(far)).unwrap();
         let output = read(&path).unwrap();
         let ArrayValues::Float64(z) = &output.arrays[0].numbers else {
@@ -272,10 +235,7 @@ fn a_far_background_saturates_or_is_a_miss_in_a_png_of_millimetres_as_asked() {
         assert!(z.iter().zip(expected).all(is_close), "{z:?}");
         let metadata = output.metadata.unwrap();
         let stored = metadata.channels[0].stored.as_ref().unwrap();
-        assert_eq!(
-            (stored.scale, stored.far.as_deref()),
-            (Some(0.001), Some(said))
-        );
+        assert_eq!((stored.scale, stored.far.as_deref()), (Some(0.001), Some(said)));
     }
 }
 
@@ -283,10 +243,7 @@ fn a_far_background_saturates_or_is_a_miss_in_a_png_of_millimetres_as_asked() {
 fn labels_of_16_bits_are_identifiers_plus_one_and_come_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("object.png");
-    let settings = WriteSettings {
-        png_labels: true,
-        ..WriteSettings::default()
-    };
+    let settings = WriteSettings { png_labels: true, ..WriteSettings::default() };
     let png = format_named("png").unwrap();
     let write = |identifiers: &[i32]| {
         let frame = row(&[1.0; 3], identifiers);
@@ -297,21 +254,14 @@ fn labels_of_16_bits_are_identifiers_plus_one_and_come_back() {
     assert!(matches!(&output.arrays[0].numbers, ArrayValues::Integer(v) if v == &[-1, 0, 65_534]));
     let decoder = png::Decoder::new(std::io::Cursor::new(fs::read(&path).unwrap()));
     let mut reader = decoder.read_info().unwrap();
-    assert_eq!(
-        reader.output_color_type(),
-        (png::ColorType::Grayscale, png::BitDepth::Sixteen)
-    );
+    assert_eq!(reader.output_color_type(), (png::ColorType::Grayscale, png::BitDepth::Sixteen));
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut bytes).unwrap();
     assert_eq!(bytes, [0, 0, 0, 1, 255, 255]);
     let message = write(&[0, 65_535, 0]).unwrap_err().to_string();
-    assert!(
-        message.contains("got 65535 at row 0, column 1"),
-        "{message}"
-    );
+    assert!(message.contains("got 65535 at row 0, column 1"), "{message}");
     // What is no identifier is a picture as before.
-    png.write(&row(&[1.0; 3], &[0; 3]), Some("z"), settings, &path, &())
-        .unwrap();
+    png.write(&row(&[1.0; 3], &[0; 3]), Some("z"), settings, &path, &()).unwrap();
 }
 
 #[test]
@@ -321,10 +271,7 @@ fn a_packed_npz_has_the_same_numbers_in_fewer_bytes_and_float32_halves_them() {
         ["a", "b", "c"].map(|name| folder.path().join(name).with_extension("npz"));
     let frame = row(&vec![1.25; 5000], &vec![7; 5000]);
     let npz = format_named("npz").unwrap();
-    let settings = WriteSettings {
-        compress: true,
-        ..WriteSettings::default()
-    };
+    let settings = WriteSettings { compress: true, ..WriteSettings::default() };
     write(&frame, &plain).unwrap();
     npz.write(&frame, None, settings, &packed, &()).unwrap();
     let size = |path: &Path| fs::metadata(path).unwrap().len();
@@ -337,16 +284,11 @@ fn a_packed_npz_has_the_same_numbers_in_fewer_bytes_and_float32_halves_them() {
     assert!(numbers(&plain) == numbers(&packed));
     write(&frame.rounded().unwrap(), &small).unwrap();
     assert!(size(&small) + 4 * 5000 == size(&plain));
-    let tiny = row(&[1e-60, 1e60, f64::INFINITY, 0.0, 0.1], &[0; 5])
-        .rounded()
-        .unwrap();
+    let tiny = row(&[1e-60, 1e60, f64::INFINITY, 0.0, 0.1], &[0; 5]).rounded().unwrap();
     let Data::Float32(values) = &tiny.channels()[0].data else {
         panic!("rounded");
     };
-    assert_eq!(
-        values,
-        &[f32::from_bits(1), f32::MAX, f32::INFINITY, 0.0, 0.1]
-    );
+    assert_eq!(values, &[f32::from_bits(1), f32::MAX, f32::INFINITY, 0.0, 0.1]);
 }
 
 #[test]
@@ -357,10 +299,7 @@ fn an_exr_refuses_what_float32_would_make_a_miss() {
     frame.push(kind.channel(values)).unwrap();
     let path = Path::new("never-written.exr");
     let message = write(&frame, path).unwrap_err().to_string();
-    assert!(
-        message.starts_with("t must be in the range of float32"),
-        "{message}"
-    );
+    assert!(message.starts_with("t must be in the range of float32"), "{message}");
     assert!(message.contains("e39 at row 0, column 1") || message.contains("at row 0, column 1"));
     assert!(!path.exists());
 }
@@ -372,21 +311,12 @@ fn two_channels_never_share_a_name_in_a_file() {
         Channel::new(name, components, numbers, Display::Quantity)
     };
     let mut frame = Frame::new([2]);
-    for channel in [
-        quantity("position", 3),
-        quantity("q", 2),
-        quantity("q_0", 1),
-    ] {
+    for channel in [quantity("position", 3), quantity("q", 2), quantity("q_0", 1)] {
         frame.push(channel).unwrap();
     }
     let mut refused = 0;
-    for format in FORMATS
-        .iter()
-        .filter(|format| format.holds == Holds::Points)
-    {
-        let error = format
-            .check(&frame, None, WriteSettings::default())
-            .unwrap_err();
+    for format in FORMATS.iter().filter(|format| format.holds == Holds::Points) {
+        let error = format.check(&frame, None, WriteSettings::default()).unwrap_err();
         assert_eq!(
             error.to_string(),
             "channel must be one whose names in the file differ from those of the others, got q_0 of q and of q_0"
@@ -414,10 +344,7 @@ fn a_sidecar_of_another_array_is_not_believed() {
 
 fn square(scale: f64) -> Arc<Mesh> {
     let points = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| [scale * x, y, 0.0]);
-    let mesh = Mesh::new(
-        Positions::compact(points.to_vec()),
-        vec![[0, 1, 2], [0, 2, 3]],
-    );
+    let mesh = Mesh::new(Positions::compact(points.to_vec()), vec![[0, 1, 2], [0, 2, 3]]);
     Arc::new(mesh.unwrap())
 }
 
@@ -448,24 +375,11 @@ fn the_fingerprint_sees_what_a_picture_would() {
         different.iter().map(Scene::fingerprint).collect();
     assert_eq!(prints.len(), different.len());
     // Not the name, the storage, the light that goes with the camera, or the number of threads.
-    let vertices = vec![
-        [9., 9., 9.],
-        [1., 1., 0.],
-        [0., 1., 0.],
-        [1., 0., 0.],
-        [0.; 3],
-    ];
-    let shuffled = Mesh::new(
-        Positions::Double(vertices.into()),
-        vec![[4, 3, 1], [4, 1, 2]],
-    )
-    .unwrap();
+    let vertices = vec![[9., 9., 9.], [1., 1., 0.], [0., 1., 0.], [1., 0., 0.], [0.; 3]];
+    let shuffled =
+        Mesh::new(Positions::Double(vertices.into()), vec![[4, 3, 1], [4, 1, 2]]).unwrap();
     let same = [
-        scene(vec![
-            Object::new(square(1.0))
-                .named("other")
-                .colored(Object::NEUTRAL),
-        ]),
+        scene(vec![Object::new(square(1.0)).named("other").colored(Object::NEUTRAL)]),
         scene(vec![Object::new(Arc::new(shuffled))]),
         one().with_automatic_lights(vec![light]),
         one().with_lights(vec![light]).with_automatic_lights(vec![]),
@@ -474,10 +388,7 @@ fn the_fingerprint_sees_what_a_picture_would() {
         assert_eq!(scene.fingerprint(), different[0].fingerprint());
     }
     // As another program makes it of the same numbers: every machine comes to the same.
-    assert_eq!(
-        one().fingerprint(),
-        "blake3:04fa907b4b40d01f8bceaac4b047030c"
-    );
+    assert_eq!(one().fingerprint(), "blake3:04fa907b4b40d01f8bceaac4b047030c");
 }
 
 /// What is no output is refused in one line, and nothing panics or takes more than it should.
@@ -538,14 +449,9 @@ fn files_that_claim_more_than_they_hold_are_refused_before_memory_is_taken() {
     refuse("a.npy", &npy, "longer than the file");
     let tiny = encode(format_named("exr").unwrap(), &frame(), None);
     // The data window's and the display window's last corner.
-    let corner: Vec<u8> = [COLUMNS as u32 - 1, ROWS as u32 - 1]
-        .iter()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
-    let large: Vec<u8> = [30_000_i32, 30_000]
-        .iter()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
+    let corner: Vec<u8> =
+        [COLUMNS as u32 - 1, ROWS as u32 - 1].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let large: Vec<u8> = [30_000_i32, 30_000].iter().flat_map(|x| x.to_le_bytes()).collect();
     let mut exr = tiny.clone();
     for at in 0..8000.min(exr.len() - 8) {
         if exr[at..at + 8] == corner[..] {
@@ -572,10 +478,7 @@ fn metadata_that_are_nonsense_are_a_note_and_the_numbers_are_read() {
     let bytes = encode(format_named("exr").unwrap(), &frame(), None);
     let mut changed = bytes.clone();
     let key = b"metadata_version";
-    let at = bytes
-        .windows(key.len())
-        .position(|window| window == key)
-        .unwrap();
+    let at = bytes.windows(key.len()).position(|window| window == key).unwrap();
     changed[at] = b'?';
     fs::write(&path, changed).unwrap();
     let output = read(&path).unwrap();

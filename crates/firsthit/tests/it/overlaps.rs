@@ -38,12 +38,7 @@ impl Part {
 
 fn part(low: [f64; 3], high: [f64; 3], turns: i32, flipped: usize) -> Part {
     let [low, high] = [low, high].map(DVec3::from);
-    Part {
-        low,
-        high,
-        turns,
-        flipped,
-    }
+    Part { low, high, turns, flipped }
 }
 
 fn lint(parts: &[Part], numbers: &mut Numbers) -> Report {
@@ -69,30 +64,21 @@ fn lint(parts: &[Part], numbers: &mut Numbers) -> Report {
         }
         triangles.extend(faces);
     }
-    scene(vec![Object::new(mesh(&points, triangles))])
-        .lint()
-        .unwrap()
+    scene(vec![Object::new(mesh(&points, triangles))]).lint().unwrap()
 }
 
 fn count(report: &Report, kind: &str) -> u64 {
     let mut findings = report.findings().iter();
-    findings
-        .find(|f| f.kind.name == kind)
-        .map_or(0, |f| f.count)
+    findings.find(|f| f.kind.name == kind).map_or(0, |f| f.count)
 }
 
 /// The parts that cut others, and those with points that are enclosed more than once by parts around them.
 fn overlapping(parts: &[Part]) -> u64 {
     let overlaps = |part: &&Part| {
-        let around = parts
-            .iter()
-            .filter(|other| other.holds(part) && !std::ptr::eq(*other, *part));
+        let around = parts.iter().filter(|other| other.holds(part) && !std::ptr::eq(*other, *part));
         let turns: i32 = around.map(|other| other.turns).sum();
         let most = turns.abs().max((turns + part.turns).abs());
-        most > 1
-            || parts
-                .iter()
-                .any(|other| part.cuts(other) && !std::ptr::eq(*part, other))
+        most > 1 || parts.iter().any(|other| part.cuts(other) && !std::ptr::eq(*part, other))
     };
     parts.iter().filter(overlaps).count() as u64
 }

@@ -20,10 +20,7 @@ fn held() -> impl Iterator<Item = &'static ChannelKind> {
 fn frame(background: Background) -> Frame {
     let scene = example::scene().unwrap();
     let camera = example::camera(37, 50).unwrap();
-    let shade = Shading {
-        background,
-        ..Shader::default().on(&scene)
-    };
+    let shade = Shading { background, ..Shader::default().on(&scene) };
     // A transparent colour has an alpha of its own, of the same name.
     let is_there_already = background == Background::Transparent;
     let kinds = held().filter(|kind| !(is_there_already && kind.is_alpha()));
@@ -69,13 +66,9 @@ impl Table {
             other => panic!("{other}"),
         };
         let columns: Vec<(String, usize)> = if lines[0] == "ply" {
-            let properties = lines
-                .iter()
-                .filter_map(|line| line.strip_prefix("property "));
+            let properties = lines.iter().filter_map(|line| line.strip_prefix("property "));
             let properties = properties.map(|line| line.split_once(' ').unwrap());
-            properties
-                .map(|(kind, name)| (name.to_owned(), sizes(kind)))
-                .collect()
+            properties.map(|(kind, name)| (name.to_owned(), sizes(kind))).collect()
         } else {
             let sizes = words("SIZE ");
             let sizes = sizes.iter().map(|size| size.parse().unwrap());
@@ -88,32 +81,23 @@ impl Table {
         let mut table = BTreeMap::new();
         let mut start = 0;
         for (name, size) in columns {
-            let cells = rest
-                .chunks_exact(row)
-                .map(|row| row[start..start + size].to_vec());
+            let cells = rest.chunks_exact(row).map(|row| row[start..start + size].to_vec());
             assert!(table.insert(name, cells.collect()).is_none());
             start += size;
         }
-        Self {
-            lines,
-            columns: table,
-        }
+        Self { lines, columns: table }
     }
 
     fn cells<T, const N: usize>(&self, name: &str, number: fn([u8; N]) -> T) -> Vec<T> {
         let cells = self.columns[name].iter();
-        cells
-            .map(|cell| number(cell[..].try_into().unwrap()))
-            .collect()
+        cells.map(|cell| number(cell[..].try_into().unwrap())).collect()
     }
 }
 
 /// The elements that hit something, by another channel than the one that the writer looks at.
 fn hits(frame: &Frame) -> Vec<usize> {
     let object = &frame.channel("object").unwrap().data;
-    (0..object.len())
-        .filter(|&at| object.value(at) >= 0.0)
-        .collect()
+    (0..object.len()).filter(|&at| object.value(at) >= 0.0).collect()
 }
 
 fn component(frame: &Frame, name: &str, k: usize) -> Vec<f64> {
@@ -129,10 +113,7 @@ fn srgb(linear: f64) -> u8 {
 #[test]
 fn a_ply_holds_exactly_what_was_hit() {
     let frame = frame(example::background());
-    assert!(
-        !hits(&frame).is_empty() && hits(&frame).len() < 37 * 50,
-        "hits and misses"
-    );
+    assert!(!hits(&frame).is_empty() && hits(&frame).len() < 37 * 50, "hits and misses");
     let table = Table::of(&encode("ply", &frame).unwrap());
     let exact = [
         ("x", "position", 0),
@@ -151,13 +132,7 @@ fn a_ply_holds_exactly_what_was_hit() {
     for (column, name, k) in exact {
         let found: Vec<u64> = table.cells(column, u64::from_le_bytes);
         let expected = component(&frame, name, k);
-        assert_eq!(
-            found,
-            expected
-                .iter()
-                .map(|value| value.to_bits())
-                .collect::<Vec<_>>()
-        );
+        assert_eq!(found, expected.iter().map(|value| value.to_bits()).collect::<Vec<_>>());
     }
     for name in ["object", "primitive", "face"] {
         let found = table.cells(name, i32::from_le_bytes);
@@ -165,17 +140,11 @@ fn a_ply_holds_exactly_what_was_hit() {
         assert_eq!(found, component(&frame, name, 0), "{name}");
     }
     for (k, name) in ["red", "green", "blue"].into_iter().enumerate() {
-        let expected: Vec<u8> = component(&frame, "color", k)
-            .into_iter()
-            .map(srgb)
-            .collect();
+        let expected: Vec<u8> = component(&frame, "color", k).into_iter().map(srgb).collect();
         assert_eq!(table.cells(name, u8::from_le_bytes), expected, "{name}");
     }
-    let front: Vec<f64> = table
-        .cells("front", u8::from_le_bytes)
-        .into_iter()
-        .map(f64::from)
-        .collect();
+    let front: Vec<f64> =
+        table.cells("front", u8::from_le_bytes).into_iter().map(f64::from).collect();
     assert_eq!(front, component(&frame, "front", 0));
 }
 
@@ -183,25 +152,13 @@ fn a_ply_holds_exactly_what_was_hit() {
 fn a_pcd_holds_the_same_as_float32_with_packed_colours() {
     let frame = frame(example::background());
     let table = Table::of(&encode("pcd", &frame).unwrap());
-    for (column, name, k) in [
-        ("z", "position", 2),
-        ("normal_y", "normal", 1),
-        ("depth", "z", 0),
-    ] {
+    for (column, name, k) in [("z", "position", 2), ("normal_y", "normal", 1), ("depth", "z", 0)] {
         let expected = component(&frame, name, k);
         let expected: Vec<f32> = expected.into_iter().map(|value| value as f32).collect();
-        assert_eq!(
-            table.cells(column, f32::from_le_bytes),
-            expected,
-            "{column}"
-        );
+        assert_eq!(table.cells(column, f32::from_le_bytes), expected, "{column}");
     }
     let channels = [0, 1, 2].map(|k| component(&frame, "color", k));
-    for (point, packed) in table
-        .cells("rgb", u32::from_le_bytes)
-        .into_iter()
-        .enumerate()
-    {
+    for (point, packed) in table.cells("rgb", u32::from_le_bytes).into_iter().enumerate() {
         let expected = [0, 1, 2].map(|k| u32::from(srgb(channels[k][point])));
         assert_eq!(packed, expected[0] << 16 | expected[1] << 8 | expected[2]);
     }
@@ -221,10 +178,7 @@ fn a_transparent_colour_is_divided_by_its_alpha() {
     let reds = component(&frame, "color", 0).into_iter().zip(&alphas);
     let reds: Vec<u8> = reds.map(|(red, alpha)| srgb(red / alpha)).collect();
     assert_eq!(table.cells("red", u8::from_le_bytes), reds);
-    let alphas: Vec<u8> = alphas
-        .iter()
-        .map(|alpha| (255.0 * alpha).round() as u8)
-        .collect();
+    let alphas: Vec<u8> = alphas.iter().map(|alpha| (255.0 * alpha).round() as u8).collect();
     assert_eq!(table.cells("alpha", u8::from_le_bytes), alphas);
     let table = Table::of(&encode("pcd", &frame).unwrap());
     let packed = table.cells("rgba", |[_, _, red, alpha]: [u8; 4]| (red, alpha));
@@ -240,40 +194,20 @@ fn the_header_tells_the_metadata_in_short_lines() {
         let bytes = encode(format, &frame).unwrap();
         let table = Table::of(&bytes);
         // All columns of a PCD are one line.
-        assert!(
-            table.lines.iter().all(|line| line.len() < 250),
-            "{:?}",
-            table.lines
-        );
+        assert!(table.lines.iter().all(|line| line.len() < 250), "{:?}", table.lines);
         let path = folder.path().join(format!("cloud.{format}"));
         frame.save(&path).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), bytes);
         assert!(is_point_cloud(&path));
         let output = read(&path).unwrap();
-        let Metadata {
-            shape,
-            pixels,
-            camera,
-            channels,
-            ..
-        } = output.metadata.unwrap();
+        let Metadata { shape, pixels, camera, channels, .. } = output.metadata.unwrap();
         assert_eq!(shape, [hits(&frame).len() as u64]);
         assert!(pixels.is_none() && camera == frame.origin().camera);
         assert!(output.notes.is_empty(), "{:?}", output.notes);
         // In the order of the frame, each as it was.
-        let names: Vec<_> = output
-            .arrays
-            .iter()
-            .map(|array| array.name.clone().unwrap())
-            .collect();
+        let names: Vec<_> = output.arrays.iter().map(|array| array.name.clone().unwrap()).collect();
         assert_eq!(names, held().map(|kind| &*kind.name).collect::<Vec<_>>());
-        assert_eq!(
-            names,
-            channels
-                .iter()
-                .map(|channel| channel.name.clone())
-                .collect::<Vec<_>>()
-        );
+        assert_eq!(names, channels.iter().map(|channel| channel.name.clone()).collect::<Vec<_>>());
         for array in &output.arrays {
             assert_is_that_of(array, &frame);
         }
@@ -295,19 +229,14 @@ fn assert_is_that_of(array: &Array, frame: &Frame) {
             }
             ArrayValues::Integer(values) => (values[last] as f64, expected),
         };
-        assert!(
-            found == expected || found.is_nan() && expected.is_nan(),
-            "{name} {index}"
-        );
+        assert!(found == expected || found.is_nan() && expected.is_nan(), "{name} {index}");
     }
 }
 
 fn positions(values: &[f64]) -> Frame {
     let mut frame = Frame::new([values.len() / 3]);
     let data = Data::Float64(values.to_vec());
-    frame
-        .push(Channel::new("position", 3, data, Display::Position))
-        .unwrap();
+    frame.push(Channel::new("position", 3, data, Display::Position)).unwrap();
     frame
 }
 
@@ -330,10 +259,7 @@ fn what_a_cloud_cannot_hold_is_refused_before_the_file_is_touched() {
     let object = Channel::new("object", 1, Data::Int32(vec![0, 1]), Display::Identifier);
     frame.push(object).unwrap();
     let message = frame.save(&path).unwrap_err().to_string();
-    assert_eq!(
-        message,
-        "channel must be position, and any others, for a point cloud, got object"
-    );
+    assert_eq!(message, "channel must be position, and any others, for a point cloud, got object");
     assert!(!path.exists() && !is_point_cloud(&path));
     // 1e300 is a place that float32 does not have.
     let far = positions(&[0.0, 0.0, 0.0, 0.0, 1e300, 0.0]);
@@ -359,18 +285,9 @@ fn other_files_are_refused_in_words() {
     };
     for (bytes, expected) in [
         (with("binary_little_endian", "ascii"), "expected 3 numbers"),
-        (
-            with("end_header", "element face 1\nend_header"),
-            "a mesh, not a point cloud",
-        ),
-        (
-            with("element vertex 2", "element vertex 3"),
-            "holds 2 points of 3",
-        ),
-        (
-            with("element vertex 2", "element vertex 99999999"),
-            "over the limit",
-        ),
+        (with("end_header", "element face 1\nend_header"), "a mesh, not a point cloud"),
+        (with("element vertex 2", "element vertex 3"), "holds 2 points of 3"),
+        (with("element vertex 2", "element vertex 99999999"), "over the limit"),
         (with("double y", "double x"), "two of one name"),
         (with("double y", "list uchar int y"), "is not read"),
         (with("end_header\n", "end_header"), "ends within its header"),

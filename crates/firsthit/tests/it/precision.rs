@@ -26,21 +26,13 @@ fn an_object_far_from_the_origin_is_hit_as_it_is_near_it() {
         let at = |place| {
             let placed = DAffine3::from_mat3_translation(matrix, place);
             let cuboid = Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap();
-            scene(vec![
-                Object::new(cuboid).placed(Transform::new(placed).unwrap()),
-            ])
+            scene(vec![Object::new(cuboid).placed(Transform::new(placed).unwrap())])
         };
         let start = (numbers.point() * 1024.0).round() / 256.0;
         let direction = 0.5 * numbers.point() - start;
-        let (near, away) = (
-            shoot(&at(DVec3::ZERO), start, direction),
-            shoot(&at(far), far + start, direction),
-        );
-        assert_eq!(
-            (near.t, near.primitive),
-            (away.t, away.primitive),
-            "{far} {start} {direction}"
-        );
+        let (near, away) =
+            (shoot(&at(DVec3::ZERO), start, direction), shoot(&at(far), far + start, direction));
+        assert_eq!((near.t, near.primitive), (away.t, away.primitive), "{far} {start} {direction}");
         hits += u32::from(!near.is_miss());
     }
     assert!(hits > 150, "{hits}");
@@ -105,11 +97,7 @@ fn an_edge_that_all_but_touches_the_ray_is_met_at_the_edge() {
     let mut numbers = Numbers::new(1);
     let mut hits = 0;
     for _ in 0..1000 {
-        let b = DVec3::new(
-            1e-280 * (1.0 + numbers.unit()),
-            0.7 * (1.0 + numbers.unit()),
-            1.0,
-        );
+        let b = DVec3::new(1e-280 * (1.0 + numbers.unit()), 0.7 * (1.0 + numbers.unit()), 1.0);
         let across = -(0.5 + numbers.unit()) * b;
         let c = DVec3::new(across.x, across.y, 1.0 + numbers.unit());
         let triangle = mesh(&[DVec3::new(-1.0, 0.3, 0.0), b, c], vec![[0, 1, 2]]);
@@ -142,10 +130,7 @@ fn triangles_of_any_size_are_met_at_the_same_place() {
         let expected = t(1.0);
         for size in [1e-161, 1e-150, 1e-110, 1e-12, 1e12, 1e110, 1e149] {
             let t = t(size);
-            assert!(
-                t == expected || (t - expected).abs() < 1e-14,
-                "{size} {t} {expected}"
-            );
+            assert!(t == expected || (t - expected).abs() < 1e-14, "{size} {t} {expected}");
         }
     }
 }
@@ -279,11 +264,8 @@ fn the_size_of_a_triangle_does_not_change_which_object_is_met() {
             let corners = [(-size, -size), (size, -size), (0.3 * size, 1.7 * size)];
             mesh(&corners.map(|(x, y)| DVec3::new(x, y, z)), vec![[0, 1, 2]])
         };
-        let scene = Scene::new(vec![
-            Object::new(flat(size, 0.0)),
-            Object::new(flat(4.0, 1e-9)),
-        ])
-        .unwrap();
+        let scene =
+            Scene::new(vec![Object::new(flat(size, 0.0)), Object::new(flat(4.0, 1e-9))]).unwrap();
         let mut numbers = Numbers::new(77);
         for _ in 0..2000 {
             let eye = DVec3::new(-2.0, 0.0, 1.0) + 0.1 * numbers.point();
@@ -293,23 +275,14 @@ fn the_size_of_a_triangle_does_not_change_which_object_is_met() {
             assert_eq!(hit.object, 1, "{size} {ray:?} {hit:?}");
             // The tile's corners are up to 7 lengths away, which its `t` may be off by in the last places.
             let exact = (ray.origin.z - 1e-9) / -ray.direction.z;
-            assert!(
-                (hit.t - exact).abs() <= 32.0 * f64::EPSILON,
-                "{size} {hit:?} {exact}"
-            );
-            assert_eq!(
-                hit.t.to_bits(),
-                BruteForce.first_hit(&scene, &ray).t.to_bits()
-            );
+            assert!((hit.t - exact).abs() <= 32.0 * f64::EPSILON, "{size} {hit:?} {exact}");
+            assert_eq!(hit.t.to_bits(), BruteForce.first_hit(&scene, &ray).t.to_bits());
             // Beside the tile, the floor: to the last place, however far its corners are.
             let beside = Ray::new(eye, DVec3::new(-20.0, target.x, 0.0) - eye);
             let hit = Cpu::default().first_hit(&scene, &beside);
             let exact = beside.origin.z / -beside.direction.z;
             let off = if size < 1e4 { 1e3 } else { 2.0 } * f64::EPSILON;
-            assert!(
-                hit.object == 0 && (hit.t - exact).abs() <= off,
-                "{size} {hit:?} {exact}"
-            );
+            assert!(hit.object == 0 && (hit.t - exact).abs() <= off, "{size} {hit:?} {exact}");
         }
     }
 }

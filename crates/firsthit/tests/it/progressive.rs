@@ -47,11 +47,8 @@ fn in_steps(picture: &Picture<'_>, steps: &[u32]) -> Frame {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("state.npz");
     for (run, &step) in steps.iter().enumerate() {
-        let mut going_on = if run == 0 {
-            picture.start().unwrap()
-        } else {
-            picture.resume_from(&file).unwrap()
-        };
+        let mut going_on =
+            if run == 0 { picture.start().unwrap() } else { picture.resume_from(&file).unwrap() };
         for _ in 0..step {
             going_on.add_sample(&()).unwrap();
         }
@@ -68,20 +65,10 @@ fn any_split_of_the_samples_has_the_bytes_of_all_at_once() {
     let camera = camera.thin_lens(0.2, 8.0).unwrap();
     let shade = Shader::named("direct").unwrap().on(&scene);
     let channels = shaded();
-    let picture = Picture {
-        samples: 5,
-        ..Picture::new(&scene, &camera, &shade, &channels)
-    };
+    let picture = Picture { samples: 5, ..Picture::new(&scene, &camera, &shade, &channels) };
     let at_once = said(&picture.render(&()).unwrap());
     for threads in [1, 3] {
-        for steps in [
-            &[1, 4][..],
-            &[2, 3],
-            &[3, 2],
-            &[4, 1],
-            &[5],
-            &[1, 1, 1, 1, 1],
-        ] {
+        for steps in [&[1, 4][..], &[2, 3], &[3, 2], &[4, 1], &[5], &[1, 1, 1, 1, 1]] {
             let whole = on_threads(threads, || said(&in_steps(&picture, steps)));
             assert!(whole == at_once, "{threads} {steps:?}");
         }
@@ -162,18 +149,12 @@ fn a_noise_ends_the_samples_where_tiles_and_their_neighbours_are_quiet() {
     assert_eq!(frame.metadata().samples, Some(70));
     for samples in [20, 32] {
         let with = picture(Some(0.01), samples).render(&()).unwrap();
-        assert_eq!(
-            said(&with),
-            said(&picture(None, samples).render(&()).unwrap())
-        );
+        assert_eq!(said(&with), said(&picture(None, samples).render(&()).unwrap()));
     }
     let steps: [&[u32]; 3] = [&[31, 39], &[32, 38], &[33, 1, 36]];
     for steps in steps {
         let picture = picture(Some(0.01), 70);
-        assert!(
-            said(&in_steps(&picture, steps)) == said(&frame),
-            "{steps:?}"
-        );
+        assert!(said(&in_steps(&picture, steps)) == said(&frame), "{steps:?}");
     }
 }
 
@@ -191,18 +172,10 @@ fn metadata_say_how_many_samples_there_are_where_a_noise_ends_them_all() {
     };
     assert_eq!(picture.render(&()).unwrap().metadata().samples, Some(32));
     let color = kinds(&["color"]);
-    let picture = Picture {
-        samples: 4,
-        noise: None,
-        channels: &color,
-        ..picture
-    };
+    let picture = Picture { samples: 4, noise: None, channels: &color, ..picture };
     let mut going_on = picture.start().unwrap();
     let error = going_on.frame().err().unwrap().to_string();
-    assert!(
-        error.contains("a picture with a sample, got none"),
-        "{error}"
-    );
+    assert!(error.contains("a picture with a sample, got none"), "{error}");
     for _ in 0..3 {
         going_on.add_sample(&()).unwrap();
     }
@@ -226,27 +199,17 @@ fn a_state_of_another_picture_is_refused() {
     let (shade, other_shade) = (on(&scene), Shader::named("unlit").unwrap().on(&scene));
     let (on_other, on_colored) = (on(&other_scene), on(&colored));
     let channels = shaded();
-    let picture = Picture {
-        samples: 2,
-        ..Picture::new(&scene, &camera, &shade, &channels)
-    };
+    let picture = Picture { samples: 2, ..Picture::new(&scene, &camera, &shade, &channels) };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("state.npz");
     let mut begun = picture.start().unwrap();
     begun.add_sample(&()).unwrap();
     begun.state().unwrap().save(&file).unwrap();
-    let with_scene = |scene, shade| Picture {
-        scene,
-        shade,
-        ..picture.clone()
-    };
+    let with_scene = |scene, shade| Picture { scene, shade, ..picture.clone() };
     let [mut moved, mut culled, mut part] = [(); 3].map(|()| picture.clone());
     moved.sensor = &other_camera;
     culled.cull = Some(Side::Back);
-    part.region = Some(Region {
-        rows: 0..4,
-        columns: 0..COLUMNS,
-    });
+    part.region = Some(Region { rows: 0..4, columns: 0..COLUMNS });
     let others = [
         ("scene", with_scene(&other_scene, &on_other)),
         ("colours by numbers", with_scene(&colored, &on_colored)),
@@ -279,9 +242,7 @@ fn a_state_of_other_light_is_refused() {
         scene.clone().with_environment(environment)
     };
     let scenes = [sky(true), sky(false), sky(true).with_up(DVec3::X)];
-    let shades = scenes
-        .each_ref()
-        .map(|scene| Shader::named("hemisphere").unwrap().on(scene));
+    let shades = scenes.each_ref().map(|scene| Shader::named("hemisphere").unwrap().on(scene));
     let camera = example::camera(ROWS, COLUMNS).unwrap();
     let channels = shaded();
     let folder = tempfile::tempdir().unwrap();
@@ -293,9 +254,7 @@ fn a_state_of_other_light_is_refused() {
     let mut begun = pictures[0].start().unwrap();
     begun.add_sample(&()).unwrap();
     begun.state().unwrap().save(&file).unwrap();
-    let resumed = pictures
-        .each_ref()
-        .map(|picture| picture.resume_from(&file).is_ok());
+    let resumed = pictures.each_ref().map(|picture| picture.resume_from(&file).is_ok());
     assert_eq!(resumed, [true, false, false]);
 }
 
@@ -307,19 +266,10 @@ fn a_state_in_memory_is_refused_for_another_size_and_for_channels_that_would_be_
     let picture = Picture::new(&scene, &camera, &shade, &channels);
     let state = picture.start().unwrap().state().unwrap();
     let refused = |picture: Picture<'_>| picture.resume(&state).err().unwrap().to_string();
-    let region = Some(Region {
-        rows: 0..4,
-        columns: 0..COLUMNS,
-    });
-    let part = refused(Picture {
-        region,
-        ..picture.clone()
-    });
+    let region = Some(Region { rows: 0..4, columns: 0..COLUMNS });
+    let part = refused(Picture { region, ..picture.clone() });
     assert!(part.contains("another size"), "{part}");
-    let more = refused(Picture {
-        channels: &plain,
-        ..picture.clone()
-    });
+    let more = refused(Picture { channels: &plain, ..picture.clone() });
     assert!(more.contains("got t"), "{more}");
 }
 
@@ -341,10 +291,7 @@ fn a_state_that_a_noise_ended_is_refused_without_one() {
     }
     let state = going_on.state().unwrap();
     assert_eq!(picture.resume(&state).unwrap().samples(), 40);
-    let without = Picture {
-        noise: None,
-        ..picture
-    };
+    let without = Picture { noise: None, ..picture };
     let error = without.resume(&state).err().unwrap().to_string();
     assert!(error.contains("without a noise"), "{error}");
 }
@@ -361,10 +308,7 @@ fn a_single_sample_of_a_lens_is_refused_before_it_is_begun() {
     let error = picture.start().err().unwrap().to_string();
     assert!(error.starts_with("samples must be at least 2"), "{error}");
     let plain = kinds(&["t"]);
-    let plain = Picture {
-        channels: &plain,
-        ..picture
-    };
+    let plain = Picture { channels: &plain, ..picture };
     assert!(plain.start().is_ok());
 }
 
@@ -396,10 +340,7 @@ fn a_picture_resumes_from_its_file_with_the_bytes_and_the_progress_of_one_run() 
     let (scene, camera) = example();
     let shade = Shader::named("direct").unwrap().on(&scene);
     let folder = tempfile::tempdir().unwrap();
-    let region = Region {
-        rows: 2..9,
-        columns: 3..11,
-    };
+    let region = Region { rows: 2..9, columns: 3..11 };
     for (names, region) in [
         (&["color"][..], None),
         (&["object", "color", "ao", "z", "samples"], None),
@@ -414,27 +355,17 @@ fn a_picture_resumes_from_its_file_with_the_bytes_and_the_progress_of_one_run() 
         let state = folder.path().join(format!("{}.npz", names.len()));
         let whole = with(6);
         let pixels = whole.render(&()).unwrap().channels()[0].data.len() / 3;
-        let pixels = if names[0] == "object" {
-            3 * pixels
-        } else {
-            pixels
-        };
+        let pixels = if names[0] == "object" { 3 * pixels } else { pixels };
         let total = firsthit::render::work(pixels, &channels, 6);
         // Stopped in the third sample, which is finished and saved.
         let stopped = whole.render_resumed(&state, &Counter::until(5 * pixels as u64));
-        assert!(
-            matches!(stopped, Err(firsthit::Error::Interrupted)),
-            "{names:?}"
-        );
+        assert!(matches!(stopped, Err(firsthit::Error::Interrupted)), "{names:?}");
         let known = whole_state(&state);
         assert_eq!(known, 3, "{names:?}");
         for _ in 0..2 {
             let counter = Counter::until(u64::MAX);
             let resumed = whole.render_resumed(&state, &counter).unwrap();
-            assert!(
-                said(&resumed) == said(&whole.render(&()).unwrap()),
-                "{names:?}"
-            );
+            assert!(said(&resumed) == said(&whole.render(&()).unwrap()), "{names:?}");
             assert_eq!(counter.done.into_inner(), total, "{names:?}");
         }
         let fewer = with(5).render_resumed(&state, &()).unwrap_err().to_string();
@@ -483,11 +414,7 @@ fn a_state_of_another_noise_is_refused() {
         noise,
         ..Picture::new(&scene, &camera, &shade, &channels)
     };
-    for (before, after) in [
-        (Some(0.02), Some(0.01)),
-        (None, Some(0.01)),
-        (Some(0.02), None),
-    ] {
+    for (before, after) in [(Some(0.02), Some(0.01)), (None, Some(0.01)), (Some(0.02), None)] {
         let state = folder.path().join("state.npz");
         with(before).render_resumed(&state, &()).unwrap();
         with(before).render_resumed(&state, &()).unwrap();
@@ -503,10 +430,7 @@ fn a_noise_sees_shadows_on_a_transparent_ground() {
     let ball = Sphere::new(DVec3::new(0.0, 0.0, 1.0), 1.0).unwrap();
     let scene = Scene::new(vec![Object::new(ball)]).unwrap();
     let white = Environment::new(EnvironmentKind::Uniform(Color::ONE));
-    let scene = scene.with_environment(Some(Arc::new(Environment {
-        is_seen: false,
-        ..white
-    })));
+    let scene = scene.with_environment(Some(Arc::new(Environment { is_seen: false, ..white })));
     let (from, to) = (DVec3::new(0.0, -40.0, 25.0), DVec3::ZERO);
     let camera = Camera::look_at(from, to, DVec3::Z, 40.0, 96, 96).unwrap();
     let shade = Shading {
@@ -525,12 +449,8 @@ fn a_noise_sees_shadows_on_a_transparent_ground() {
         panic!("identifiers are int32");
     };
     // Beside the ball, in its shadow, and far away.
-    let at = |row: usize, column: usize| {
-        (
-            counts(&frame)[96 * row + column],
-            objects[96 * row + column],
-        )
-    };
+    let at =
+        |row: usize, column: usize| (counts(&frame)[96 * row + column], objects[96 * row + column]);
     assert_eq!(at(49, 48), (128, -1));
     assert_eq!(at(0, 0), (32, -1));
 }
@@ -553,27 +473,18 @@ fn an_edited_state_is_refused() {
         }
         edited
     };
-    for (name, wrong) in [
-        ("sums", f64::NAN),
-        ("sums", f64::INFINITY),
-        ("squares", -1.0),
-        ("squares", f64::NAN),
-    ] {
+    for (name, wrong) in
+        [("sums", f64::NAN), ("sums", f64::INFINITY), ("squares", -1.0), ("squares", f64::NAN)]
+    {
         let state = edited(&|channel| {
             if let (true, Data::Float64(values)) = (channel.name == name, &mut channel.data) {
                 values[3] = wrong;
             }
         });
         let error = picture.resume(&state).err().unwrap().to_string();
-        assert!(
-            error.contains("no sums of colours"),
-            "{name} {wrong}: {error}"
-        );
+        assert!(error.contains("no sums of colours"), "{name} {wrong}: {error}");
         // A shader of one's own may give any number.
-        let own = Picture {
-            shade: &own,
-            ..picture.clone()
-        };
+        let own = Picture { shade: &own, ..picture.clone() };
         assert!(own.resume(&state).is_ok(), "{name} {wrong}");
     }
     let uncounted = edited(&|channel| {

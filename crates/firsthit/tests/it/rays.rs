@@ -15,19 +15,11 @@ fn shapes(size: f64) -> Vec<Shape> {
     vec![
         mesh(&points, triangles).into(),
         Sphere::new(size * DVec3::splat(0.1), size).unwrap().into(),
-        Plane::new(size * DVec3::new(0.0, 1.0, 0.0), lean)
-            .unwrap()
-            .into(),
+        Plane::new(size * DVec3::new(0.0, 1.0, 0.0), lean).unwrap().into(),
         Disc::new(size * DVec3::X, lean, size).unwrap().into(),
-        Cuboid::new(DVec3::splat(-size), DVec3::splat(size))
-            .unwrap()
-            .into(),
-        Cylinder::new(size * DVec3::NEG_Y, size * lean, 0.5 * size)
-            .unwrap()
-            .into(),
-        Cone::new(size * DVec3::NEG_Y, size * lean, 0.5 * size, 0.2 * size)
-            .unwrap()
-            .into(),
+        Cuboid::new(DVec3::splat(-size), DVec3::splat(size)).unwrap().into(),
+        Cylinder::new(size * DVec3::NEG_Y, size * lean, 0.5 * size).unwrap().into(),
+        Cone::new(size * DVec3::NEG_Y, size * lean, 0.5 * size, 0.2 * size).unwrap().into(),
     ]
 }
 
@@ -37,10 +29,7 @@ fn of(shape: Shape) -> Scene {
 
 #[test]
 fn a_negative_t_min_lets_a_ray_see_where_it_starts() {
-    let square = mesh(
-        &[DVec3::ZERO, 4.0 * DVec3::X, 4.0 * DVec3::Y],
-        vec![[0, 1, 2]],
-    );
+    let square = mesh(&[DVec3::ZERO, 4.0 * DVec3::X, 4.0 * DVec3::Y], vec![[0, 1, 2]]);
     let floor = Plane::new(DVec3::ZERO, DVec3::Z).unwrap();
     for scene in [of(square.into()), of(floor.into())] {
         let ray = Ray::new(DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.1, 0.2, 1.0));
@@ -62,17 +51,11 @@ fn a_negative_t_min_lets_a_ray_see_where_it_starts() {
 /// Where a ray begins is rounded as much as the far origin is: here to behind what is met just after.
 #[test]
 fn rounding_does_not_lose_what_is_just_after_a_negative_t_min() {
-    let (origin, speed, t_min) = (
-        81_481_446.216_688_41,
-        1.489_806_302_766_356_6,
-        -54_692_644.315_834_26,
-    );
+    let (origin, speed, t_min) =
+        (81_481_446.216_688_41, 1.489_806_302_766_356_6, -54_692_644.315_834_26);
     let level = DVec3::new(-1.0, -1.0, f64::from(-1.500_011_6e-8_f32));
-    let scene = of(mesh(
-        &[level, level + 4.0 * DVec3::X, level + 4.0 * DVec3::Y],
-        vec![[0, 1, 2]],
-    )
-    .into());
+    let scene =
+        of(mesh(&[level, level + 4.0 * DVec3::X, level + 4.0 * DVec3::Y], vec![[0, 1, 2]]).into());
     let ray = Ray::new(DVec3::new(0.0, 0.0, origin), DVec3::new(0.0, 0.0, speed));
     assert!(!agree(&scene, &ray.beyond(t_min)).is_miss());
     let mut numbers = Numbers::new(12);
@@ -91,10 +74,7 @@ fn what_is_behind_is_met_in_the_order_of_t() {
     let mut numbers = Numbers::new(11);
     let mut behind = 0;
     let all: Vec<_> = shapes(1.0).into_iter().map(Object::new).collect();
-    for objects in (0..all.len())
-        .map(|k| vec![all[k].clone()])
-        .chain([all.clone()])
-    {
+    for objects in (0..all.len()).map(|k| vec![all[k].clone()]).chain([all.clone()]) {
         let scene = scene(objects);
         for k in 0..300 {
             let ray = Ray::new(2.0 * numbers.point(), numbers.point());
@@ -176,10 +156,8 @@ fn positions_are_on_the_surface_however_far_away_the_origin_is() {
             let point = scene.interaction(&ray, &hit).unwrap().position();
             let along = (point - ray.at(hit.t)).length();
             assert!(along < 1e-14 * (1.0 + far), "{} {along}", shape.name());
-            let (normal, lean) = (
-                scene.interaction(&ray, &hit).unwrap().normal(),
-                DVec3::new(0.3, 1.0, -0.2),
-            );
+            let (normal, lean) =
+                (scene.interaction(&ray, &hit).unwrap().normal(), DVec3::new(0.3, 1.0, -0.2));
             let off = match &shape {
                 Shape::Mesh(mesh) => {
                     let [a, _, _] = mesh.corners(usize::try_from(hit.primitive).unwrap());
@@ -235,9 +213,7 @@ fn points_a_float32_step_inside_a_wall_see_each_other_with_a_tolerance() {
     let [behind, before] = [-3.0, 3.0].map(|x| Viewpoint::new(DVec3::new(x, 0.0, 0.0)));
     assert_eq!(seen([behind, before], 1.9), [false]);
     for tolerance in [-1.0, f64::NAN, f64::INFINITY] {
-        let error = visible(&scene, &[], tolerance, &())
-            .unwrap_err()
-            .to_string();
+        let error = visible(&scene, &[], tolerance, &()).unwrap_err().to_string();
         assert!(error.starts_with("tolerance must be 0 or more"), "{error}");
     }
 }

@@ -17,18 +17,12 @@ fn read(bytes: &[u8]) -> Points {
 }
 
 fn refused(bytes: &[u8]) -> String {
-    points_of(Path::new("cloud"), bytes)
-        .unwrap_err()
-        .to_string()
+    points_of(Path::new("cloud"), bytes).unwrap_err().to_string()
 }
 
 fn column<'a>(points: &'a Points, name: &str) -> &'a Array {
     let is_it = |array: &&Array| array.name.as_deref() == Some(name);
-    points
-        .columns
-        .iter()
-        .find(is_it)
-        .unwrap_or_else(|| panic!("{name}: {points:?}"))
+    points.columns.iter().find(is_it).unwrap_or_else(|| panic!("{name}: {points:?}"))
 }
 
 fn numbers(array: &Array) -> Vec<f64> {
@@ -92,9 +86,7 @@ fn pcd(data: &str, body: &[u8]) -> Vec<u8> {
 /// The rows with two bytes of padding in each.
 fn padded_rows() -> Vec<u8> {
     let rows = rows(false);
-    let padded = rows
-        .chunks(14)
-        .map(|row| [&row[..12], &[9, 9], &row[12..]].concat());
+    let padded = rows.chunks(14).map(|row| [&row[..12], &[9, 9], &row[12..]].concat());
     padded.collect::<Vec<_>>().concat()
 }
 
@@ -102,16 +94,11 @@ fn padded_rows() -> Vec<u8> {
 fn compressed() -> Vec<u8> {
     let rows = padded_rows();
     let column = |start: usize, size: usize| {
-        let cells = rows
-            .chunks(16)
-            .map(move |row| row[start..start + size].to_vec());
+        let cells = rows.chunks(16).map(move |row| row[start..start + size].to_vec());
         cells.collect::<Vec<_>>().concat()
     };
     let columns = [(0, 4), (4, 4), (8, 4), (12, 1), (13, 1), (14, 2)];
-    let columns: Vec<u8> = columns
-        .iter()
-        .flat_map(|&(start, size)| column(start, size))
-        .collect();
+    let columns: Vec<u8> = columns.iter().flat_map(|&(start, size)| column(start, size)).collect();
     let mut packed = Vec::new();
     // The padding is six nines: one, and a reference to five that begin one back.
     let (before, after) = (&columns[..37], &columns[42..]);
@@ -203,10 +190,7 @@ fn laz(format: u8) -> Vec<u8> {
 fn clouds_of_every_format_have_the_same_points() {
     check(&ply("ascii", lines().as_bytes()), "ply in text");
     check(&ply("binary_little_endian", &rows(false)), "ply");
-    check(
-        &ply("binary_big_endian", &rows(true)),
-        "ply of the other byte order",
-    );
+    check(&ply("binary_big_endian", &rows(true)), "ply of the other byte order");
     let text = lines()
         .replace(" 7\n", " 1 2 7\n")
         .replace(" 60000\n", " 1 2 60000\n")
@@ -224,16 +208,10 @@ fn clouds_of_every_format_have_the_same_points() {
         (named.replace('\n', "\r\n"), "line ends of two"),
         (format!("\u{feff}{named}\n\n"), "a mark of the byte order"),
         (format!("// {named}"), "names in a comment"),
-        (
-            format!("# made today\n# {named}"),
-            "names in the last comment",
-        ),
+        (format!("# made today\n# {named}"), "names in the last comment"),
         (named.replace("x y z", "X[m] Y[m] Z[m]"), "units"),
         (format!("3\n{named}"), "a number of points"),
-        (
-            named.replace("x y z intensity", "\"x\" \"y\" \"z\" \"intensity\""),
-            "quotes",
-        ),
+        (named.replace("x y z intensity", "\"x\" \"y\" \"z\" \"intensity\""), "quotes"),
     ] {
         check(text.as_bytes(), what);
     }
@@ -266,36 +244,19 @@ fn without_names_the_first_three_numbers_are_the_point() {
     // What is no number in a column that nobody needs takes the column out.
     let points = read(b"name,x,y,z,more\nfirst,1,2,3,\nsecond,4,5,6,7\n");
     assert_eq!(points.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-    assert!(
-        points
-            .columns
-            .iter()
-            .all(|array| array.name.as_deref() == Some("more"))
-    );
+    assert!(points.columns.iter().all(|array| array.name.as_deref() == Some("more")));
 }
 
 #[test]
 fn rubbish_is_no_list_of_points() {
     for (text, words) in [
         ("hello world\n", "line 1: expected x, y and z of a point"),
-        (
-            "\n\nhello dear world\n",
-            "line 3: expected x, y and z of a point",
-        ),
+        ("\n\nhello dear world\n", "line 3: expected x, y and z of a point"),
         ("solid part\nfacet normal 0 0 1\n", "line 1: expected"),
-        (
-            "solid my part\nfacet normal 0 0 1\n",
-            "line 2: expected 3 columns, got 5",
-        ),
-        (
-            "1,2,3\n1,2,three\n",
-            "line 2: expected a number for 'column_2', got 'three'",
-        ),
+        ("solid my part\nfacet normal 0 0 1\n", "line 2: expected 3 columns, got 5"),
+        ("1,2,3\n1,2,three\n", "line 2: expected a number for 'column_2', got 'three'"),
         ("1,2,3\n1,2\n", "line 2: expected 3 columns, got 2"),
-        (
-            "y,x,height\n0,0,1\n",
-            "a line that names the columns x, y and z",
-        ),
+        ("y,x,height\n0,0,1\n", "a line that names the columns x, y and z"),
         ("x,y,z,x\n0,0,1,2\n", "two columns are named x"),
         ("id,a,b,c\n1,0,0,1\n", "line 1: expected"),
         ("1,2\n", "line 1: expected"),
@@ -314,26 +275,15 @@ fn frame(positions: &[f64]) -> Frame {
         components,
         data,
         display,
-        description: Description {
-            about: "",
-            unit: Unit::None,
-            frame: None,
-        },
+        description: Description { about: "", unit: Unit::None, frame: None },
     };
     let count = i32::try_from(positions.len() / 3).unwrap();
     let mut frame = Frame::new([1, positions.len() / 3]);
     let object = Data::Int32((0..count).collect());
     frame
-        .push(channel(
-            "position",
-            3,
-            Data::Float64(positions.to_vec()),
-            Display::Position,
-        ))
+        .push(channel("position", 3, Data::Float64(positions.to_vec()), Display::Position))
         .unwrap();
-    frame
-        .push(channel("object", 1, object, Display::Identifier))
-        .unwrap();
+    frame.push(channel("object", 1, object, Display::Identifier)).unwrap();
     frame
 }
 
@@ -341,32 +291,18 @@ fn frame(positions: &[f64]) -> Frame {
 fn what_was_written_is_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let frame = frame(POSITIONS.as_flattened());
-    for format in FORMATS
-        .iter()
-        .filter(|format| format.holds != Holds::OneChannel)
-    {
+    for format in FORMATS.iter().filter(|format| format.holds != Holds::OneChannel) {
         let path = folder.path().join(format!("a.{}", format.name));
-        format
-            .write(&frame, None, WriteSettings::default(), &path, &())
-            .unwrap();
+        format.write(&frame, None, WriteSettings::default(), &path, &()).unwrap();
         let points = read_points(&path).unwrap();
         assert_eq!(points.positions, POSITIONS, "{}", format.name);
-        assert_eq!(
-            numbers(column(&points, "object")),
-            [0.0, 1.0, 2.0],
-            "{}",
-            format.name
-        );
+        assert_eq!(numbers(column(&points, "object")), [0.0, 1.0, 2.0], "{}", format.name);
         // From now on it is an input.
         let other = folder.path().join(format!("other.{}", format.name));
         std::fs::copy(&path, &other).unwrap();
         read_points(&other).unwrap();
         let again = format.write(&frame, None, WriteSettings::default(), &other, &());
-        assert!(
-            again.unwrap_err().to_string().contains("is an input"),
-            "{}",
-            format.name
-        );
+        assert!(again.unwrap_err().to_string().contains("is an input"), "{}", format.name);
     }
 }
 
@@ -376,15 +312,7 @@ fn pixels_that_met_nothing_keep_their_places() {
     let mut bytes = Vec::new();
     let format = firsthit::image::format_named("npz").unwrap();
     let frame = frame(&[1.0, 2.0, 3.0, nan, nan, nan]);
-    format
-        .encode(
-            &frame,
-            None,
-            WriteSettings::default(),
-            &mut bytes,
-            Path::new("a"),
-        )
-        .unwrap();
+    format.encode(&frame, None, WriteSettings::default(), &mut bytes, Path::new("a")).unwrap();
     let points = read(&bytes);
     assert_eq!(points.positions[0], [1.0, 2.0, 3.0]);
     assert!(points.positions[1][0].is_nan());
@@ -415,9 +343,7 @@ fn files_that_end_early_or_claim_too_much_are_refused_in_words() {
         for _ in 0..2000 {
             let mut changed = file.clone();
             for _ in 0..3 {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1);
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                 let place = usize::try_from(state >> 33).unwrap() % changed.len();
                 changed[place] = (state >> 24) as u8;
             }

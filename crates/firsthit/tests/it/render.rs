@@ -39,10 +39,7 @@ fn ground(lights: Vec<Light>, above: Option<Object>) -> Scene {
 
 fn seen(scene: &Scene, shader: Shader, p: DVec3, u_r: DVec3) -> Color {
     let background = Background::Uniform(Color::new(0.1, 0.2, 0.3));
-    let shade = Shading {
-        background,
-        ..shader.on(scene)
-    };
+    let shade = Shading { background, ..shader.on(scene) };
     let hit = shoot(scene, p, u_r);
     shade.shade(hit.t, p, u_r, &hit)
 }
@@ -54,11 +51,7 @@ fn close(a: Color, b: Color) -> bool {
 const EYE: DVec3 = DVec3::new(0.3, -0.2, 4.0);
 
 fn lambert() -> Shader {
-    Shader::Lambert(Lambert {
-        ambient: Color::splat(0.1),
-        shadows: true,
-        ..Lambert::default()
-    })
+    Shader::Lambert(Lambert { ambient: Color::splat(0.1), shadows: true, ..Lambert::default() })
 }
 
 #[test]
@@ -83,15 +76,9 @@ fn a_point_light_falls_off_with_the_square_of_its_distance() {
         intensity: Color::splat(2.0),
     });
     let scene = ground(vec![light], None);
-    assert!(close(
-        seen(&scene, lambert(), EYE, DVec3::NEG_Z),
-        RED * (0.1 + 2.0 / 4.0)
-    ));
+    assert!(close(seen(&scene, lambert(), EYE, DVec3::NEG_Z), RED * (0.1 + 2.0 / 4.0)));
     let aside = DVec3::new(0.3, 1.3, 4.0); // 1.5 from below the light: 2.5 away, with a cosine of 0.8
-    assert!(close(
-        seen(&scene, lambert(), aside, DVec3::NEG_Z),
-        RED * (0.1 + 0.8 * 2.0 / 6.25)
-    ));
+    assert!(close(seen(&scene, lambert(), aside, DVec3::NEG_Z), RED * (0.1 + 0.8 * 2.0 / 6.25)));
 }
 
 #[test]
@@ -119,13 +106,7 @@ fn what_is_in_the_way_casts_a_shadow_and_what_is_behind_the_light_does_not() {
 /// With an epsilon that does not fit the scene, a surface would be in its own shadow.
 #[test]
 fn surfaces_do_not_shadow_themselves_at_any_scale_or_place() {
-    for (scale, offset) in [
-        (1.0, 0.0),
-        (1e-5, 0.0),
-        (1e6, 0.0),
-        (1.0, 1e6),
-        (1e-3, -50.0),
-    ] {
+    for (scale, offset) in [(1.0, 0.0), (1e-5, 0.0), (1e6, 0.0), (1.0, 1e6), (1e-3, -50.0)] {
         let place = |p: DVec3| p * scale + DVec3::splat(offset);
         let sphere = Sphere::new(place(DVec3::ZERO), scale).unwrap();
         let light = Light::from(DirectionalLight {
@@ -133,21 +114,13 @@ fn surfaces_do_not_shadow_themselves_at_any_scale_or_place() {
             color: Color::ONE,
             angle_degrees: 0.0,
         });
-        let scene = Scene::new(vec![Object::new(sphere)])
-            .unwrap()
-            .with_lights(vec![light]);
+        let scene = Scene::new(vec![Object::new(sphere)]).unwrap().with_lights(vec![light]);
         for k in 0..400 {
-            let (x, y) = (
-                f64::from(k % 20) / 20.0 - 0.5,
-                f64::from(k / 20) / 20.0 - 0.5,
-            );
+            let (x, y) = (f64::from(k % 20) / 20.0 - 0.5, f64::from(k / 20) / 20.0 - 0.5);
             let p = place(DVec3::new(x, y, 3.0));
             let hit = shoot(&scene, p, DVec3::NEG_Z);
             let color = seen(&scene, lambert(), p, DVec3::NEG_Z);
-            assert!(
-                !hit.is_miss() && color.x > 0.3,
-                "{scale} {offset} {k}: {color}"
-            );
+            assert!(!hit.is_miss() && color.x > 0.3, "{scale} {offset} {k}: {color}");
         }
     }
 }
@@ -155,40 +128,22 @@ fn surfaces_do_not_shadow_themselves_at_any_scale_or_place() {
 #[test]
 fn unlit_is_the_objects_colour_and_normal_its_normal() {
     let scene = ground(Vec::new(), None);
-    assert_eq!(
-        seen(&scene, Shader::named("unlit").unwrap(), EYE, DVec3::NEG_Z),
-        RED
-    );
+    assert_eq!(seen(&scene, Shader::named("unlit").unwrap(), EYE, DVec3::NEG_Z), RED);
     let normal = seen(&scene, Shader::named("normal").unwrap(), EYE, DVec3::NEG_Z);
     assert_eq!(normal, Color::new(0.5, 0.5, 1.0));
-    assert!(
-        Shader::named("toon")
-            .unwrap_err()
-            .to_string()
-            .contains("unlit normal, got toon")
-    );
+    assert!(Shader::named("toon").unwrap_err().to_string().contains("unlit normal, got toon"));
 }
 
 #[test]
 fn misses_see_the_background_which_is_a_function_of_the_direction() {
     let scene = ground(Vec::new(), None);
-    assert_eq!(
-        seen(&scene, lambert(), EYE, DVec3::Z),
-        Color::new(0.1, 0.2, 0.3)
-    );
+    assert_eq!(seen(&scene, lambert(), EYE, DVec3::Z), Color::new(0.1, 0.2, 0.3));
     let (horizon, zenith) = (Color::new(1.0, 0.5, 0.0), Color::new(0.0, 0.5, 1.0));
-    let sky = Background::Gradient {
-        horizon,
-        zenith,
-        up: DVec3::new(0.0, 0.0, 7.0),
-    };
+    let sky = Background::Gradient { horizon, zenith, up: DVec3::new(0.0, 0.0, 7.0) };
     assert_eq!(sky.color(DVec3::new(3.0, 0.0, 0.0)), horizon);
     assert_eq!(sky.color(DVec3::new(0.0, 0.0, 0.1)), zenith);
     assert_eq!(sky.color(DVec3::new(0.0, 4.0, -2.0)), horizon);
-    assert!(close(
-        sky.color(DVec3::new(0.0, 4.0, 3.0)),
-        horizon.lerp(zenith, 0.6)
-    ));
+    assert!(close(sky.color(DVec3::new(0.0, 4.0, 3.0)), horizon.lerp(zenith, 0.6)));
 }
 
 fn small_camera() -> Camera {
@@ -230,10 +185,7 @@ fn every_channel_is_what_a_loop_over_the_pixels_gives() {
         let color = shade(hit.t, ray.origin, ray.direction, &hit);
         assert_eq!(colors(&frame)[k], color.as_vec3().to_array());
         assert_eq!(doubles(&frame, "t")[k], hit.t);
-        assert_eq!(
-            doubles(&frame, "range")[k],
-            camera.range(row, column, hit.t)
-        );
+        assert_eq!(doubles(&frame, "range")[k], camera.range(row, column, hit.t));
         assert_eq!(doubles(&frame, "z")[k], camera.z(row, column, hit.t));
         if hit.is_miss() {
             assert!(
@@ -243,42 +195,24 @@ fn every_channel_is_what_a_loop_over_the_pixels_gives() {
             );
             assert!(doubles(&frame, "incidence")[k].is_nan());
         } else {
-            assert_eq!(
-                vector("normal", k),
-                scene.interaction(&ray, &hit).unwrap().normal()
-            );
+            assert_eq!(vector("normal", k), scene.interaction(&ray, &hit).unwrap().normal());
             let cosine = vector("normal", k).dot(ray.direction).abs();
             let angle = doubles(&frame, "incidence")[k];
             assert!((libm::cos(angle) - cosine).abs() < 1e-14, "{angle}");
-            assert_eq!(
-                vector("position", k),
-                scene.interaction(&ray, &hit).unwrap().position()
-            );
+            assert_eq!(vector("position", k), scene.interaction(&ray, &hit).unwrap().position());
         }
     }
 }
 
 #[test]
 fn antialiased_colours_are_means_and_leave_all_else_alone() {
-    let scene = Scene::new(vec![Object::new(
-        Cuboid::new(DVec3::splat(-0.5), DVec3::splat(0.5)).unwrap(),
-    )])
-    .unwrap();
-    let camera = Camera::look_at(
-        DVec3::new(0.1, 0.2, 3.0),
-        DVec3::ZERO,
-        DVec3::Y,
-        30.0,
-        9,
-        12,
-    )
-    .unwrap();
+    let scene =
+        Scene::new(vec![Object::new(Cuboid::new(DVec3::splat(-0.5), DVec3::splat(0.5)).unwrap())])
+            .unwrap();
+    let camera =
+        Camera::look_at(DVec3::new(0.1, 0.2, 3.0), DVec3::ZERO, DVec3::Y, 30.0, 9, 12).unwrap();
     let covered = |t: f64, _: DVec3, _: DVec3, _: &Hit| {
-        if t < f64::INFINITY {
-            Color::ONE
-        } else {
-            Color::ZERO
-        }
+        if t < f64::INFINITY { Color::ONE } else { Color::ZERO }
     };
     let kinds = ["color", "object", "t"].map(|name| kind(name).unwrap());
     let picture = |samples| render(&scene, &camera, &covered, &kinds, samples, &()).unwrap();
@@ -286,24 +220,15 @@ fn antialiased_colours_are_means_and_leave_all_else_alone() {
     for name in ["object", "t"] {
         assert_eq!(one.channel(name), many.channel(name));
     }
-    let inner = colors(&many)
-        .iter()
-        .filter(|c| c[0] > 0.0 && c[0] < 1.0)
-        .count();
+    let inner = colors(&many).iter().filter(|c| c[0] > 0.0 && c[0] < 1.0).count();
     assert!(inner > 5, "{inner} pixels on the border");
     for (few, many) in colors(&many).iter().zip(colors(&more)) {
         // Of a straight edge 16 points are within two of the truth.
-        assert!(
-            (few[0] - many[0]).abs() <= 2.0 / 16.0 + 0.01,
-            "{few:?} {many:?}"
-        );
+        assert!((few[0] - many[0]).abs() <= 2.0 / 16.0 + 0.01, "{few:?} {many:?}");
     }
     assert!(matches!(
         render(&scene, &camera, &covered, &kinds, 0, &()),
-        Err(Error::Argument {
-            name: "samples",
-            ..
-        })
+        Err(Error::Argument { name: "samples", .. })
     ));
 }
 
@@ -335,11 +260,7 @@ fn shading_together_and_one_by_one_is_the_same() {
             continue;
         }
         // More than are shaded at once, where that is quick.
-        let all: &[u32] = if *name == "lambert" {
-            &[1, 5, 300]
-        } else {
-            &[1, 5]
-        };
+        let all: &[u32] = if *name == "lambert" { &[1, 5, 300] } else { &[1, 5] };
         for &samples in all {
             let together = render(&scene, &camera, &shading, &kinds, samples, &()).unwrap();
             let single = render(&scene, &camera, &one_by_one, &kinds, samples, &()).unwrap();
@@ -359,10 +280,8 @@ fn the_same_picture_with_1_2_and_7_threads() {
     let pictures = [1, 2, 7].map(|threads| {
         on_threads(threads, || {
             let scene = example::scene().unwrap();
-            let shade = Shading {
-                background: example::background(),
-                ..Shader::default().on(&scene)
-            };
+            let shade =
+                Shading { background: example::background(), ..Shader::default().on(&scene) };
             let frame = render(&scene, &camera, &shade, &kinds, 4, &()).unwrap();
             let mut bytes = Vec::new();
             let format = firsthit::image::format_named("npz").unwrap();
@@ -391,14 +310,7 @@ fn a_stopped_picture_is_interrupted() {
     }
     let (scene, camera) = (example::scene().unwrap(), small_camera());
     let shade = |_: f64, _: DVec3, _: DVec3, _: &Hit| Color::ZERO;
-    let result = render(
-        &scene,
-        &camera,
-        &shade,
-        &[kind("color").unwrap()],
-        1,
-        &Stopped,
-    );
+    let result = render(&scene, &camera, &shade, &[kind("color").unwrap()], 1, &Stopped);
     assert!(matches!(result, Err(Error::Interrupted)));
 }
 
@@ -412,17 +324,9 @@ fn channels_are_interrupted_too() {
     }
     let (scene, camera) = (example::scene().unwrap(), small_camera());
     let hits = trace(&scene, &camera, First, &()).unwrap();
-    let shots = ChannelInput {
-        scene: &scene,
-        rays: &camera,
-        hits: &hits,
-        sensor: Some(&camera),
-    };
+    let shots = ChannelInput { scene: &scene, rays: &camera, hits: &hits, sensor: Some(&camera) };
     // Lines are drawn for pictures, not made of hits.
-    for kind in KINDS
-        .iter()
-        .filter(|kind| !kind.needs_samples() && kind.name != "edge")
-    {
+    for kind in KINDS.iter().filter(|kind| !kind.needs_samples() && kind.name != "edge") {
         let result = make(&[kind], &shots, &Stopped);
         assert!(matches!(result, Err(Error::Interrupted)), "{}", kind.name);
     }

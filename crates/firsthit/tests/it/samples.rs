@@ -37,9 +37,7 @@ impl Shade for Numbered {
 fn all_bits(frame: &Frame, rows: Range<usize>, columns: Range<usize>) -> Vec<Vec<u64>> {
     let width = frame.shape()[1];
     let of_channel = |channel: &Channel| {
-        let pixels = rows
-            .clone()
-            .flat_map(|row| columns.clone().map(move |k| row * width + k));
+        let pixels = rows.clone().flat_map(|row| columns.clone().map(move |k| row * width + k));
         let each = channel.components;
         let values = pixels.flat_map(|pixel| pixel * each..(pixel + 1) * each);
         values.map(|k| channel.data.value(k).to_bits()).collect()
@@ -58,20 +56,11 @@ fn a_region_is_that_part_of_the_whole() {
     });
     for camera in [camera, panorama.unwrap()] {
         for shade in [&shading as &dyn Shade, &Numbered] {
-            let picture = Picture {
-                samples: 3,
-                ..Picture::new(&scene, &camera, shade, &kinds)
-            };
+            let picture = Picture { samples: 3, ..Picture::new(&scene, &camera, shade, &kinds) };
             let whole = picture.render(&()).unwrap();
             for (rows, columns) in [(0..7, 3..40), (5..29, 17..39), (29..30, 39..40)] {
-                let region = Region {
-                    rows: rows.clone(),
-                    columns: columns.clone(),
-                };
-                let part = Picture {
-                    region: Some(region),
-                    ..picture.clone()
-                };
+                let region = Region { rows: rows.clone(), columns: columns.clone() };
+                let part = Picture { region: Some(region), ..picture.clone() };
                 let part = part.render(&()).unwrap();
                 assert_eq!(part.shape(), [rows.len(), columns.len()]);
                 // K and the pose are the whole camera's: the file must say where its pixels begin.
@@ -79,10 +68,7 @@ fn a_region_is_that_part_of_the_whole() {
                 let first = [columns.start, rows.start].map(|first| first as f64 + 0.5);
                 assert_eq!(pixels.first_center, first);
                 let got = all_bits(&part, 0..rows.len(), 0..columns.len());
-                assert!(
-                    got == all_bits(&whole, rows.clone(), columns.clone()),
-                    "{rows:?}"
-                );
+                assert!(got == all_bits(&whole, rows.clone(), columns.clone()), "{rows:?}");
             }
         }
     }
@@ -99,10 +85,7 @@ fn a_region_outside_the_picture_is_refused() {
             ..Picture::new(&scene, &camera, &shade, &kinds)
         };
         let error = picture.render(&()).unwrap_err().to_string();
-        assert!(
-            error.starts_with("region must be a part of the picture"),
-            "{error}"
-        );
+        assert!(error.starts_with("region must be a part of the picture"), "{error}");
     }
 }
 
@@ -116,15 +99,9 @@ fn samples_one_by_one_are_those_at_once() {
     let mut progressive = picture.start().unwrap();
     for samples in 1..=5 {
         progressive.add_sample(&()).unwrap();
-        let at_once = Picture {
-            samples,
-            ..picture.clone()
-        };
+        let at_once = Picture { samples, ..picture.clone() };
         let at_once = at_once.render(&()).unwrap();
-        assert!(
-            all(&progressive.frame().unwrap()) == all(&at_once),
-            "{samples}"
-        );
+        assert!(all(&progressive.frame().unwrap()) == all(&at_once), "{samples}");
     }
 }
 
@@ -151,11 +128,7 @@ fn every_engine_makes_the_same_picture() {
     let render = |engine: &dyn Engine| {
         let frame = Render::new(&scene).camera(camera).samples(2).engine(engine);
         let names: Vec<&str> = kinds.iter().map(|kind| &*kind.name).collect();
-        all_bits(
-            &frame.channels(&names).frame().unwrap(),
-            0..camera.rows(),
-            0..40,
-        )
+        all_bits(&frame.channels(&names).frame().unwrap(), 0..camera.rows(), 0..40)
     };
     let slow = render(&BruteForce);
     let has_two = |values: &Vec<u64>| values.iter().any(|&value| value != values[0]);

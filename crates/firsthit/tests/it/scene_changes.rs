@@ -11,9 +11,7 @@ fn a_scene_with_other_objects_shares_what_did_not_change() {
     let shared = Object::new(mesh(&points, triangles));
     let one = scene(vec![shared.clone()]);
     let moved = Transform::translation(DVec3::new(3.0, 0.0, 0.0)).unwrap();
-    let two = one
-        .with_objects(vec![shared.clone(), shared.clone().placed(moved)])
-        .unwrap();
+    let two = one.with_objects(vec![shared.clone(), shared.clone().placed(moved)]).unwrap();
     assert_eq!(two.triangles(), 2 * one.triangles());
     let hit = agree(&two, &Ray::new(DVec3::new(3.0, 0.1, 9.0), DVec3::NEG_Z));
     assert_eq!(hit.object, 1);
@@ -27,20 +25,11 @@ fn a_mesh_whose_vertices_moved_is_met_where_it_is_now() {
     let (points, triangles) = bumpy_sphere(24, 12);
     let mut last = scene(vec![Object::new(mesh(&points, triangles.clone()))]);
     let bytes = last.tree_bytes();
-    let steps = [
-        (0.0, 0.01),
-        (1e6, 0.02),
-        (0.0, 0.1),
-        (5.0, 3.0),
-        (0.0, 0.0),
-        (1e-3, 1e-9),
-    ];
+    let steps = [(0.0, 0.01), (1e6, 0.02), (0.0, 0.1), (5.0, 3.0), (0.0, 0.0), (1e-3, 1e-9)];
     for (step, (far, wild)) in (0..).zip(steps) {
         let mut numbers = Numbers::new(step);
-        let points: Vec<DVec3> = points
-            .iter()
-            .map(|p| *p + DVec3::splat(far) + wild * numbers.point())
-            .collect();
+        let points: Vec<DVec3> =
+            points.iter().map(|p| *p + DVec3::splat(far) + wild * numbers.point()).collect();
         let moved = Object::new(mesh(&points, triangles.clone()));
         last = last.with_objects(vec![moved.clone()]).unwrap();
         let anew = scene(vec![moved]);
@@ -61,9 +50,7 @@ fn a_mesh_whose_vertices_moved_is_met_where_it_is_now() {
         let triangles = (0..60).map(|k| if k % 2 == 0 { [0, 1, 2] } else { [3, 4, 5] });
         Object::new(mesh(&points.concat(), triangles.collect()))
     };
-    let scene = scene(vec![object(together)])
-        .with_objects(vec![object(apart)])
-        .unwrap();
+    let scene = scene(vec![object(together)]).with_objects(vec![object(apart)]).unwrap();
     let hit = agree(&scene, &Ray::new(DVec3::new(0.2, 0.2, 5.0), DVec3::NEG_Z));
     assert_eq!((hit.t, hit.primitive), (4.0, 1));
 }
@@ -89,11 +76,7 @@ fn a_moved_object_is_met_as_in_a_scene_built_anew() {
         let object = numbers.below(objects.len());
         let place = numbers.point() * [3.0, 3.0, 3.0, 1e4][step % 4];
         let turn = DQuat::from_axis_angle(numbers.point().normalize(), 3.0 * numbers.unit());
-        let sizes = [
-            DVec3::ONE,
-            DVec3::new(1.0, 0.2, 3.0),
-            DVec3::new(1.0, 1.0, 1e-7),
-        ];
+        let sizes = [DVec3::ONE, DVec3::new(1.0, 0.2, 3.0), DVec3::new(1.0, 1.0, 1e-7)];
         let map = DAffine3::from_scale_rotation_translation(sizes[step % 3], turn, place);
         let transform = match step % 5 {
             // Onto another one, to the last bit, and away again later.
@@ -140,10 +123,7 @@ fn the_fingerprint_of_a_moved_scene_is_that_of_one_built_anew() {
     let (points, triangles) = bumpy_sphere(20, 8);
     let ball = Object::new(mesh(&points, triangles));
     let up = Transform::translation(DVec3::Z).unwrap();
-    let objects = vec![
-        ball.clone(),
-        Object::new(Sphere::new(DVec3::X, 1.0).unwrap()),
-    ];
+    let objects = vec![ball.clone(), Object::new(Sphere::new(DVec3::X, 1.0).unwrap())];
     let mut moved = scene(objects.clone());
     let before = moved.fingerprint().to_owned();
     moved.move_object(0, up).unwrap();

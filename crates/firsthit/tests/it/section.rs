@@ -84,11 +84,7 @@ fn a_face_in_the_plane_is_cut_where_the_solid_is_below_it() {
     assert!(at_z(&cube(), 1.0_f64.next_up()).is_empty());
     assert_eq!(at_z(&cube(), f64::from_bits(1)).area(), 1.0);
     // From the other side it is the other way round.
-    let from_below = |z: f64| {
-        cube()
-            .section(DVec3::new(0.0, 0.0, z), DVec3::NEG_Z)
-            .unwrap()
-    };
+    let from_below = |z: f64| cube().section(DVec3::new(0.0, 0.0, z), DVec3::NEG_Z).unwrap();
     assert_eq!((from_below(0.0).area(), from_below(1.0).len()), (1.0, 0));
 }
 
@@ -118,11 +114,7 @@ fn sections_of_lattice_cells_are_closed_and_their_area_is_a_count() {
             }
         }
         // Through vertices, along diagonals of faces and of cells.
-        for normal in [
-            DVec3::new(1.0, 1.0, 0.0),
-            DVec3::ONE,
-            DVec3::new(1.0, -2.0, 3.0),
-        ] {
+        for normal in [DVec3::new(1.0, 1.0, 0.0), DVec3::ONE, DVec3::new(1.0, -2.0, 3.0)] {
             let corner = DVec3::new(1.0, 2.0, 2.0);
             let cut = scene.section(corner, normal).unwrap();
             assert!(cut.polylines().all(|polyline| polyline.is_closed));
@@ -156,10 +148,7 @@ fn judged(scene: &Scene, origin: DVec3, normal: DVec3) -> (f64, f64) {
                 continue;
             };
             let way = minus(q, p);
-            let facing = cross(
-                &minus(&corners[1], &corners[0]),
-                &minus(&corners[2], &corners[0]),
-            );
+            let facing = cross(&minus(&corners[1], &corners[0]), &minus(&corners[2], &corners[0]));
             // Counter-clockwise around material: along normal x facing.
             let turn = dot(&n, &cross(&minus(p, &o), &minus(q, &o)));
             let is_forward = !dot(&cross(&n, &facing), &way).is_negative();
@@ -190,16 +179,10 @@ fn sections_of_closed_meshes_are_closed_with_the_area_of_rational_arithmetic() {
                 continue;
             }
             let cut = scene.section(origin, normal).unwrap();
-            assert!(
-                cut.polylines().all(|polyline| polyline.is_closed),
-                "{origin} {normal}"
-            );
+            assert!(cut.polylines().all(|polyline| polyline.is_closed), "{origin} {normal}");
             let (area, perimeter) = judged(&scene, origin, normal);
             assert!((cut.area() - area).abs() < ROUNDING, "{origin} {normal}");
-            assert!(
-                (cut.perimeter() - perimeter).abs() < ROUNDING,
-                "{origin} {normal}"
-            );
+            assert!((cut.perimeter() - perimeter).abs() < ROUNDING, "{origin} {normal}");
         }
     }
 }
@@ -211,17 +194,9 @@ fn torus(around: u32, across: u32, [large, small]: [f64; 2]) -> (Vec<DVec3>, Vec
         let turn = TAU * f64::from(k) / f64::from(around);
         for l in 0..across {
             let tilt = TAU * f64::from(l) / f64::from(across);
-            let height = if 2 * l % across == 0 {
-                0.0
-            } else {
-                small * libm::sin(tilt)
-            };
+            let height = if 2 * l % across == 0 { 0.0 } else { small * libm::sin(tilt) };
             let radius = large + small * libm::cos(tilt);
-            points.push(DVec3::new(
-                radius * libm::cos(turn),
-                radius * libm::sin(turn),
-                height,
-            ));
+            points.push(DVec3::new(radius * libm::cos(turn), radius * libm::sin(turn), height));
         }
     }
     let at = |k: u32, l: u32| k % around * across + l % across;
@@ -244,10 +219,7 @@ fn a_torus_is_a_ring_across_its_axis_and_two_discs_along_it() {
     let polygon = |corners: u32, radius: f64| {
         0.5 * f64::from(corners) * libm::sin(TAU / f64::from(corners)) * radius * radius
     };
-    let areas: Vec<f64> = ring
-        .polylines()
-        .map(|p| p.area(ring.plane()).unwrap())
-        .collect();
+    let areas: Vec<f64> = ring.polylines().map(|p| p.area(ring.plane()).unwrap()).collect();
     assert_eq!(areas.len(), 2);
     let [outer, inner] = [areas[0].max(areas[1]), areas[0].min(areas[1])];
     assert!((outer - polygon(40, 4.0)).abs() < 1e-11, "{outer}");
@@ -274,10 +246,7 @@ fn triangles_with_vertices_of_their_own_join_as_those_that_share_them() {
         })
         .collect();
     let count = triangles.len() as u32;
-    let alone = one(
-        &own,
-        (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
-    );
+    let alone = one(&own, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect());
     for normal in [DVec3::X, DVec3::new(0.2, -0.5, 1.0)] {
         let [a, b] = [&shared, &alone].map(|scene| scene.section(points[30], normal).unwrap());
         assert_eq!(a, b);
@@ -287,40 +256,22 @@ fn triangles_with_vertices_of_their_own_join_as_those_that_share_them() {
 
 #[test]
 fn an_open_mesh_has_open_polylines_from_border_to_border() {
-    let points = [
-        DVec3::ZERO,
-        DVec3::new(2.0, 0.0, 0.0),
-        DVec3::new(0.0, 0.0, 2.0),
-    ];
+    let points = [DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 2.0)];
     let cut = at_z(&one(&points, vec![[0, 1, 2]]), 1.0);
     let polyline = cut.polylines().next().unwrap();
     assert!(!polyline.is_closed && polyline.area(cut.plane()).is_none());
     let ends = [DVec3::new(0.0, 0.0, 1.0), DVec3::new(1.0, 0.0, 1.0)];
     assert!(polyline.points == ends || polyline.points == [ends[1], ends[0]]);
-    assert_eq!(
-        (polyline.primitives, cut.area(), cut.perimeter()),
-        (&[0][..], 0.0, 1.0)
-    );
+    assert_eq!((polyline.primitives, cut.area(), cut.perimeter()), (&[0][..], 0.0, 1.0));
     // A strip whose triangles come in any order.
-    let points: Vec<DVec3> = (0..20)
-        .map(|k| DVec3::new(f64::from(k / 2), 0.0, f64::from(k % 2)))
-        .collect();
-    let mut strip: Vec<[u32; 3]> = (0..18)
-        .map(|k| {
-            if k % 2 == 0 {
-                [k, k + 1, k + 2]
-            } else {
-                [k, k + 2, k + 1]
-            }
-        })
-        .collect();
+    let points: Vec<DVec3> =
+        (0..20).map(|k| DVec3::new(f64::from(k / 2), 0.0, f64::from(k % 2))).collect();
+    let mut strip: Vec<[u32; 3]> =
+        (0..18).map(|k| if k % 2 == 0 { [k, k + 1, k + 2] } else { [k, k + 2, k + 1] }).collect();
     strip.sort_by_key(|triangle| triangle[0] * 7 % 18);
     let cut = at_z(&one(&points, strip), 0.5);
     let polyline = cut.polylines().next().unwrap();
-    assert_eq!(
-        (cut.len(), polyline.is_closed, polyline.points.len()),
-        (1, false, 19)
-    );
+    assert_eq!((cut.len(), polyline.is_closed, polyline.points.len()), (1, false, 19));
     assert_eq!(cut.perimeter(), 9.0);
 }
 
@@ -334,9 +285,7 @@ fn triangles_that_are_wound_the_other_way_join_all_the_same() {
         }
     }
     let scene = one(&points, triangles);
-    let cut = scene
-        .section(points[50], DVec3::new(1.0, 2.0, 0.5))
-        .unwrap();
+    let cut = scene.section(points[50], DVec3::new(1.0, 2.0, 0.5)).unwrap();
     assert!(cut.polylines().all(|polyline| polyline.is_closed));
     let perimeter = judged(&scene, points[50], DVec3::new(1.0, 2.0, 0.5)).1;
     assert!((cut.perimeter() - perimeter).abs() < ROUNDING);
@@ -345,14 +294,10 @@ fn triangles_that_are_wound_the_other_way_join_all_the_same() {
 #[test]
 fn duplicates_and_triangles_without_area_leave_polylines_closed() {
     let (points, mut triangles) = bumpy_sphere(10, 8);
-    let single = one(&points, triangles.clone())
-        .section(points[44], DVec3::Z)
-        .unwrap();
+    let single = one(&points, triangles.clone()).section(points[44], DVec3::Z).unwrap();
     triangles.extend(triangles.clone());
     triangles.extend([[5, 5, 90], [7, 90, 90], [3, 3, 3]]);
-    let double = one(&points, triangles)
-        .section(points[44], DVec3::Z)
-        .unwrap();
+    let double = one(&points, triangles).section(points[44], DVec3::Z).unwrap();
     assert!(double.polylines().all(|polyline| polyline.is_closed));
     assert!((double.area() - single.area()).abs() < ROUNDING);
 }
@@ -392,16 +337,10 @@ fn transforms_move_scale_and_mirror_what_is_cut() {
         let object = Object::new(Arc::clone(&mesh)).placed(Transform::new(map).unwrap());
         scene(vec![object])
     };
-    let scaled = placed(
-        DMat3::from_diagonal(DVec3::new(2.0, 3.0, 5.0)),
-        DVec3::splat(7.0),
-    );
+    let scaled = placed(DMat3::from_diagonal(DVec3::new(2.0, 3.0, 5.0)), DVec3::splat(7.0));
     assert_eq!(at_z(&scaled, 9.0).area(), 6.0);
     assert!(at_z(&scaled, 6.0).is_empty());
-    let mirrored = placed(
-        DMat3::from_diagonal(DVec3::new(-2.0, 3.0, 1.0)),
-        DVec3::ZERO,
-    );
+    let mirrored = placed(DMat3::from_diagonal(DVec3::new(-2.0, 3.0, 1.0)), DVec3::ZERO);
     assert_eq!(at_z(&mirrored, 0.5).area(), 6.0);
     let turned = placed(DMat3::from_rotation_y(0.3), DVec3::ZERO);
     let slanted = turned.section(turned.bounds().centre(), DVec3::Y).unwrap();
@@ -418,10 +357,7 @@ fn an_area_that_leaves_open_curves_out_says_so() {
         !corners.iter().all(at_gap)
     });
     let gap = mesh(&moved, gap.collect::<Vec<_>>());
-    let both = scene(vec![
-        Object::new(mesh(&points, triangles.clone())),
-        Object::new(gap.clone()),
-    ]);
+    let both = scene(vec![Object::new(mesh(&points, triangles.clone())), Object::new(gap.clone())]);
     let cut = at_z(&both, 0.5);
     assert_eq!((cut.len(), cut.area()), (2, 1.0));
     assert_eq!(
@@ -464,9 +400,7 @@ fn the_section_is_the_same_for_any_number_of_threads() {
     let scene = one(&points, triangles);
     let cut = |threads: usize| {
         let normal = DVec3::new(0.1, 0.2, 1.0);
-        on_threads(threads, || {
-            scene.section(DVec3::splat(0.1), normal).unwrap()
-        })
+        on_threads(threads, || scene.section(DVec3::splat(0.1), normal).unwrap())
     };
     let single = cut(1);
     assert!(single.len() > 1);

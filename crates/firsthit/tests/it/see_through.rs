@@ -13,10 +13,7 @@ use firsthit::{
 const BEHIND: Color = Color::new(0.5, 0.25, 1.0);
 
 fn seen(scene: &Scene, shader: Shader, p: DVec3, u_r: DVec3) -> Color {
-    let shade = Shading {
-        background: Background::Uniform(BEHIND),
-        ..shader.on(scene)
-    };
+    let shade = Shading { background: Background::Uniform(BEHIND), ..shader.on(scene) };
     let hit = shoot(scene, p, u_r);
     shade.shade(hit.t, p, u_r, &hit)
 }
@@ -31,11 +28,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> Shape {
 
 fn xray(density: f64, skin: f64) -> Shader {
     let color = Color::ZERO;
-    Shader::Xray(Xray {
-        density,
-        skin,
-        color,
-    })
+    Shader::Xray(Xray { density, skin, color })
 }
 
 #[test]
@@ -82,12 +75,7 @@ fn an_xray_is_covered_as_far_as_it_absorbs() {
     let scene = scene([cuboid([-1.0; 3], [1.0; 3])]);
     let shade = Shading {
         background: Background::Transparent,
-        ..Shader::Xray(Xray {
-            density: 0.5,
-            skin: 0.0,
-            color: Color::ONE,
-        })
-        .on(&scene)
+        ..Shader::Xray(Xray { density: 0.5, skin: 0.0, color: Color::ONE }).on(&scene)
     };
     let ray = firsthit::Ray::new(4.0 * DVec3::Z, DVec3::NEG_Z);
     let samples = firsthit::shade::Samples {
@@ -104,10 +92,7 @@ fn an_xray_is_covered_as_far_as_it_absorbs() {
 }
 
 fn ghost(opacity: f64) -> Shader {
-    Shader::Ghost(Ghost {
-        opacity,
-        ..Ghost::default()
-    })
+    Shader::Ghost(Ghost { opacity, ..Ghost::default() })
 }
 
 /// Of n surfaces of the colour c, 1 - (1 - a)^n is seen of c and the rest is background.
@@ -115,20 +100,14 @@ fn ghost(opacity: f64) -> Shader {
 fn parallel_planes_are_a_geometric_series() {
     for count in [1, 2, 5, 40] {
         let plane = |k: i32| Plane::new(DVec3::new(0.0, 0.0, f64::from(-k)), DVec3::Z).unwrap();
-        let red = Material {
-            unlit: true,
-            ..Material::colored(Color::new(0.75, 0.125, 0.0))
-        };
+        let red = Material { unlit: true, ..Material::colored(Color::new(0.75, 0.125, 0.0)) };
         let planes = (0..count).map(|k| Object::new(plane(k)).with_materials([red.clone()]));
         let scene = Scene::new(planes.collect()).unwrap();
         for opacity in [0.25, 0.5, 1.0] {
             let color = seen(&scene, ghost(opacity), 4.0 * DVec3::Z, DVec3::NEG_Z);
             let behind = libm::pow(1.0 - opacity, f64::from(count));
             let expected = red.color.lerp(BEHIND, behind);
-            assert!(
-                (color - expected).length() < 1e-14,
-                "{count} {opacity}: {color}"
-            );
+            assert!((color - expected).length() < 1e-14, "{count} {opacity}: {color}");
         }
     }
 }
@@ -138,10 +117,7 @@ fn parallel_planes_are_a_geometric_series() {
 fn ghosts_are_put_together_in_the_order_along_the_ray() {
     let disc = |z, color| {
         let disc = Disc::new(DVec3::new(0.0, 0.0, z), DVec3::Z, 1.0).unwrap();
-        let material = Material {
-            unlit: true,
-            ..Material::colored(color)
-        };
+        let material = Material { unlit: true, ..Material::colored(color) };
         Object::new(disc).with_materials([material])
     };
     let (red, green) = (DVec3::X, DVec3::Y);
@@ -156,10 +132,7 @@ fn ghosts_are_put_together_in_the_order_along_the_ray() {
 fn opaque_ghosts_are_lambert() {
     let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
     let scene = scene([ball.into(), cuboid([-2.0, -2.0, -3.0], [2.0, 2.0, -2.0])]);
-    let lambert = Shader::Lambert(Lambert {
-        shadows: false,
-        ..Lambert::default()
-    });
+    let lambert = Shader::Lambert(Lambert { shadows: false, ..Lambert::default() });
     for x in [0.0, 0.5, 1.5] {
         let p = DVec3::new(x, 0.25, 5.0);
         let [ghost, lambert] =
@@ -187,10 +160,7 @@ fn what_is_culled_is_culled_behind_translucent_surfaces() {
     let seen = |objects, cull| {
         let scene = Scene::new(objects).unwrap();
         let shade = Shader::named("unlit").unwrap().on(&scene);
-        let picture = Picture {
-            cull,
-            ..Picture::new(&scene, &camera, &shade, &channels)
-        };
+        let picture = Picture { cull, ..Picture::new(&scene, &camera, &shade, &channels) };
         picture.render(&()).unwrap().channels().to_vec()
     };
     let both = vec![pane.clone(), wall];
@@ -206,11 +176,8 @@ fn panes(alphas: &[f64]) -> Scene {
         let corners = corners.map(|[x, y]| [x, y, f64::from(height)]);
         let triangles = vec![[0, 1, 2], [0, 2, 3]];
         let mesh = Mesh::new(Positions::compact(corners.to_vec()), triangles).unwrap();
-        let material = Material {
-            alpha: *alpha,
-            alpha_mode: AlphaMode::Blend,
-            ..Material::default()
-        };
+        let material =
+            Material { alpha: *alpha, alpha_mode: AlphaMode::Blend, ..Material::default() };
         Object::new(std::sync::Arc::new(mesh)).with_materials([material])
     };
     Scene::new((0..).zip(alphas).map(pane).collect()).unwrap()
@@ -232,9 +199,6 @@ fn rays_pass_what_is_translucent_below_an_alpha_if_they_are_asked_to() {
     }
     for cutoff in [-0.1, 1.1, f64::NAN] {
         let message = scene.with_blend_below(cutoff).unwrap_err().to_string();
-        assert!(
-            message.starts_with("blend_below must be from 0 to 1, got "),
-            "{message}"
-        );
+        assert!(message.starts_with("blend_below must be from 0 to 1, got "), "{message}");
     }
 }

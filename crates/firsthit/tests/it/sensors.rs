@@ -97,21 +97,13 @@ fn plain_camera(rows: usize, columns: usize) -> Camera {
         ray_start: firsthit::RayStart::Eye,
         ..firsthit::Viewplane::default()
     });
-    let view = View {
-        rows,
-        columns,
-        lens,
-        ..View::default()
-    };
+    let view = View { rows, columns, lens, ..View::default() };
     Camera::new(view).unwrap()
 }
 
 /// To the right at `speed`, from a point, for 2 seconds from 10 on.
 fn straight(from: DVec3, velocity: DVec3) -> Trajectory {
-    let pose = |time: f64| Pose {
-        position: from + time * velocity,
-        ..Pose::IDENTITY
-    };
+    let pose = |time: f64| Pose { position: from + time * velocity, ..Pose::IDENTITY };
     Trajectory::new(vec![10.0, 12.0], vec![pose(0.0), pose(2.0)]).unwrap()
 }
 
@@ -129,10 +121,8 @@ fn a_rolling_shutter_shears_a_vertical_edge_exactly() {
     let scene = edge();
     let camera = plain_camera(rows, columns);
     let body = straight(DVec3::ZERO, DVec3::new(speed, 0.0, 0.0));
-    for (direction, first_last) in [
-        (Readout::TopDown, [0.0, 1.0]),
-        (Readout::BottomUp, [1.0, 0.0]),
-    ] {
+    for (direction, first_last) in [(Readout::TopDown, [0.0, 1.0]), (Readout::BottomUp, [1.0, 0.0])]
+    {
         let sensor = RollingShutter::new(&camera, &body, 10.5, 1.2, direction).unwrap();
         let hits = trace(&scene, &sensor, First, &()).unwrap();
         for row in 0..rows {
@@ -166,10 +156,9 @@ fn a_rolling_shutter_shears_a_vertical_edge_exactly() {
 fn columns_read_out_sideways_have_their_own_times() {
     let camera = plain_camera(4, 10);
     let body = straight(DVec3::ZERO, DVec3::X);
-    for (direction, times) in [
-        (Readout::LeftRight, [0.05, 0.95]),
-        (Readout::RightLeft, [0.95, 0.05]),
-    ] {
+    for (direction, times) in
+        [(Readout::LeftRight, [0.05, 0.95]), (Readout::RightLeft, [0.95, 0.05])]
+    {
         let sensor = RollingShutter::new(&camera, &body, 10.0, 1.0, direction).unwrap();
         for row in 0..4 {
             for (column, time) in [(0, times[0]), (9, times[1])] {
@@ -191,10 +180,7 @@ fn a_rolling_shutter_that_does_not_move_is_its_camera_bit_for_bit() {
             assert_eq!(sensor.ray(pixel), Rays::ray(&camera, pixel));
         }
         for offset in [DVec2::new(0.1, 0.9), DVec2::ZERO] {
-            assert_eq!(
-                sensor.ray_within(77, offset),
-                Sensor::ray_within(&camera, 77, offset)
-            );
+            assert_eq!(sensor.ray_within(77, offset), Sensor::ray_within(&camera, 77, offset));
         }
     }
 }
@@ -220,10 +206,7 @@ fn a_pushbroom_sees_each_row_at_its_time() {
         }
     }
     let error = Pushbroom::new(&plain_camera(2, 8), &body, times).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "camera must be one of a single row of pixels, got 2"
-    );
+    assert_eq!(error.to_string(), "camera must be one of a single row of pixels, got 2");
 }
 
 #[test]
@@ -271,11 +254,9 @@ fn a_spinning_lidar_in_a_room_has_the_ranges_of_the_closed_form() {
 fn a_lidar_that_is_carried_fires_each_beam_from_where_it_then_is() {
     let body = straight(DVec3::ZERO, DVec3::new(7.0, 0.0, 0.0));
     let pattern = LidarModel::Vlp32c.pattern(10.0, None, 10.0).unwrap();
-    let mount = Pose::new(
-        DVec3::new(0.0, 0.0, 2.0),
-        DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2),
-    )
-    .unwrap();
+    let mount =
+        Pose::new(DVec3::new(0.0, 0.0, 2.0), DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2))
+            .unwrap();
     let lidar = Lidar::carried(pattern, mount, &body).unwrap();
     for pixel in [0, 1000, 30_000, lidar.len() - 1] {
         let time = lidar.time(pixel).unwrap();
@@ -381,19 +362,10 @@ fn a_part_of_a_sensors_picture_is_that_part_of_the_whole() {
     let channels = ["color", "range", "object"].map(|name| kind(name).unwrap());
     for sensor in sensors() {
         let [rows, columns] = sensor.shape();
-        let picture = Picture {
-            samples: 2,
-            ..Picture::new(&scene, &*sensor, &shade, &channels)
-        };
+        let picture = Picture { samples: 2, ..Picture::new(&scene, &*sensor, &shade, &channels) };
         let whole = picture.render(&()).unwrap();
-        let region = Region {
-            rows: 3..rows - 2,
-            columns: 5..columns - 4,
-        };
-        let part = Picture {
-            region: Some(region.clone()),
-            ..picture
-        };
+        let region = Region { rows: 3..rows - 2, columns: 5..columns - 4 };
+        let part = Picture { region: Some(region.clone()), ..picture };
         let part = part.render(&()).unwrap();
         for name in ["color", "range", "object"] {
             let (of_whole, of_part) = (whole.channel(name).unwrap(), part.channel(name).unwrap());
@@ -407,11 +379,7 @@ fn a_part_of_a_sensors_picture_is_that_part_of_the_whole() {
             let some = text(&of_part.data, components, region.columns.len());
             for (k, line) in some.iter().enumerate() {
                 let of_line = components * region.columns.start..components * region.columns.end;
-                assert_eq!(
-                    line,
-                    &all[region.rows.start + k][of_line],
-                    "{name} {sensor:?}"
-                );
+                assert_eq!(line, &all[region.rows.start + k][of_line], "{name} {sensor:?}");
             }
         }
     }
@@ -436,10 +404,7 @@ fn every_sensor_says_what_it_is_and_the_record_comes_back() {
         assert_eq!(metadata.sensor.as_ref(), Some(&*record));
         kinds.push(record.kind.clone());
         let moves = record.trajectory.is_some();
-        assert_eq!(
-            moves,
-            format!("{sensor:?}").contains("moves: true") || record.camera.is_some()
-        );
+        assert_eq!(moves, format!("{sensor:?}").contains("moves: true") || record.camera.is_some());
     }
     kinds.dedup();
     assert_eq!(kinds, ["rays", "rolling_shutter", "pushbroom", "lidar"]);

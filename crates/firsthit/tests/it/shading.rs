@@ -20,10 +20,7 @@ const RED: Color = Color::new(0.8, 0.1, 0.05);
 const BEHIND: Color = Color::new(0.1, 0.2, 0.3);
 
 fn seen(scene: &Scene, shader: &Shader, p: DVec3, u_r: DVec3) -> Color {
-    let shade = Shading {
-        background: Background::Uniform(BEHIND),
-        ..shader.clone().on(scene)
-    };
+    let shade = Shading { background: Background::Uniform(BEHIND), ..shader.clone().on(scene) };
     let hit = shoot(scene, p, u_r);
     shade.shade(hit.t, p, u_r, &hit)
 }
@@ -75,14 +72,8 @@ fn highlights_on_a_ball_are_those_computed_by_hand() {
     assert_close(blinn, matte + highlight(0.512));
     // At the pole, lit from (0.6, 0, 0.8): mirrored to (-0.6, 0, 0.8); half way is (0.6, 0, 1.8) / sqrt(3.6).
     let scene = ball(sun(DVec3::new(0.6, 0.0, 0.8)));
-    let [phong, blinn] = [Shader::Phong, Shader::BlinnPhong].map(|kind| {
-        seen(
-            &scene,
-            &kind(glossy(2.0)),
-            DVec3::new(0.0, 0.0, 5.0),
-            DVec3::NEG_Z,
-        )
-    });
+    let [phong, blinn] = [Shader::Phong, Shader::BlinnPhong]
+        .map(|kind| seen(&scene, &kind(glossy(2.0)), DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z));
     assert_close(phong, matte + highlight(0.64));
     assert_close(blinn, matte + highlight(0.9));
 }
@@ -90,10 +81,7 @@ fn highlights_on_a_ball_are_those_computed_by_hand() {
 #[test]
 fn without_a_highlight_phong_and_blinn_are_lambert() {
     let scene = ball(sun(DVec3::new(0.3, -0.2, 0.9)));
-    let matte = Phong {
-        specular: Color::ZERO,
-        ..Phong::default()
-    };
+    let matte = Phong { specular: Color::ZERO, ..Phong::default() };
     for k in 0..50 {
         let p = DVec3::new(0.9 - 0.03 * f64::from(k), 0.2, 5.0);
         let lambert = seen(&scene, &Shader::default(), p, DVec3::NEG_Z);
@@ -105,20 +93,15 @@ fn without_a_highlight_phong_and_blinn_are_lambert() {
 
 #[test]
 fn a_highlight_is_in_the_shadow_of_what_is_in_the_way() {
-    let light = Light::from(PointLight {
-        position: DVec3::new(0.0, 0.0, 3.0),
-        ..PointLight::default()
-    });
+    let light =
+        Light::from(PointLight { position: DVec3::new(0.0, 0.0, 3.0), ..PointLight::default() });
     let between = Object::new(Sphere::new(DVec3::new(0.0, 0.0, 2.0), 0.1).unwrap());
     let objects = [ball(light).objects(), &[between]].concat();
     let scene = Scene::new(objects).unwrap().with_lights(vec![light]);
     let (p, u_r) = (DVec3::new(3.0, 0.0, 1.0), DVec3::new(-3.0, 0.0, -0.001));
     let shadow = seen(&scene, &Shader::Phong(glossy(2.0)), p, u_r);
     assert_close(shadow, RED * 0.1);
-    let bare = Phong {
-        shadows: false,
-        ..glossy(2.0)
-    };
+    let bare = Phong { shadows: false, ..glossy(2.0) };
     assert!(seen(&scene, &Shader::Phong(bare), p, u_r).x > 0.17);
 }
 
@@ -132,12 +115,7 @@ fn a_hemisphere_counts_by_how_much_a_normal_looks_up() {
         below: Color::new(0.25, 0.125, 0.0),
         ..Hemisphere::default()
     };
-    for (from, height) in [
-        (DVec3::Z, 0.8),
-        (DVec3::NEG_Z, -0.8),
-        (DVec3::Y, 0.0),
-        (up, 1.0),
-    ] {
+    for (from, height) in [(DVec3::Z, 0.8), (DVec3::NEG_Z, -0.8), (DVec3::Y, 0.0), (up, 1.0)] {
         let share = f64::midpoint(1.0, height);
         let expected = RED * (settings.below + share * (settings.above - settings.below));
         let color = seen(&scene, &Shader::Hemisphere(settings), 4.0 * from, -from);
@@ -150,12 +128,7 @@ fn depth_cueing_is_linear_between_two_distances_for_every_shader_that_has_it() {
     let scene = ball(sun(DVec3::Z));
     let goal = Color::new(0.25, 0.5, 1.0);
     let mut count = 0;
-    for &SettingsSchema {
-        name,
-        settings: list,
-        ..
-    } in Shader::KINDS
-    {
+    for &SettingsSchema { name, settings: list, .. } in Shader::KINDS {
         if !list.iter().any(|setting| setting.name == "depth_far") {
             continue;
         }
@@ -167,14 +140,9 @@ fn depth_cueing_is_linear_between_two_distances_for_every_shader_that_has_it() {
         cued.set("depth_near", Value::Number(2.0)).unwrap();
         cued.set("depth_far", Value::Number(6.0)).unwrap();
         cued.set("depth_color", Value::Vector(goal)).unwrap();
-        for (distance, share) in [
-            (1.0, 0.0),
-            (2.0, 0.0),
-            (3.0, 0.25),
-            (5.0, 0.75),
-            (6.0, 1.0),
-            (9.0, 1.0),
-        ] {
+        for (distance, share) in
+            [(1.0, 0.0), (2.0, 0.0), (3.0, 0.25), (5.0, 0.75), (6.0, 1.0), (9.0, 1.0)]
+        {
             let p = DVec3::new(0.0, 0.0, 1.0 + distance);
             // The length of the direction is of no account.
             let color = |shader| seen(&scene, shader, p, DVec3::new(0.0, 0.0, -0.5));
@@ -220,10 +188,7 @@ fn smooth_normals_have_length_one_with_a_transform_and_without() {
             for object in [still, moved] {
                 let scene = Scene::new(vec![object]).unwrap();
                 let color = seen(&scene.with_lights(lights.clone()), &shader, p, u_r);
-                assert!(
-                    (color - expected).length() < 1e-7,
-                    "{name}: {color} {expected}"
-                );
+                assert!((color - expected).length() < 1e-7, "{name}: {color} {expected}");
             }
         }
     }
@@ -234,11 +199,7 @@ fn faces_are_shaded_with_smooth_normals_or_flat() {
     let scene = leaning().with_lights(vec![sun(DVec3::Z)]);
     let light = Color::new(0.9, 0.8, 0.7);
     for (flat, cosine) in [(false, 0.8), (true, 1.0)] {
-        let shader = Shader::Lambert(Lambert {
-            flat,
-            ambient: Color::ZERO,
-            ..Lambert::default()
-        });
+        let shader = Shader::Lambert(Lambert { flat, ambient: Color::ZERO, ..Lambert::default() });
         // Float32 normals.
         let color = seen(&scene, &shader, DVec3::Z, DVec3::NEG_Z);
         assert!((color - cosine * RED * light).length() < 1e-7, "{color}");
@@ -249,10 +210,7 @@ fn faces_are_shaded_with_smooth_normals_or_flat() {
             ..Hemisphere::default()
         });
         let color = seen(&scene, &shader, DVec3::Z, DVec3::NEG_Z);
-        assert!(
-            (color - (0.5 + cosine / 2.0) * RED).length() < 1e-7,
-            "{color}"
-        );
+        assert!((color - (0.5 + cosine / 2.0) * RED).length() < 1e-7, "{color}");
     }
 }
 
@@ -261,11 +219,7 @@ fn faces_are_shaded_with_smooth_normals_or_flat() {
 fn light_on_smooth_normals_fades_before_the_face_turns_away() {
     let lit = |height: f64, flat: bool| {
         let scene = leaning().with_lights(vec![sun(DVec3::new(1.0, 0.0, height))]);
-        let shader = Shader::Lambert(Lambert {
-            flat,
-            ambient: Color::ZERO,
-            ..Lambert::default()
-        });
+        let shader = Shader::Lambert(Lambert { flat, ambient: Color::ZERO, ..Lambert::default() });
         seen(&scene, &shader, DVec3::Z, DVec3::NEG_Z).x
     };
     assert_eq!(lit(-1e-3, false), 0.0);
@@ -279,16 +233,10 @@ fn light_on_smooth_normals_fades_before_the_face_turns_away() {
 #[test]
 fn a_matcap_looks_the_same_wherever_it_is_and_turns_with_the_viewer() {
     let scene = ball(sun(DVec3::Z));
-    let shade = Shading {
-        upwards: DVec3::Y,
-        ..Shader::Matcap(Matcap::default()).on(&scene)
-    };
+    let shade = Shading { upwards: DVec3::Y, ..Shader::Matcap(Matcap::default()).on(&scene) };
     let color = |p: DVec3, u_r: DVec3, upwards| {
         let hit = shoot(&scene, p, u_r);
-        let shade = Shading {
-            upwards,
-            ..shade.clone()
-        };
+        let shade = Shading { upwards, ..shade.clone() };
         shade.shade(hit.t, p, u_r, &hit)
     };
     let facing = color(4.0 * DVec3::Z, DVec3::NEG_Z, DVec3::Y);
@@ -298,10 +246,7 @@ fn a_matcap_looks_the_same_wherever_it_is_and_turns_with_the_viewer() {
     let p = DVec3::new(0.6, 0.0, 4.0);
     let right = color(p, DVec3::NEG_Z, DVec3::Y);
     let up = color(p, DVec3::NEG_Z, DVec3::X);
-    assert_close(
-        right,
-        color(DVec3::new(0.0, -0.6, 4.0), DVec3::NEG_Z, DVec3::X),
-    );
+    assert_close(right, color(DVec3::new(0.0, -0.6, 4.0), DVec3::NEG_Z, DVec3::X));
     assert!(up.length() > 1.5 * right.length(), "{up} {right}");
 }
 
@@ -313,22 +258,14 @@ fn every_shader_gives_the_same_bytes_for_any_threads_and_parts() {
     let kinds = [kind("color").unwrap()];
     for name in Shader::NAMES {
         let shade = Shader::named(name).unwrap().on(&scene);
-        let picture = Picture {
-            samples: 3,
-            ..Picture::new(&scene, &camera, &shade, &kinds)
-        };
+        let picture = Picture { samples: 3, ..Picture::new(&scene, &camera, &shade, &kinds) };
         let with = |threads: usize| on_threads(threads, || picture.render(&())).unwrap();
         let one = with(1);
         for threads in [2, 7] {
             assert!(bits(&one) == bits(&with(threads)), "{name}: {threads}");
         }
-        let part = Picture {
-            region: Some(Region {
-                rows: 5..29,
-                columns: 0..40,
-            }),
-            ..picture.clone()
-        };
+        let part =
+            Picture { region: Some(Region { rows: 5..29, columns: 0..40 }), ..picture.clone() };
         let part = part.render(&()).unwrap();
         assert!(bits(&part) == bits(&one)[5 * 40 * 3..29 * 40 * 3], "{name}");
     }

@@ -71,13 +71,7 @@ fn objects() -> Vec<Object> {
         Object::new(Sphere::new(DVec3::new(-1.5, -0.8, 0.0), 0.6).unwrap()),
         Object::new(Cuboid::new(low, high).unwrap()),
         placed(Object::new(
-            Cone::new(
-                DVec3::new(-1.0, -1.5, -0.6),
-                DVec3::new(-1.0, -1.5, 0.6),
-                0.5,
-                0.1,
-            )
-            .unwrap(),
+            Cone::new(DVec3::new(-1.0, -1.5, -0.6), DVec3::new(-1.0, -1.5, 0.6), 0.5, 0.1).unwrap(),
         )),
         Object::new(
             Cylinder::new(DVec3::new(1.4, 0.2, -0.9), DVec3::new(1.5, 0.2, 0.9), 0.3).unwrap(),
@@ -110,10 +104,7 @@ fn lights() -> Vec<Light> {
 }
 
 fn environment(kind: EnvironmentKind) -> Arc<Environment> {
-    Arc::new(Environment {
-        is_seen: false,
-        ..Environment::new(kind)
-    })
+    Arc::new(Environment { is_seen: false, ..Environment::new(kind) })
 }
 
 /// On a plane under two hemispheres; above a shadow catcher under a map; and with a surface that emits.
@@ -125,16 +116,11 @@ fn scenes() -> Vec<Scene> {
     };
     let texels = (0..32_u8).map(|k| [0.1 + f32::from(k % 7), 0.5, 1.0 / (1.0 + f32::from(k))]);
     let map = EnvironmentMap::new(8, 4, texels.collect::<Vec<_>>()).unwrap();
-    let map = EnvironmentKind::of_map(
-        Arc::new(map),
-        DVec3::Z,
-        &firsthit::geometry::DMat3::IDENTITY,
-    );
+    let map =
+        EnvironmentKind::of_map(Arc::new(map), DVec3::Z, &firsthit::geometry::DMat3::IDENTITY);
     let plane = Plane::new(DVec3::new(0.0, 0.0, -1.2), DVec3::Z).unwrap();
-    let glowing = Material {
-        emission: Color::new(3.0, 2.0, 1.0),
-        ..Material::colored(Color::splat(0.2))
-    };
+    let glowing =
+        Material { emission: Color::new(3.0, 2.0, 1.0), ..Material::colored(Color::splat(0.2)) };
     let lamp = Sphere::new(DVec3::new(0.5, -2.0, 1.5), 0.3).unwrap();
     let scene =
         |more: Option<Object>| Scene::new(objects().into_iter().chain(more).collect()).unwrap();
@@ -142,9 +128,7 @@ fn scenes() -> Vec<Scene> {
         scene(Some(Object::new(plane)))
             .with_lights(lights())
             .with_environment(Some(environment(hemispheres))),
-        scene(None)
-            .with_lights(lights())
-            .with_environment(Some(environment(map))),
+        scene(None).with_lights(lights()).with_environment(Some(environment(map))),
         scene(Some(Object::new(lamp).with_materials([glowing]))),
     ]
 }
@@ -158,15 +142,8 @@ fn colors(frame: &Frame) -> Vec<u32> {
 
 #[test]
 fn points_side_by_side_get_the_colors_that_each_gets_alone() {
-    let camera = Camera::look_at(
-        DVec3::new(0.5, -5.0, 2.0),
-        DVec3::ZERO,
-        DVec3::Z,
-        45.0,
-        22,
-        37,
-    )
-    .unwrap();
+    let camera =
+        Camera::look_at(DVec3::new(0.5, -5.0, 2.0), DVec3::ZERO, DVec3::Z, 45.0, 22, 37).unwrap();
     let kinds = [kind("color").unwrap()];
     let plain = Cpu::with(InstructionSet::Portable);
     for (number, scene) in scenes().iter().enumerate() {
@@ -184,10 +161,7 @@ fn points_side_by_side_get_the_colors_that_each_gets_alone() {
             // Ambient occlusion has three: 0, 1 or 2 of two samples see the sky.
             assert!(different.len() > 2, "{number} {name} {}", different.len());
             for set in InstructionSet::available() {
-                let shading = Shading {
-                    engine: &Cpu::with(set),
-                    ..shading.clone()
-                };
+                let shading = Shading { engine: &Cpu::with(set), ..shading.clone() };
                 let together = render(scene, &camera, &shading, &kinds, 2, &()).unwrap();
                 assert_eq!(colors(&together), expected, "{number} {name} {set:?}");
             }
@@ -205,18 +179,12 @@ fn parts_of_a_large_picture_are_those_of_small_ones() {
     let shading = Shader::named("lambert").unwrap().on(&scene);
     let kinds = ["color", "alpha", "object", "ao"].map(|name| kind(name).unwrap());
     let picture = |region| {
-        let picture = Picture {
-            region,
-            ..Picture::new(&scene, &camera, &shading, &kinds)
-        };
+        let picture = Picture { region, ..Picture::new(&scene, &camera, &shading, &kinds) };
         picture.render(&()).unwrap()
     };
     let whole = picture(None);
     for part in [0..64, 64..128, 128..130] {
-        let small = picture(Some(Region {
-            rows: part.clone(),
-            columns: 0..columns,
-        }));
+        let small = picture(Some(Region { rows: part.clone(), columns: 0..columns }));
         for (whole, small) in whole.channels().iter().zip(small.channels()) {
             let each = whole.components * columns;
             let of_part = part.start * each..part.end * each;

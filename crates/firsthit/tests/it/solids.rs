@@ -61,59 +61,27 @@ fn solids() -> Vec<Solid> {
         ("inside out", vec![plate(-1)], vec![]),
         ("one facet flipped", vec![plate(1)], vec![4]),
         ("inside out but for one facet", vec![plate(-1)], vec![4]),
-        (
-            "half of the facets flipped",
-            vec![cube(1)],
-            vec![1, 3, 5, 7, 9, 11],
-        ),
+        ("half of the facets flipped", vec![cube(1)], vec![1, 3, 5, 7, 9, 11]),
         ("twice", vec![cube(1), cube(1)], vec![]),
         ("three times", vec![cube(1), cube(1), cube(1)], vec![]),
         ("twice, one facet flipped", vec![cube(1), cube(1)], vec![17]),
         ("twice, back to back", vec![cube(1), cube(-1)], vec![]),
         ("overlapping", vec![cube(1), aside(1)], vec![]),
         ("overlapping, inside out", vec![cube(-1), aside(-1)], vec![]),
-        (
-            "overlapping, one inside out",
-            vec![cube(1), aside(-1)],
-            vec![],
-        ),
-        (
-            "overlapping, a facet of each flipped",
-            vec![cube(1), aside(1)],
-            vec![3, 19],
-        ),
+        ("overlapping, one inside out", vec![cube(1), aside(-1)], vec![]),
+        ("overlapping, a facet of each flipped", vec![cube(1), aside(1)], vec![3, 19]),
         (
             "three overlapping",
             vec![cube(1), aside(1), part([-0.5; 3], [0.25, 3.0, 0.5], 1)],
             vec![],
         ),
-        (
-            "side by side",
-            vec![cube(1), part([1.0, -1.0, -1.0], [2.0, 1.0, 1.0], 1)],
-            vec![],
-        ),
-        (
-            "in part side by side",
-            vec![cube(1), part([1.0, -0.5, 0.0], [2.0, 3.0, 2.0], 1)],
-            vec![],
-        ),
-        (
-            "side by side at an edge",
-            vec![cube(1), part([1.0; 3], [2.0; 3], 1)],
-            vec![],
-        ),
+        ("side by side", vec![cube(1), part([1.0, -1.0, -1.0], [2.0, 1.0, 1.0], 1)], vec![]),
+        ("in part side by side", vec![cube(1), part([1.0, -0.5, 0.0], [2.0, 3.0, 2.0], 1)], vec![]),
+        ("side by side at an edge", vec![cube(1), part([1.0; 3], [2.0; 3], 1)], vec![]),
         ("cavity", vec![cube(1), inner(-1)], vec![]),
-        (
-            "cavity that faces outwards",
-            vec![cube(1), inner(1)],
-            vec![],
-        ),
+        ("cavity that faces outwards", vec![cube(1), inner(1)], vec![]),
         ("inside out with a cavity", vec![cube(-1), inner(1)], vec![]),
-        (
-            "cavity with a flipped facet",
-            vec![cube(1), inner(-1)],
-            vec![14],
-        ),
+        ("cavity with a flipped facet", vec![cube(1), inner(-1)], vec![14]),
         (
             "cavity that touches the side",
             vec![cube(1), part([-1.0, -0.2, -0.2], [0.0, 0.2, 0.2], -1)],
@@ -121,11 +89,7 @@ fn solids() -> Vec<Solid> {
         ),
         ("apart", vec![cube(1), part([3.0; 3], [4.0; 3], 1)], vec![]),
     ];
-    let solid = |(name, parts, flipped)| Solid {
-        name,
-        parts,
-        flipped,
-    };
+    let solid = |(name, parts, flipped)| Solid { name, parts, flipped };
     table.into_iter().map(solid).collect()
 }
 
@@ -170,11 +134,7 @@ impl Solid {
         [
             (own(self.mesh(DAffine3::IDENTITY)), DAffine3::IDENTITY, 1.0),
             (own(self.mesh(moved)), moved, 1.0),
-            (
-                by(own(self.mesh(DAffine3::IDENTITY)), mirrored),
-                mirrored,
-                2.0,
-            ),
+            (by(own(self.mesh(DAffine3::IDENTITY)), mirrored), mirrored, 2.0),
         ]
         .map(|(object, world_from_solid, scale)| Placed {
             scene: scene(vec![object]),
@@ -194,10 +154,7 @@ impl Solid {
 
     /// The stretches of an endless line that are inside, in order, those that touch in one.
     fn stretches(&self, rule: FillRule, origin: DVec3, way: DVec3) -> Vec<[f64; 2]> {
-        let stretches = self
-            .parts
-            .iter()
-            .filter_map(|part| part.stretch(origin, way));
+        let stretches = self.parts.iter().filter_map(|part| part.stretch(origin, way));
         let mut ends: Vec<f64> = stretches.flatten().collect();
         ends.sort_by(f64::total_cmp);
         let mut inside: Vec<[f64; 2]> = Vec::new();
@@ -222,10 +179,7 @@ impl Solid {
     fn area_across(&self, rule: FillRule, axis: usize, place: f64) -> f64 {
         let (k, l) = ((axis + 1) % 3, (axis + 2) % 3);
         let sides = |axis: usize| {
-            let sides = self
-                .parts
-                .iter()
-                .flat_map(|part| [part.low[axis], part.high[axis]]);
+            let sides = self.parts.iter().flat_map(|part| [part.low[axis], part.high[axis]]);
             let mut sides: Vec<f64> = sides.collect();
             sides.sort_by(f64::total_cmp);
             sides
@@ -282,11 +236,7 @@ fn all_measures_have_the_same_inside_by_either_rule() {
             })
             .collect();
         for (variant, placed) in solid.placed().iter().enumerate() {
-            let Placed {
-                scene,
-                world_from_solid: place,
-                scale,
-            } = placed;
+            let Placed { scene, world_from_solid: place, scale } = placed;
             let in_world: Vec<DVec3> = points.iter().map(|&p| place.transform_point3(p)).collect();
             for rule in RULES {
                 let name = format!("{} {variant} {}", solid.name, rule.name());
@@ -295,10 +245,7 @@ fn all_measures_have_the_same_inside_by_either_rule() {
                 let found = inside_with(rule, scene, &in_world, Grouping::Union, &()).unwrap();
                 assert_eq!(found.is_inside, expected, "{name}");
                 let arrays: Vec<_> = in_world.iter().map(DVec3::to_array).collect();
-                let settings = SignSettings {
-                    rule,
-                    ..SignSettings::default()
-                };
+                let settings = SignSettings { rule, ..SignSettings::default() };
                 let signed = signed_distances_with(settings, scene, &arrays, &()).unwrap();
                 for ((&distance, &is_inside), &p) in signed.iter().zip(&expected).zip(&in_world) {
                     assert_eq!(distance < 0.0, is_inside, "{name} {p}");
@@ -316,11 +263,7 @@ fn all_measures_have_the_same_inside_by_either_rule() {
                         assert_eq!(cut.warnings().is_empty(), !cut.is_empty());
                         assert!(cut.polylines().all(|one| one.is_closed));
                         let area = solid.area_across(rule, axis, at[axis]) * scale * scale;
-                        assert!(
-                            near(cut.area(), area),
-                            "{name} {axis} {k}: {} {area}",
-                            cut.area()
-                        );
+                        assert!(near(cut.area(), area), "{name} {axis} {k}: {} {area}", cut.area());
                     }
                 }
             }
@@ -330,11 +273,7 @@ fn all_measures_have_the_same_inside_by_either_rule() {
 
 /// Along rays: what they meet, and the lines in which sections have them.
 fn judge_lengths(solid: &Solid, placed: &Placed, rule: FillRule, points: &[DVec3], name: &str) {
-    let Placed {
-        scene,
-        world_from_solid: place,
-        scale,
-    } = placed;
+    let Placed { scene, world_from_solid: place, scale } = placed;
     for two in points.chunks_exact(2).take(12) {
         let (origin, way) = (two[0], (two[1] - two[0]).normalize());
         let stretches = solid.stretches(rule, origin, way);
@@ -343,30 +282,20 @@ fn judge_lengths(solid: &Solid, placed: &Placed, rule: FillRule, points: &[DVec3
         let ray = [Ray::new(start, along)];
         for by in [Grouping::Union, Grouping::Object] {
             let length = path_lengths_with(rule, scene, &ray, by, &()).unwrap()[0];
-            assert!(
-                near(length, scale * expected),
-                "{name}: {length} {expected}"
-            );
+            assert!(near(length, scale * expected), "{name}: {length} {expected}");
         }
         let whole: f64 = stretches.iter().map(|[a, b]| b - a).sum();
         let plane = SectionPlane::new(start, along.cross(DVec3::new(0.3, 0.7, -0.2))).unwrap();
         let cut = section_with(rule, scene, plane, &()).unwrap();
         let length = length_in(&cut, start, along.normalize());
         assert!(near(length, scale * whole), "{name}: {length} {whole}");
-        assert!(
-            cut.area() >= 0.0 && cut.polylines().all(|one| one.is_closed),
-            "{name}"
-        );
+        assert!(cut.area() >= 0.0 && cut.polylines().all(|one| one.is_closed), "{name}");
     }
 }
 
 /// From points of the surface inwards: at places that are on one part's surface alone.
 fn judge_thickness(solid: &Solid, placed: &Placed, rule: FillRule, points: &[DVec3], name: &str) {
-    let Placed {
-        scene,
-        world_from_solid: place,
-        scale,
-    } = placed;
+    let Placed { scene, world_from_solid: place, scale } = placed;
     for (k, &p) in points.iter().enumerate() {
         let part = solid.parts[k % solid.parts.len()];
         let axis = k % 3;
@@ -383,10 +312,7 @@ fn judge_thickness(solid: &Solid, placed: &Placed, rule: FillRule, points: &[DVe
         };
         let ends = ways.iter().map(|&way| {
             let stretches = solid.stretches(rule, on + 1e-7 * way, way);
-            stretches
-                .iter()
-                .find(|[a, b]| *a < 0.0 && *b > 0.0)
-                .map_or(0.0, |[_, b]| b + 1e-7)
+            stretches.iter().find(|[a, b]| *a < 0.0 && *b > 0.0).map_or(0.0, |[_, b]| b + 1e-7)
         });
         let mut ends: Vec<f64> = ends.collect();
         if ends.is_empty() {
@@ -395,13 +321,7 @@ fn judge_thickness(solid: &Solid, placed: &Placed, rule: FillRule, points: &[DVe
         // Where vertices are rounded, parts that touch have gaps or overlaps of a rounding.
         if *scale == 1.0 && *place != DAffine3::IDENTITY {
             let stretches = |part: &Part| part.stretch(on + 1e-7 * ways.first()?, *ways.first()?);
-            ends.extend(
-                solid
-                    .parts
-                    .iter()
-                    .filter_map(stretches)
-                    .map(|[_, b]| b + 1e-7),
-            );
+            ends.extend(solid.parts.iter().filter_map(stretches).map(|[_, b]| b + 1e-7));
             ends.push(0.0);
         }
         let asked = place.transform_point3(on).to_array();
@@ -413,13 +333,8 @@ fn judge_thickness(solid: &Solid, placed: &Placed, rule: FillRule, points: &[DVe
 
 /// A box around the origin, of which each face is there twice.
 fn twice() -> Scene {
-    let solid = solids()
-        .into_iter()
-        .find(|solid| solid.name == "twice")
-        .unwrap();
-    scene(vec![Object::new(
-        solid.mesh(DAffine3::from_scale(DVec3::splat(0.5))),
-    )])
+    let solid = solids().into_iter().find(|solid| solid.name == "twice").unwrap();
+    scene(vec![Object::new(solid.mesh(DAffine3::from_scale(DVec3::splat(0.5))))])
 }
 
 #[test]
@@ -431,14 +346,8 @@ fn a_box_that_is_there_twice_holds_its_middle_and_has_its_own_size() {
     assert_eq!((cut.area(), cut.len(), cut.perimeter()), (1.0, 1, 4.0));
     let ray = [Ray::new(DVec3::new(0.1, 0.2, 5.0), DVec3::NEG_Z)];
     let rule = FillRule::default();
-    assert_eq!(
-        path_lengths_with(rule, &scene, &ray, Grouping::Union, &()).unwrap(),
-        [1.0]
-    );
-    assert_eq!(
-        thickness_with(rule, &scene, &[[0.1, 0.2, 0.5]], &()).unwrap(),
-        [1.0]
-    );
+    assert_eq!(path_lengths_with(rule, &scene, &ray, Grouping::Union, &()).unwrap(), [1.0]);
+    assert_eq!(thickness_with(rule, &scene, &[[0.1, 0.2, 0.5]], &()).unwrap(), [1.0]);
 }
 
 /// Inwards from there a ray runs along faces and edges.
@@ -467,31 +376,21 @@ fn a_cube_is_as_thick_at_its_corners_and_edges_as_in_its_faces() {
 
 #[test]
 fn a_thickness_along_a_way_outwards_is_the_gap_to_the_same_object() {
-    let solid = solids()
-        .into_iter()
-        .find(|solid| solid.name == "apart")
-        .unwrap();
+    let solid = solids().into_iter().find(|solid| solid.name == "apart").unwrap();
     let scene = scene(vec![Object::new(solid.mesh(DAffine3::IDENTITY))]);
     let way = DVec3::ONE.normalize();
     let from = Ray::new(DVec3::new(0.5, 0.4, 9.0), DVec3::NEG_Z);
     let hit = shoot(&scene, from.origin, from.direction);
     let surface = scene.interaction(&from, &hit).unwrap();
     let (ray, filter) = surface.leave(way);
-    let filter = RayFilter {
-        only: Some(hit.object),
-        ..filter
-    };
+    let filter = RayFilter { only: Some(hit.object), ..filter };
     let rays = [ray];
     let along = |towards| {
         let rays = Filtered::new(&rays, filter);
         thickness_along(FillRule::Nonzero, &scene, &rays, towards, &()).unwrap()[0]
     };
     // From (0.5, 0.4, 1) to the plane x = 3, as y is 2.9 there: not met; y = 3 is, where x is 3.1.
-    assert!(
-        near(along(Towards::Given), 2.6 * 3.0_f64.sqrt()),
-        "{}",
-        along(Towards::Given)
-    );
+    assert!(near(along(Towards::Given), 2.6 * 3.0_f64.sqrt()), "{}", along(Towards::Given));
     let back = along(Towards::Inside);
     assert!(near(back, 1.4 * 3.0_f64.sqrt()), "{back}");
 }
@@ -499,10 +398,7 @@ fn a_thickness_along_a_way_outwards_is_the_gap_to_the_same_object() {
 #[test]
 fn a_surface_with_one_side_goes_by_parity() {
     // Two boxes, and a projective plane with six vertices far away.
-    let solid = solids()
-        .into_iter()
-        .find(|solid| solid.name == "overlapping")
-        .unwrap();
+    let solid = solids().into_iter().find(|solid| solid.name == "overlapping").unwrap();
     let boxes = solid.mesh(DAffine3::IDENTITY);
     let mut points: Vec<DVec3> = (0..16).map(|k| boxes.positions().get(k)).collect();
     let mut triangles = boxes.triangles().to_vec();
@@ -528,10 +424,7 @@ fn a_surface_with_one_side_goes_by_parity() {
     ];
     triangles.extend(plane.map(|corners: [u32; 3]| corners.map(|k| k + 16)));
     let scene = scene(vec![Object::new(mesh(&points, triangles))]);
-    assert_eq!(
-        rules_with(FillRule::Nonzero, &scene).unwrap(),
-        [Rule::Parity]
-    );
+    assert_eq!(rules_with(FillRule::Nonzero, &scene).unwrap(), [Rule::Parity]);
     let overlap = DVec3::new(0.5, 0.1, 0.2);
     let plane = SectionPlane::new(overlap, DVec3::Z).unwrap();
     for rule in RULES {
@@ -541,10 +434,7 @@ fn a_surface_with_one_side_goes_by_parity() {
         assert!(length_in(&cut, overlap - DVec3::X * 9.0, DVec3::X) < 4.0);
         let ray = Ray::new(overlap - DVec3::X * 9.0, DVec3::X);
         let length = path_lengths_with(rule, &scene, &[ray], Grouping::Union, &()).unwrap()[0];
-        assert!(
-            near(length, length_in(&cut, ray.origin, ray.direction)),
-            "{length}"
-        );
+        assert!(near(length, length_in(&cut, ray.origin, ray.direction)), "{length}");
     }
 }
 
@@ -553,20 +443,11 @@ fn an_open_box_has_a_sign_on_request() {
     let solid = &solids()[0];
     let boxes = solid.mesh(DAffine3::IDENTITY);
     let points: Vec<DVec3> = (0..8).map(|k| boxes.positions().get(k)).collect();
-    let scene = scene(vec![Object::new(mesh(
-        &points,
-        boxes.triangles()[..10].to_vec(),
-    ))]);
+    let scene = scene(vec![Object::new(mesh(&points, boxes.triangles()[..10].to_vec()))]);
     let asked = [[5.0, 5.0, 0.25], [5.0, 5.0, -0.5]];
     assert!(signed_distances(&scene, &asked, &()).is_err());
-    let settings = SignSettings {
-        allow_open: true,
-        ..SignSettings::default()
-    };
-    assert_eq!(
-        signed_distances_with(settings, &scene, &asked, &()).unwrap(),
-        [-0.25, 0.5]
-    );
+    let settings = SignSettings { allow_open: true, ..SignSettings::default() };
+    assert_eq!(signed_distances_with(settings, &scene, &asked, &()).unwrap(), [-0.25, 0.5]);
 }
 
 /// Boxes in random places, whose sides are often in one plane: the section's outlines are closed, simple, and as large as what is counted.
@@ -578,23 +459,10 @@ fn sections_of_many_overlapping_boxes_are_what_is_counted() {
         let parts = (0..12).map(|k| {
             let low = DVec3::new(number(), number(), number());
             let size = DVec3::new(number(), number(), number()) + 0.5;
-            Part {
-                low,
-                high: low + size,
-                turns: if k % 5 == 4 { -1 } else { 1 },
-            }
+            Part { low, high: low + size, turns: if k % 5 == 4 { -1 } else { 1 } }
         });
-        let solid = Solid {
-            name: "many",
-            parts: parts.collect(),
-            flipped: vec![],
-        };
-        for Placed {
-            scene,
-            world_from_solid: place,
-            scale,
-        } in solid.placed()
-        {
+        let solid = Solid { name: "many", parts: parts.collect(), flipped: vec![] };
+        for Placed { scene, world_from_solid: place, scale } in solid.placed() {
             for rule in RULES {
                 for axis in 0..3 {
                     let at = DVec3::splat(3.137);

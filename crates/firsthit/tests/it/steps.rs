@@ -64,10 +64,7 @@ fn built(watch: &dyn Watch) -> Result<Scene> {
 /// The steps of some work, each of which must be done to its end, and which must end where it is stopped.
 fn steps<T: Send>(work: impl Fn(&dyn Watch) -> Result<T> + Sync) -> Vec<String> {
     // By one thread, so that there are as many questions each time.
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(1)
-        .build()
-        .unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let work = |watch: &Kept| pool.install(|| work(watch));
     let whole = Kept::default();
     work(&whole).unwrap();
@@ -77,14 +74,8 @@ fn steps<T: Send>(work: impl Fn(&dyn Watch) -> Result<T> + Sync) -> Vec<String> 
     }
     let questions = whole.questions.into_inner();
     assert!(questions > 0, "{told:?}");
-    for at in (0..questions)
-        .step_by(questions.div_ceil(40))
-        .chain([questions - 1])
-    {
-        let stopping = Kept {
-            stops: at..usize::MAX,
-            ..Kept::default()
-        };
+    for at in (0..questions).step_by(questions.div_ceil(40)).chain([questions - 1]) {
+        let stopping = Kept { stops: at..usize::MAX, ..Kept::default() };
         let ended = work(&stopping);
         assert!(matches!(ended, Err(Error::Interrupted)), "question {at}");
     }
@@ -221,10 +212,7 @@ fn files_are_read_and_parsed_to_their_ends_or_stopped() {
         ("packed.ply", read),
         ("packed.stl", read),
         ("ball.glb", read),
-        (
-            "ball.gltf",
-            &["reading ", "parsing ", "parsing buffers of "],
-        ),
+        ("ball.gltf", &["reading ", "parsing ", "parsing buffers of "]),
         ("ball.obj.gz", read),
         ("ball.fhs", &["opening "]),
         ("ball.fhs.gz", &["reading ", "parsing ", "opening "]),
@@ -237,9 +225,7 @@ fn files_are_read_and_parsed_to_their_ends_or_stopped() {
     }
     let path = folder.join("scene.toml");
     let told = steps(|watch| load_watched(&path, &LoadSettings::default(), watch));
-    let names = told
-        .iter()
-        .map(|step| step.replace(&format!("{}/", folder.display()), ""));
+    let names = told.iter().map(|step| step.replace(&format!("{}/", folder.display()), ""));
     let expected = [
         "reading scene.toml",
         "parsing scene.toml",
@@ -260,9 +246,7 @@ fn trees_are_built_of_every_triangle_or_stopped() {
     let scene = built(&()).unwrap();
     // What is there is not built again.
     let same = Kept::default();
-    scene
-        .with_objects_watched(scene.objects().to_vec(), &same)
-        .unwrap();
+    scene.with_objects_watched(scene.objects().to_vec(), &same).unwrap();
     assert!(same.steps.into_inner().unwrap().is_empty());
 }
 
@@ -293,9 +277,7 @@ fn joined(watch: &dyn Watch) -> Result<Scene> {
 fn objects_that_join_and_part_are_told_of_once_or_stay_as_they_were() {
     assert_eq!(steps(joined), ["building trees"]);
     let scene = joined(&()).unwrap();
-    let [group] = scene.groups().collect::<Vec<_>>()[..] else {
-        panic!()
-    };
+    let [group] = scene.groups().collect::<Vec<_>>()[..] else { panic!() };
     let members: Vec<u32> = group.members().map(|(object, _)| object).collect();
     assert_eq!(members, [0, 1]);
     let change = |scene: &Scene, change: &dyn Fn(&mut Scene) -> Result<()>| {
@@ -305,28 +287,19 @@ fn objects_that_join_and_part_are_told_of_once_or_stay_as_they_were() {
         ended
     };
     let away = Transform::translation(DVec3::X).unwrap();
-    let moved = steps(|watch| {
-        change(&scene, &|scene| {
-            scene.move_objects_watched(&[(1, away)], watch)
-        })
-    });
+    let moved =
+        steps(|watch| change(&scene, &|scene| scene.move_objects_watched(&[(1, away)], watch)));
     assert_eq!(moved, ["building trees"]);
     let mut hidden = scene.clone();
     hidden.hide_objects(&[(1, true)]).unwrap();
-    let shown = steps(|watch| {
-        change(&hidden, &|scene| {
-            scene.hide_objects_watched(&[(1, false)], watch)
-        })
-    });
+    let shown =
+        steps(|watch| change(&hidden, &|scene| scene.hide_objects_watched(&[(1, false)], watch)));
     assert_eq!(shown, ["building trees"]);
 }
 
 #[test]
 fn objects_whose_joining_is_stopped_are_not_built_one_by_one() {
-    let watch = Kept {
-        stops: 2..3,
-        ..Kept::default()
-    };
+    let watch = Kept { stops: 2..3, ..Kept::default() };
     assert!(matches!(joined(&watch), Err(Error::Interrupted)));
 }
 
@@ -351,9 +324,7 @@ fn built_scenes_are_written_and_opened_whole_or_not_at_all() {
     assert_eq!(steps(encode), both("the scene"));
     fhs::save(&path, &scene, &World::default(), &()).unwrap();
     let told = steps(|watch| fhs::open_watched(&path, true, watch));
-    let [compared, opened] = &told[..] else {
-        panic!("{told:?}")
-    };
+    let [compared, opened] = &told[..] else { panic!("{told:?}") };
     assert_eq!(*compared, format!("comparing checksums of {name}"));
     assert_eq!(*opened, format!("opening {name}"));
 }

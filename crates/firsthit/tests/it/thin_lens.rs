@@ -1,9 +1,6 @@
 //! Cameras with an aperture: what is in focus, how large the rest becomes, and what does not see the lens.
 
-#![allow(
-    clippy::large_types_passed_by_value,
-    reason = "a camera is handed over whole"
-)]
+#![allow(clippy::large_types_passed_by_value, reason = "a camera is handed over whole")]
 
 use firsthit::camera::{
     Aim, Calibrated, Description, Equirectangular, Focus, Opening, PixelMatrix, distortion,
@@ -47,9 +44,7 @@ fn skewed(rows: usize, columns: usize) -> Camera {
 fn values(frame: &Frame, name: &str) -> Vec<f64> {
     let channel = frame.channel(name).unwrap();
     let count = channel.data.len() / channel.components;
-    (0..count)
-        .map(|k| channel.data.value(k * channel.components))
-        .collect()
+    (0..count).map(|k| channel.data.value(k * channel.components)).collect()
 }
 
 fn bits(frame: &Frame, name: &str) -> Vec<u64> {
@@ -84,18 +79,12 @@ fn a_small_disc_out_of_focus_has_the_moments_of_its_circle_of_confusion() {
         let place = |k: usize| DVec2::new((k % columns) as f64 + 0.5, (k / columns) as f64 + 0.5);
         let sum: f64 = shares.iter().sum();
         let mean = |of: &dyn Fn(DVec2) -> f64| {
-            let weighted = shares
-                .iter()
-                .enumerate()
-                .map(|(k, share)| share * of(place(k)));
+            let weighted = shares.iter().enumerate().map(|(k, share)| share * of(place(k)));
             weighted.sum::<f64>() / sum
         };
         let middle = DVec2::new(mean(&|p| p.x), mean(&|p| p.y));
         let seen = camera.project(centre).unwrap();
-        assert!(
-            (middle - seen).abs().max_element() < 0.2,
-            "{depth}: {middle} {seen}"
-        );
+        assert!((middle - seen).abs().max_element() < 0.2, "{depth}: {middle} {seen}");
 
         let blur = 0.5 * 0.5 * (depth - 4.0).abs() / (depth * 4.0);
         let own = radius / depth;
@@ -120,15 +109,11 @@ fn a_small_disc_out_of_focus_has_the_moments_of_its_circle_of_confusion() {
         // Nothing is seen beyond the circle, by a pixel.
         let farthest = |of: &dyn Fn(DVec2) -> f64| {
             let lit = shares.iter().enumerate().filter(|(_, share)| **share > 0.0);
-            lit.map(|(k, _)| of(place(k) - seen).abs())
-                .fold(0.0, f64::max)
+            lit.map(|(k, _)| of(place(k) - seen).abs()).fold(0.0, f64::max)
         };
         let most = (blur + own) * down + 1.0;
         let reached = farthest(&|p| p.y);
-        assert!(
-            reached < most && reached > most - 2.5,
-            "{depth}: {reached} {most}"
-        );
+        assert!(reached < most && reached > most - 2.5, "{depth}: {reached} {most}");
     }
 }
 
@@ -147,14 +132,10 @@ fn what_is_in_focus_has_the_bits_of_a_pinhole() {
     let lens = camera.thin_lens(0.8, 5.0).unwrap();
     let focused = flat(&scene, lens, 64).frame().unwrap();
     assert_eq!(bits(&sharp, "color"), bits(&focused, "color"));
-    let partly = values(&sharp, "color")
-        .iter()
-        .filter(|&&share| share > 0.0 && share < 1.0)
-        .count();
+    let partly =
+        values(&sharp, "color").iter().filter(|&&share| share > 0.0 && share < 1.0).count();
     assert!(partly > 100, "{partly}");
-    let elsewhere = flat(&scene, lens.thin_lens(0.8, 4.0).unwrap(), 64)
-        .frame()
-        .unwrap();
+    let elsewhere = flat(&scene, lens.thin_lens(0.8, 4.0).unwrap(), 64).frame().unwrap();
     assert_ne!(bits(&sharp, "color"), bits(&elsewhere, "color"));
 }
 
@@ -192,25 +173,13 @@ fn rays_of_a_sample_meet_those_of_the_pinhole_in_focus() {
 
 /// Cameras with the distortions that may have a thin lens.
 fn distorted() -> [Camera; 2] {
-    let matrix = [
-        ("fx", 30.0),
-        ("fy", 28.0),
-        ("cx", 26.3),
-        ("cy", 19.1),
-        ("skew", 0.7),
-    ];
+    let matrix = [("fx", 30.0), ("fy", 28.0), ("cx", 26.3), ("cy", 19.1), ("skew", 0.7)];
     let opencv = [("k1", -0.25), ("k2", 0.06), ("p1", 0.01), ("s3", -0.005)];
-    let cases: [(_, &[(&str, f64)]); 2] = [
-        (Projection::OpenCv, &opencv),
-        (Projection::Fov, &[("omega", 1.1)]),
-    ];
+    let cases: [(_, &[(&str, f64)]); 2] =
+        [(Projection::OpenCv, &opencv), (Projection::Fov, &[("omega", 1.1)])];
     cases.map(|(projection, own)| {
         let lens = Lens::named(projection, &[&matrix[..], own].concat()).unwrap();
-        Camera::new(View {
-            lens,
-            ..*skewed(40, 50).view()
-        })
-        .unwrap()
+        Camera::new(View { lens, ..*skewed(40, 50).view() }).unwrap()
     })
 }
 
@@ -280,10 +249,7 @@ fn a_calibrated_lens_without_distortion_blurs_as_a_viewplane() {
     let flat = skewed(30, 40);
     let matrix = flat.pixel_matrix().unwrap();
     let lens = Calibrated::new(matrix, distortion::OpenCv::default());
-    let view = View {
-        lens: Lens::OpenCv(lens),
-        ..*flat.view()
-    };
+    let view = View { lens: Lens::OpenCv(lens), ..*flat.view() };
     let calibrated = Camera::new(view).unwrap().thin_lens(0.5, 4.0).unwrap();
     for number in 0..20 {
         let [own, other] = [&calibrated, &flat].map(|camera| Sample::new(camera, number));
@@ -303,12 +269,7 @@ fn a_distorted_picture_is_blurred_the_same_by_every_engine() {
         // Brute force takes a millisecond for a ray.
         let rows = if is_full() { 12..27 } else { 18..22 };
         let part = camera.crop(rows, 15..35).unwrap();
-        let part = View {
-            rows: part.rows(),
-            columns: part.columns(),
-            lens: *part.lens(),
-            ..view
-        };
+        let part = View { rows: part.rows(), columns: part.columns(), lens: *part.lens(), ..view };
         let pinhole = Camera::new(part).unwrap();
         let camera = pinhole.thin_lens(0.8, 6.0).unwrap();
         let picture = |camera, engine: &dyn Engine| {
@@ -337,23 +298,14 @@ fn a_distorted_lens_is_kept_by_records_and_descriptions() {
         let numbers = (record.parameters["aperture"], record.parameters["focus"]);
         assert_eq!(numbers, (0.5, 4.0));
         assert_eq!(camera_of(&record).unwrap(), camera);
-        let bounds = Bounds {
-            low: DVec3::NEG_ONE,
-            high: DVec3::ONE,
-        };
+        let bounds = Bounds { low: DVec3::NEG_ONE, high: DVec3::ONE };
         let support = |direction: DVec3| direction.abs().element_sum();
         let described = Description::of(camera.view());
         let again = described.camera(bounds, support, DVec3::Z).unwrap();
         assert_eq!(again, camera);
-        let pinhole = Description {
-            aperture: Some(0.0),
-            ..described
-        };
+        let pinhole = Description { aperture: Some(0.0), ..described };
         let pinhole = pinhole.camera(bounds, support, DVec3::Z).unwrap();
-        assert_eq!(
-            (pinhole.lens().aperture(), pinhole.lens().focus()),
-            (0.0, 4.0)
-        );
+        assert_eq!((pinhole.lens().aperture(), pinhole.lens().focus()), (0.0, 4.0));
         let part = camera.crop(2..20, 3..30).unwrap();
         let moved = camera.moved(&DAffine3::from_translation(DVec3::X)).unwrap();
         for camera in [part, moved, camera.resize(60, 80).unwrap()] {
@@ -369,12 +321,7 @@ fn fisheyes_and_tilted_sensors_have_no_thin_lens() {
     for &projection in Projection::ALL {
         let lens = Lens::named(projection, &matrix);
         let Ok(lens) = lens else { continue };
-        let view = View {
-            rows: 30,
-            columns: 40,
-            lens,
-            ..View::default()
-        };
+        let view = View { rows: 30, columns: 40, lens, ..View::default() };
         let made = Camera::new(view).unwrap().thin_lens(0.1, 2.0);
         assert_eq!(made.is_ok(), projection.has_thin_lens(), "{projection:?}");
         if let Err(error) = made {
@@ -386,23 +333,14 @@ fn fisheyes_and_tilted_sensors_have_no_thin_lens() {
     }
     let tilted = [&matrix[..], &[("tau_x", 0.1)]].concat();
     let lens = Lens::named(Projection::OpenCv, &tilted).unwrap();
-    let camera = Camera::new(View {
-        lens,
-        ..View::default()
-    });
+    let camera = Camera::new(View { lens, ..View::default() });
     let error = camera.unwrap().thin_lens(0.1, 2.0).unwrap_err().to_string();
-    assert!(
-        error.starts_with("aperture must be zero for a tilted sensor"),
-        "{error}"
-    );
+    assert!(error.starts_with("aperture must be zero for a tilted sensor"), "{error}");
 }
 
 fn small() -> (Scene, Camera) {
     let camera = example::camera(30, 40).unwrap();
-    (
-        example::scene().unwrap(),
-        camera.thin_lens(0.4, 6.0).unwrap(),
-    )
+    (example::scene().unwrap(), camera.thin_lens(0.4, 6.0).unwrap())
 }
 
 #[test]
@@ -435,17 +373,10 @@ fn threads_engines_and_samples_one_by_one_make_the_same_bytes() {
     let picture = |engine: &dyn Engine| picture_of(camera, engine);
     let first = picture(Cpu::shared());
     for threads in [1, 2, 3] {
-        assert!(
-            on_threads(threads, || picture(Cpu::shared())) == first,
-            "{threads} threads"
-        );
+        assert!(on_threads(threads, || picture(Cpu::shared())) == first, "{threads} threads");
     }
     // Brute force takes a millisecond for a ray.
-    let part = if is_full() {
-        (0..30, 0..40)
-    } else {
-        (10..20, 14..26)
-    };
+    let part = if is_full() { (0..30, 0..40) } else { (10..20, 14..26) };
     let part = camera.crop(part.0, part.1).unwrap();
     let slow = picture_of(part, &BruteForce);
     assert!(slow == picture_of(part, Cpu::shared()));
@@ -456,18 +387,12 @@ fn threads_engines_and_samples_one_by_one_make_the_same_bytes() {
     let kinds: Vec<&ChannelKind> = vec![kind("color").unwrap()];
     let shade = Shader::default().on(&scene);
     let at_once = render(&scene, &camera, &shade, &kinds, 5, &()).unwrap();
-    let picture = Picture {
-        samples: 5,
-        ..Picture::new(&scene, &camera, &shade, &kinds)
-    };
+    let picture = Picture { samples: 5, ..Picture::new(&scene, &camera, &shade, &kinds) };
     let mut progressive = picture.start().unwrap();
     for _ in 0..5 {
         progressive.add_sample(&()).unwrap();
     }
-    assert_eq!(
-        bits(&progressive.frame().unwrap(), "color"),
-        bits(&at_once, "color")
-    );
+    assert_eq!(bits(&progressive.frame().unwrap(), "color"), bits(&at_once, "color"));
 }
 
 /// Of a camera that is carried, and stands still.
@@ -478,10 +403,7 @@ fn cameras_that_move_line_by_line_have_a_lens_too() {
     let shade = Shader::default().on(&scene);
     let kinds: Vec<&ChannelKind> = vec![kind("color").unwrap()];
     let of = |sensor: &dyn Sensor| {
-        bits(
-            &render(&scene, sensor, &shade, &kinds, 6, &()).unwrap(),
-            "color",
-        )
+        bits(&render(&scene, sensor, &shade, &kinds, 6, &()).unwrap(), "color")
     };
     let shutter = RollingShutter::new(&camera, &still, 0.0, 1.0, Readout::TopDown).unwrap();
     assert!(of(&shutter) == of(&camera));
@@ -514,49 +436,19 @@ fn what_is_no_thin_lens_is_refused() {
         camera.thin_lens(aperture, focus).unwrap_err().to_string()
     };
     for (aperture, focus, error) in [
-        (
-            -1.0,
-            2.0,
-            "aperture must be zero or a positive, finite number, got -1",
-        ),
-        (
-            f64::NAN,
-            2.0,
-            "aperture must be zero or a positive, finite number, got NaN",
-        ),
+        (-1.0, 2.0, "aperture must be zero or a positive, finite number, got -1"),
+        (f64::NAN, 2.0, "aperture must be zero or a positive, finite number, got NaN"),
         (1.0, 0.0, "focus must be positive and finite, got 0"),
-        (
-            1.0,
-            f64::INFINITY,
-            "focus must be positive and finite, got inf",
-        ),
+        (1.0, f64::INFINITY, "focus must be positive and finite, got inf"),
     ] {
         assert_eq!(refused(&camera, aperture, focus), error);
     }
-    let with = |lens| {
-        Camera::new(View {
-            lens,
-            ..*camera.view()
-        })
-        .unwrap()
-    };
-    let parallel = Viewplane {
-        parallel: true,
-        ..Viewplane::default()
-    };
-    let tilted = Viewplane {
-        tilt: DVec2::new(5.0, 0.0),
-        ..Viewplane::default()
-    };
+    let with = |lens| Camera::new(View { lens, ..*camera.view() }).unwrap();
+    let parallel = Viewplane { parallel: true, ..Viewplane::default() };
+    let tilted = Viewplane { tilt: DVec2::new(5.0, 0.0), ..Viewplane::default() };
     for (lens, words) in [
-        (
-            Lens::Flat(parallel),
-            "aperture must be zero for parallel rays",
-        ),
-        (
-            Lens::Flat(tilted),
-            "aperture must be zero for a tilted viewplane",
-        ),
+        (Lens::Flat(parallel), "aperture must be zero for parallel rays"),
+        (Lens::Flat(tilted), "aperture must be zero for a tilted viewplane"),
         (
             Lens::Equirectangular(Equirectangular::default()),
             "aperture must be left out: only perspective cameras, opencv and fov have a thin lens, got equirectangular",
@@ -571,10 +463,7 @@ fn what_is_no_thin_lens_is_refused() {
 fn records_and_cameras_made_from_others_keep_the_lens() {
     let camera = skewed(30, 40);
     let record = camera_record(&camera);
-    assert_eq!(
-        (record.parameters["aperture"], record.parameters["focus"]),
-        (0.5, 4.0)
-    );
+    assert_eq!((record.parameters["aperture"], record.parameters["focus"]), (0.5, 4.0));
     assert_eq!(camera_of(&record).unwrap(), camera);
     // Those of a pinhole say nothing of a lens.
     let pinhole = example::camera(3, 4).unwrap();
@@ -589,10 +478,7 @@ fn records_and_cameras_made_from_others_keep_the_lens() {
 
 #[test]
 fn a_description_has_a_lens_with_a_distance_or_a_point() {
-    let bounds = Bounds {
-        low: DVec3::NEG_ONE,
-        high: DVec3::ONE,
-    };
+    let bounds = Bounds { low: DVec3::NEG_ONE, high: DVec3::ONE };
     let support = |direction: DVec3| direction.abs().element_sum();
     let made = |description: Description| description.camera(bounds, support, DVec3::Z);
     let base = Description {
@@ -607,28 +493,16 @@ fn a_description_has_a_lens_with_a_distance_or_a_point() {
         let viewplane = *camera.lens().viewplane().unwrap();
         (viewplane.aperture, viewplane.focus)
     };
-    let at = |focus| Description {
-        focus: Some(focus),
-        ..base
-    };
+    let at = |focus| Description { focus: Some(focus), ..base };
     assert_eq!(lens(at(Focus::Distance(3.0))), (0.2, 3.0));
     assert_eq!(lens(at(Focus::At(DVec3::new(2.0, 1.0, 1.0)))), (0.2, 6.0));
     let again = Description::of(made(at(Focus::Distance(3.0))).unwrap().view());
     assert_eq!(lens(again), (0.2, 3.0));
     // Without an aperture it is a pinhole's again.
-    assert_eq!(
-        lens(Description {
-            aperture: Some(0.0),
-            ..again
-        }),
-        (0.0, 3.0)
-    );
+    assert_eq!(lens(Description { aperture: Some(0.0), ..again }), (0.0, 3.0));
     let alone = made(base).unwrap_err().to_string();
     assert_eq!(alone, "aperture must be given with a focus, got 0.2");
-    let alone = Description {
-        aperture: None,
-        ..at(Focus::Distance(3.0))
-    };
+    let alone = Description { aperture: None, ..at(Focus::Distance(3.0)) };
     let alone = made(alone).unwrap_err().to_string();
     assert_eq!(alone, "focus must be given with an aperture alone, got 3");
     let behind = at(Focus::At(DVec3::new(0.0, -6.0, 0.0)));
@@ -654,10 +528,7 @@ fn a_cuboid_in_front_of_the_focus_is_blurred_by_the_share_of_the_lens_that_it_hi
         // The share of the unit disc to the right of s.
         let expected = (libm::acos(s) - s * (1.0 - s * s).sqrt()) / std::f64::consts::PI;
         // A pixel is 0.042 wide in focus, a twelfth of the radius: the share is nearly linear in it.
-        assert!(
-            (share - expected).abs() < 0.006,
-            "{column}: {share} {expected}"
-        );
+        assert!((share - expected).abs() < 0.006, "{column}: {share} {expected}");
     }
 }
 

@@ -67,13 +67,7 @@ pub(super) fn binary(items: &mut [Item], primitives: &impl Primitives) -> Binary
     let Subtree { root, nodes } = subtree(items, all, [0, 0], primitives);
     let mut order = memory::room(items.len());
     order.extend(items.iter().map(Item::index));
-    Binary {
-        nodes: std::iter::once(root)
-            .chain(nodes)
-            .map(|node| shift(node, 1))
-            .collect(),
-        order,
-    }
+    Binary { nodes: std::iter::once(root).chain(nodes).map(|node| shift(node, 1)).collect(), order }
 }
 
 /// The nodes of a range: its root, and all others, with `first` counted from the start of `nodes`.
@@ -84,14 +78,7 @@ struct Subtree {
 
 /// The node after its subtree has moved by `offset`.
 fn shift(node: BinaryNode, offset: u32) -> BinaryNode {
-    if node.count == 0 {
-        BinaryNode {
-            first: node.first + offset,
-            ..node
-        }
-    } else {
-        node
-    }
+    if node.count == 0 { BinaryNode { first: node.first + offset, ..node } } else { node }
 }
 
 /// The tree over a range that starts at `start`, at a depth.
@@ -143,10 +130,7 @@ fn join(
     nodes.extend([shift(left.root, left_at), shift(right.root, right_at)]);
     nodes.extend(left.nodes.into_iter().map(|node| shift(node, left_at)));
     nodes.extend(right.nodes.into_iter().map(|node| shift(node, right_at)));
-    Subtree {
-        root: inner(around, 0),
-        nodes,
-    }
+    Subtree { root: inner(around, 0), nodes }
 }
 
 /// Appends the nodes below a range's root, which it returns. The recursion ends, as ranges are halved from
@@ -167,20 +151,11 @@ fn append(
     let parts = match parts {
         Some(parts) => parts,
         None if is_leaf => {
-            return BinaryNode {
-                count: index(items.len()),
-                ..inner(around, start)
-            };
+            return BinaryNode { count: index(items.len()), ..inner(around, start) };
         }
         None => match primitives.distinct(items) {
             kept if kept < items.len() => {
-                return append(
-                    &mut items[..kept],
-                    around,
-                    [start, depth],
-                    primitives,
-                    nodes,
-                );
+                return append(&mut items[..kept], around, [start, depth], primitives, nodes);
             }
             _ => halves(items),
         },
@@ -191,22 +166,12 @@ fn append(
     nodes.extend([placeholder, placeholder]);
     let right_start = start + index(parts.middle);
     nodes[at] = append(left, parts.left, [start, depth + 1], primitives, nodes);
-    nodes[at + 1] = append(
-        right,
-        parts.right,
-        [right_start, depth + 1],
-        primitives,
-        nodes,
-    );
+    nodes[at + 1] = append(right, parts.right, [right_start, depth + 1], primitives, nodes);
     inner(around, index(at))
 }
 
 fn inner(bounds: Box32, first: u32) -> BinaryNode {
-    BinaryNode {
-        bounds,
-        first,
-        count: 0,
-    }
+    BinaryNode { bounds, first, count: 0 }
 }
 
 /// Counts stay below 2^32: there are at most two nodes for each item, and items have an `i32` identifier.
@@ -216,9 +181,7 @@ fn index(count: usize) -> u32 {
 
 /// The two parts of a range, which is put in order for them; `None` where it has to be halved.
 fn split(items: &mut [Item], depth: u32, block: Block) -> Option<Split> {
-    (depth < SAH_DEPTH)
-        .then(|| binned_sah::split(items, block))
-        .flatten()
+    (depth < SAH_DEPTH).then(|| binned_sah::split(items, block)).flatten()
 }
 
 /// The two parts of a range that fits a leaf, where two leaves are better: floor and ceiling of a room, whose one leaf every ray within
@@ -247,9 +210,5 @@ fn parts_of_leaf(
 fn halves(items: &[Item]) -> Split {
     let middle = items.len() / 2;
     let (left, right) = items.split_at(middle);
-    Split {
-        middle,
-        left: around(left),
-        right: around(right),
-    }
+    Split { middle, left: around(left), right: around(right) }
 }

@@ -45,28 +45,19 @@ pub(super) fn larger(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
 }
 
 impl Box32 {
-    pub(super) const EMPTY: Self = Self {
-        low: [f32::INFINITY; 4],
-        high: [f32::NEG_INFINITY; 4],
-    };
+    pub(super) const EMPTY: Self = Self { low: [f32::INFINITY; 4], high: [f32::NEG_INFINITY; 4] };
 
     /// The box with these two ends.
     #[inline(always)]
     pub(super) fn new([a, b, c]: [f32; 3], [d, e, f]: [f32; 3]) -> Self {
-        Self {
-            low: [a, b, c, 0.0],
-            high: [d, e, f, 0.0],
-        }
+        Self { low: [a, b, c, 0.0], high: [d, e, f, 0.0] }
     }
 
     /// The smallest box around points.
     #[inline(always)]
     pub(super) fn of(points: [[f32; 3]; 3]) -> Self {
         let [a, b, c] = arrays::map(points, |[x, y, z]| [x, y, z, 0.0]);
-        Self {
-            low: smaller(smaller(a, b), c),
-            high: larger(larger(a, b), c),
-        }
+        Self { low: smaller(smaller(a, b), c), high: larger(larger(a, b), c) }
     }
 
     /// The low end.
@@ -83,10 +74,7 @@ impl Box32 {
 
     #[inline(always)]
     pub(super) fn union(self, other: Self) -> Self {
-        Self {
-            low: smaller(self.low, other.low),
-            high: larger(self.high, other.high),
-        }
+        Self { low: smaller(self.low, other.low), high: larger(self.high, other.high) }
     }
 
     /// Half the surface; in float64, as the product of two coordinates of 1e30 is too large for float32.
@@ -166,17 +154,11 @@ struct Bin {
 type Bins<const N: usize> = [[Bin; N]; 3];
 
 impl Bin {
-    const EMPTY: Self = Self {
-        bounds: Box32::EMPTY,
-        count: 0,
-    };
+    const EMPTY: Self = Self { bounds: Box32::EMPTY, count: 0 };
 
     #[inline(always)]
     fn merge(self, other: Self) -> Self {
-        Self {
-            bounds: self.bounds.union(other.bounds),
-            count: self.count + other.count,
-        }
+        Self { bounds: self.bounds.union(other.bounds), count: self.count + other.count }
     }
 
     /// The expected cost of a ray that meets the parent, but for a factor that all bins share.
@@ -206,21 +188,14 @@ impl<const N: usize> Grid<N> {
         let one = |items: &[Item]| {
             items.iter().fold(Box32::EMPTY, |all, item| {
                 let middle = item.0.middle();
-                all.union(Box32 {
-                    low: middle,
-                    high: middle,
-                })
+                all.union(Box32 { low: middle, high: middle })
             })
         };
         let Box32 { low, high } = in_chunks(items, one, Box32::EMPTY, Box32::union);
         // A scale of zero puts everything into one bin, which leaves nothing to split along that axis.
         let scale = arrays::from_fn(|k| {
             let scale = N as f32 / (high[k] - low[k]);
-            if k < 3 && scale.is_finite() {
-                scale
-            } else {
-                0.0
-            }
+            if k < 3 && scale.is_finite() { scale } else { 0.0 }
         });
         (scale != [0.0; 4]).then_some(Self { low, scale })
     }
@@ -318,15 +293,7 @@ fn cheapest<const N: usize>(bins: &Bins<N>, block: Block) -> Option<Cut> {
             let cost = left.cost(block) + right.cost(block);
             if left.count > 0 && right.count > 0 && cost < best.0 {
                 let (left, right) = (left.bounds, right.bounds);
-                best = (
-                    cost,
-                    Some(Cut {
-                        axis,
-                        plane,
-                        left,
-                        right,
-                    }),
-                );
+                best = (cost, Some(Cut { axis, plane, left, right }));
             }
         }
     }

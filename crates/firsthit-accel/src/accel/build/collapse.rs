@@ -30,10 +30,7 @@ pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sy
     /// The number of nodes between two questions whether to stop.
     const CHUNK: usize = 1 << 12;
     let plans = plans(binary, &is_stopped);
-    let mut wide = Wide {
-        nodes: vec![Node::EMPTY],
-        ranges: Vec::new(),
-    };
+    let mut wide = Wide { nodes: vec![Node::EMPTY], ranges: Vec::new() };
     // Binary nodes to be made wide, and the places for them.
     let mut open = vec![(0_u32, 0_usize)];
     while let Some((root, at)) = open.pop() {
@@ -42,11 +39,7 @@ pub(super) fn collapse(binary: &[BinaryNode], is_stopped: impl Fn() -> bool + Sy
         }
         let mut node = Node::EMPTY;
         for (k, child) in gather(binary, &plans, root).enumerate() {
-            let BinaryNode {
-                bounds,
-                first,
-                count,
-            } = binary[child as usize];
+            let BinaryNode { bounds, first, count } = binary[child as usize];
             node.set_child_box(k, bounds);
             node.children[k] = if count > 0 {
                 wide.ranges.push((first, count));
@@ -132,11 +125,8 @@ fn weigh(
     let (below_left, below_right) = below.split_at_mut(middle);
     let mut by_left = || weigh(binary, first, left, below_left, is_stopped);
     let mut by_right = || weigh(binary, first + 1, right, below_right, is_stopped);
-    let (left, right) = if is_large {
-        rayon::join(by_left, by_right)
-    } else {
-        (by_left(), by_right())
-    };
+    let (left, right) =
+        if is_large { rayon::join(by_left, by_right) } else { (by_left(), by_right()) };
     Costs::join(&left, &right, surface(bounds), plan)
 }
 
@@ -151,10 +141,7 @@ fn surface(bounds: Box32) -> f32 {
 }
 
 impl Costs {
-    const LEAF: Self = Self {
-        by_places: [0.0; WIDTH],
-        leaves: 1,
-    };
+    const LEAF: Self = Self { by_places: [0.0; WIDTH], leaves: 1 };
 
     /// The costs of a node with two parts; its plan goes to `plan`.
     fn join(left: &Self, right: &Self, surface: f32, plan: &mut Plan) -> Self {
@@ -236,41 +223,24 @@ mod tests {
         let size = (random() % 1000) as f32;
         let bounds = Box32::new([0.0; 3], [size, 1.0, 0.0]);
         if leaves == 1 {
-            return BinaryNode {
-                bounds,
-                first: 0,
-                count: 1,
-            };
+            return BinaryNode { bounds, first: 0, count: 1 };
         }
         let first = below.len();
-        let nothing = BinaryNode {
-            bounds,
-            first: 0,
-            count: 0,
-        };
+        let nothing = BinaryNode { bounds, first: 0, count: 0 };
         below.extend([nothing, nothing]);
         let of_left = 1 + random() % (leaves - 1);
         below[first] = tree(random, of_left, below);
         below[first + 1] = tree(random, leaves - of_left, below);
-        BinaryNode {
-            bounds,
-            first: index(first) + 1,
-            count: 0,
-        }
+        BinaryNode { bounds, first: index(first) + 1, count: 0 }
     }
 
     /// The least that the surfaces of wide nodes can come to: of all choices of inner nodes the cheapest of which none
     /// has more children than there is room for.
     fn least(binary: &[BinaryNode]) -> f64 {
-        let inner: Vec<usize> = (1..binary.len())
-            .filter(|&k| binary[k].count == 0)
-            .collect();
+        let inner: Vec<usize> = (1..binary.len()).filter(|&k| binary[k].count == 0).collect();
         let cost_of = |choice: u32| {
             let is_wide = |node: usize| {
-                inner
-                    .iter()
-                    .position(|&k| k == node)
-                    .is_some_and(|k| choice >> k & 1 == 1)
+                inner.iter().position(|&k| k == node).is_some_and(|k| choice >> k & 1 == 1)
             };
             let mut sum = 0.0;
             let mut open = vec![0];
@@ -296,18 +266,14 @@ mod tests {
             }
             sum
         };
-        (0..1 << inner.len())
-            .map(cost_of)
-            .fold(f64::INFINITY, f64::min)
+        (0..1 << inner.len()).map(cost_of).fold(f64::INFINITY, f64::min)
     }
 
     #[test]
     fn no_other_choice_of_nodes_is_cheaper() {
         let mut state = 1_u64;
         let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 33) as u32
         };
         for leaves in [2, 15, 16, 17, 18, 18, 18, 18, 19, 19] {

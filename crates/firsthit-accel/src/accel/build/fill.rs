@@ -23,18 +23,9 @@ impl Filling {
     #[inline]
     pub(super) fn new(sharing: &Sharing<'_>, triangles: &[u32]) -> Self {
         let triangles = &triangles[..triangles.len().min(LANES)];
-        let mut filling = Self {
-            corners: [[0; LANES]; 3],
-            vertices: [0; LANES],
-            taken: [0; LANES],
-            count: 0,
-        };
-        let Self {
-            corners,
-            vertices,
-            taken,
-            count,
-        } = &mut filling;
+        let mut filling =
+            Self { corners: [[0; LANES]; 3], vertices: [0; LANES], taken: [0; LANES], count: 0 };
+        let Self { corners, vertices, taken, count } = &mut filling;
         // Where there is no lane for a corner, its triangle does not count.
         let _ = sharing.lanes(triangles.iter().copied(), |[k, corner], vertex, lane| {
             corners[corner][k] = lane;
@@ -89,11 +80,7 @@ impl Meshlet {
     /// The leaf of at most sixteen triangles, which stand at `first` in the order and [fit](Sharing::fits).
     pub(super) fn new(sharing: &Sharing<'_>, triangles: &[u32], first: u32) -> Self {
         let filling = Filling::new(sharing, triangles);
-        assert_eq!(
-            filling.count(),
-            triangles.len(),
-            "the builder has asked whether they fit"
-        );
+        assert_eq!(filling.count(), triangles.len(), "the builder has asked whether they fit");
         filling.leaf(sharing, triangles.len(), first)
     }
 

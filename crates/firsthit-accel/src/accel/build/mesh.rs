@@ -37,11 +37,7 @@ impl MeshTree {
     /// The tree of a mesh that is empty, has a coordinate beyond 1e90 ([`Space::new`]) or needs more than [`MOST_LEAVES`].
     fn without_nodes(mesh: &Mesh) -> Self {
         Self {
-            space: Space {
-                origin: DVec3::ZERO,
-                scale: 1.0,
-                unscale: 1.0,
-            },
+            space: Space { origin: DVec3::ZERO, scale: 1.0, unscale: 1.0 },
             is_exact: false,
             is_welded: false,
             nodes: Storage::default(),
@@ -87,11 +83,7 @@ impl MeshTree {
         let (sharing, vertices) = Sharing::new(mesh, &points);
         let bounds = mesh.bounds();
         let around = Box32::new(space.point(bounds.low), space.point(bounds.high));
-        let Parts {
-            nodes,
-            leaves,
-            order,
-        } = build(&Triangles {
+        let Parts { nodes, leaves, order } = build(&Triangles {
             mesh,
             sharing,
             vertices,
@@ -131,11 +123,7 @@ pub(super) struct Building<'a> {
 
 impl<'a> Building<'a> {
     pub(super) fn new(watch: &'a dyn Watch) -> Self {
-        Self {
-            watch,
-            is_stopped: AtomicBool::new(false),
-            told: AtomicUsize::new(0),
-        }
+        Self { watch, is_stopped: AtomicBool::new(false), told: AtomicUsize::new(0) }
     }
 
     /// The share of the work on some triangles that is done now.
@@ -184,10 +172,7 @@ fn full(triangles: &Triangles<'_>) -> Parts {
         .with_min_len(CHUNK)
         .map(item)
         .collect_into_vec(&mut items);
-    let Binary {
-        nodes: binary,
-        order,
-    } = binary::binary(&mut items, triangles);
+    let Binary { nodes: binary, order } = binary::binary(&mut items, triangles);
     drop(items);
     if triangles.building.is_stopped() {
         return Parts::default();
@@ -214,11 +199,7 @@ fn full(triangles: &Triangles<'_>) -> Parts {
         .with_min_len(LEAVES_AT_ONCE)
         .map(leaf)
         .collect_into_vec(&mut leaves);
-    Parts {
-        nodes,
-        leaves,
-        order,
-    }
+    Parts { nodes, leaves, order }
 }
 
 /// A mesh's triangles as the builder sees them.
@@ -306,9 +287,8 @@ fn copies(mesh: &Mesh, order: &[u32], leaves: &[Meshlet]) -> Vec<[u32; 2]> {
     }
     let of = |triangle| first_with.get(&corner_bits(mesh, triangle)).copied();
     let others = triangles().filter(|(_, is_in_leaf)| !**is_in_leaf);
-    let mut copies: Vec<[u32; 2]> = others
-        .filter_map(|(triangle, _)| Some([of(triangle)?, triangle]))
-        .collect();
+    let mut copies: Vec<[u32; 2]> =
+        others.filter_map(|(triangle, _)| Some([of(triangle)?, triangle])).collect();
     copies.sort_unstable();
     copies
 }
@@ -335,13 +315,7 @@ pub(super) mod tests {
     fn field(side: u32) -> Mesh {
         let height = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 24) / 256.0;
         let points: Vec<[f64; 3]> = (0..(side + 1) * (side + 1))
-            .map(|k| {
-                [
-                    f64::from(k % (side + 1)),
-                    f64::from(k / (side + 1)),
-                    height(k),
-                ]
-            })
+            .map(|k| [f64::from(k % (side + 1)), f64::from(k / (side + 1)), height(k)])
             .collect();
         let squares = (0..side * side).map(|k| k % side + k / side * (side + 1));
         let mut triangles: Vec<[u32; 3]> = squares
@@ -397,10 +371,7 @@ pub(super) mod tests {
         let mesh = field(400);
         for mesh in [apart(&mesh, 0.0), mesh] {
             let trees = [1, 2, 7].map(|threads| {
-                let pool = rayon::ThreadPoolBuilder::new()
-                    .num_threads(threads)
-                    .build()
-                    .unwrap();
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| [MeshTree::build(&mesh), MeshTree::build_quick(&mesh)])
             });
             for tree in trees.as_flattened() {
@@ -447,10 +418,7 @@ pub(super) mod tests {
             let questions = whole.asked.into_inner();
             assert!(questions >= if is_quick { 1 } else { 20 }, "{questions}");
             for at in 0..questions {
-                let watch = Stopper {
-                    at: Some(at),
-                    ..Stopper::default()
-                };
+                let watch = Stopper { at: Some(at), ..Stopper::default() };
                 let made = MeshTree::build_watched(&mesh, is_quick, &watch);
                 assert!(matches!(made, Err(Error::Interrupted)), "{at}");
             }
@@ -480,16 +448,8 @@ pub(super) mod tests {
             let (x, y) = (f64::from(k % 20), f64::from(k / 20));
             let corner = |right, up, zero| [x + right, y + up, zeros(zero)];
             [
-                [
-                    corner(0.0, 0.0, k),
-                    corner(1.0, 0.0, k + 1),
-                    corner(1.0, 1.0, k),
-                ],
-                [
-                    corner(0.0, 0.0, k + 1),
-                    corner(1.0, 1.0, k),
-                    corner(0.0, 1.0, k + 1),
-                ],
+                [corner(0.0, 0.0, k), corner(1.0, 0.0, k + 1), corner(1.0, 1.0, k)],
+                [corner(0.0, 0.0, k + 1), corner(1.0, 1.0, k), corner(0.0, 1.0, k + 1)],
             ]
         };
         let corners: Vec<[f64; 3]> = (0..400).flat_map(square).flatten().collect();

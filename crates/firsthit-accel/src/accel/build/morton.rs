@@ -36,9 +36,7 @@ impl Curve {
         let index_bits = u32::BITS - u32::try_from(count).unwrap_or(u32::MAX).leading_zeros();
         // If the triangles form a surface, half as many bits as the index has give about one triangle a cell. Three more are for
         // triangles that are not evenly spread.
-        let bits = (index_bits / 2 + 3)
-            .min((u64::BITS - index_bits) / 3)
-            .min(MOST_BITS);
+        let bits = (index_bits / 2 + 3).min((u64::BITS - index_bits) / 3).min(MOST_BITS);
         let grid = Grid::new(around, bits);
         let key = |index: u32| grid.cell(sharing.triangle(index)) << index_bits | u64::from(index);
         let mut keys = memory::room(count);
@@ -60,10 +58,7 @@ impl Curve {
 
     /// The triangle of a key.
     #[inline]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the mask leaves less than 32 bits"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "the mask leaves less than 32 bits")]
     pub(super) fn triangle(&self, key: u64) -> u32 {
         (key & ((1 << self.index_bits) - 1)) as u32
     }
@@ -227,10 +222,7 @@ fn sort_small(keys: &mut [u64], spare: &mut [u64], [low, bits]: [u32; 2], into_s
 
 /// The `bits` bits of a key from `shift` on.
 #[inline]
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "the mask leaves a few bits"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "the mask leaves a few bits")]
 fn digit(key: u64, shift: u32, bits: u32) -> usize {
     (key >> shift) as usize & ((1 << bits) - 1)
 }
@@ -250,13 +242,7 @@ mod tests {
     /// All in a few cells, in the same, evenly spread; few and many.
     #[test]
     fn keys_are_sorted() {
-        for (count, cells) in [
-            (0, 1),
-            (1, 1),
-            (600, 1 << 9),
-            (70_000, 1 << 20),
-            (300_000, 3),
-        ] {
+        for (count, cells) in [(0, 1), (1, 1), (600, 1 << 9), (70_000, 1 << 20), (300_000, 3)] {
             for bits in [0, 1, 11, 12, 25, 40] {
                 for into_spare in [false, true] {
                     let cell = |k: u64| k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;

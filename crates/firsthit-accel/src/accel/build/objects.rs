@@ -70,11 +70,7 @@ impl Bvh {
             indices.iter().copied().map(&bounds).collect()
         });
         let all = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
-        let origin = if all.is_empty() {
-            DVec3::ZERO
-        } else {
-            middle(&boxes)
-        };
+        let origin = if all.is_empty() { DVec3::ZERO } else { middle(&boxes) };
         let extent = (all.high - origin).max(origin - all.low).max_element();
         let mut tree = Self {
             space: BoxSpace::new(origin, extent),
@@ -83,12 +79,9 @@ impl Bvh {
             nodes: Vec::new(),
             places: None,
         };
-        let filled = (0..count)
-            .zip(boxes)
-            .filter(|(_, bounds)| !bounds.is_empty());
-        let mut items: Vec<Item> = filled
-            .map(|(index, bounds)| Item::new(tree.rounded_outwards(bounds), index))
-            .collect();
+        let filled = (0..count).zip(boxes).filter(|(_, bounds)| !bounds.is_empty());
+        let mut items: Vec<Item> =
+            filled.map(|(index, bounds)| Item::new(tree.rounded_outwards(bounds), index)).collect();
         if items.is_empty() {
             return tree;
         }
@@ -158,9 +151,7 @@ impl Bvh {
         let of_node = |(first, node): (u32, &Node)| {
             let children = (first..).zip(node.children).zip(0..WIDTH);
             let node = *node;
-            children
-                .filter(move |&(_, k)| !node.is_vacant(k))
-                .map(|(child, _)| child)
+            children.filter(move |&(_, k)| !node.is_vacant(k)).map(|(child, _)| child)
         };
         (0..).step_by(WIDTH).zip(&self.nodes).flat_map(of_node)
     }
@@ -266,10 +257,7 @@ mod tests {
             Bounds::of([x, x + DVec3::splat(f64::from(k % 13))])
         };
         let trees = [1, 2, 7].map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| Bvh::build(100_000, bounds, Bvh::OBJECTS))
         });
         for tree in &trees[1..] {
@@ -307,10 +295,7 @@ mod tests {
     /// Whether a ray meets a box in float64, between a `t_min` of its own or its origin and its `t_max`.
     fn meets(ray: &Ray, bounds: &Bounds) -> bool {
         let inverse = ray.direction.recip();
-        let (a, b) = (
-            (bounds.low - ray.origin) * inverse,
-            (bounds.high - ray.origin) * inverse,
-        );
+        let (a, b) = ((bounds.low - ray.origin) * inverse, (bounds.high - ray.origin) * inverse);
         let entry = a.min(b).max_element().max(ray.t_min.min(0.0));
         entry <= a.max(b).min_element().min(ray.t_max)
     }
@@ -319,10 +304,7 @@ mod tests {
     fn judged(bvh: &Bvh, boxes: &[Bounds], ray: &Ray) -> [usize; 2] {
         let met = met(bvh, ray);
         for (k, bounds) in (0..).zip(boxes) {
-            assert!(
-                met.contains(&k) || !meets(ray, bounds),
-                "{ray:?} {bounds:?}"
-            );
+            assert!(met.contains(&k) || !meets(ray, bounds), "{ray:?} {bounds:?}");
         }
         let exact = boxes.iter().filter(|bounds| meets(ray, bounds));
         [met.len(), exact.count()]
@@ -377,11 +359,7 @@ mod tests {
                 let t_min = if k % 11 == 0 { -3.0 } else { 0.0 };
                 // In the middle of what is there, for starts nearby and far away.
                 let t_max = if k % 4 == 0 { 1.0 } else { f64::INFINITY };
-                let ray = Ray {
-                    t_min,
-                    t_max,
-                    ..Ray::new(start, direction)
-                };
+                let ray = Ray { t_min, t_max, ..Ray::new(start, direction) };
                 let [met, truly] = judged(&bvh, &boxes, &ray);
                 // Beside a box of 1e200, or from afar, float64 cannot tell the others apart.
                 if outlier < 1e100 && distance < 1e8 {
@@ -422,11 +400,7 @@ mod tests {
         let bvh = Bvh::build(
             3,
             |k| {
-                if k == 1 {
-                    Bounds::of([DVec3::ONE])
-                } else {
-                    Bounds::EMPTY
-                }
+                if k == 1 { Bounds::of([DVec3::ONE]) } else { Bounds::EMPTY }
             },
             0.0,
         );

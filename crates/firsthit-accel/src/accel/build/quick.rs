@@ -67,11 +67,7 @@ pub(super) fn quick(triangles: &Triangles<'_>) -> Parts {
     if triangles.building.is_stopped() {
         return Parts::default();
     }
-    Parts {
-        nodes: nodes(&seen, triangles.large()),
-        leaves,
-        order,
-    }
+    Parts { nodes: nodes(&seen, triangles.large()), leaves, order }
 }
 
 /// The half surface from which on a leaf is large beside the others: eight times what runs of neighbours on the curve have, the median of
@@ -97,11 +93,7 @@ fn large_beside_others(curve: &Curve, sharing: &Sharing<'_>) -> f64 {
 }
 
 /// Makes room for `more` leaves, and for those that are to be expected after them: `times` is all triangles over those so far.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a guess"
-)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a guess")]
 fn make_room(leaves: &mut Vec<Meshlet>, more: usize, times: f64) {
     let needed = leaves.len() + more;
     if leaves.capacity() < needed {
@@ -161,22 +153,14 @@ impl<'a> CurveRange<'a> {
     fn in_one_cell(&self, at: usize) -> usize {
         let keys = &self.curve.keys()[self.start..][..self.order.len()][at..];
         let is_same = |key: &u64| self.curve.gap(keys[0], *key) == 0;
-        if keys.get(WIDTH).is_some_and(is_same) {
-            keys.partition_point(is_same)
-        } else {
-            0
-        }
+        if keys.get(WIDTH).is_some_and(is_same) { keys.partition_point(is_same) } else { 0 }
     }
 
     /// Makes a leaf of the next triangles; returns their number.
     fn push_run(&mut self, at: usize, triangles: &Triangles<'_>) -> usize {
         let filling = Filling::new(self.sharing, &self.order[at..]);
         let run = filling.count();
-        let count = if at + run == self.order.len() {
-            run
-        } else {
-            cut(run, |k| self.gap(at + k))
-        };
+        let count = if at + run == self.order.len() { run } else { cut(run, |k| self.gap(at + k)) };
         let leaf = filling.leaf(self.sharing, count, index(self.start + at));
         if leaf.bounds().half_area() > triangles.large() {
             return self.push_parts(at, count, triangles);
@@ -240,10 +224,7 @@ mod tests {
             [corner(0), corner(1), corner(2)]
         };
         let points = (0..count).flat_map(corners).collect();
-        mesh(
-            points,
-            (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
-        )
+        mesh(points, (0..count).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
     }
 
     /// The hard cases: one triangle, all in one point, all in one cell, much in one cell, copies,
@@ -328,19 +309,11 @@ mod tests {
     #[test]
     fn leaves_and_nodes_are_half_full_at_least() {
         let side = 300;
-        let point = |k: u32| {
-            [
-                f64::from(k % side),
-                f64::from(k / side),
-                3.0 * random(k / 7),
-            ]
-        };
+        let point = |k: u32| [f64::from(k % side), f64::from(k / side), 3.0 * random(k / 7)];
         let cells = (0..side * side).filter(|k| k % side + 1 < side && k / side + 1 < side);
         let cells = cells.flat_map(|a| [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]);
-        let tree = MeshTree::build_quick(&mesh(
-            (0..side * side).map(point).collect(),
-            cells.collect(),
-        ));
+        let tree =
+            MeshTree::build_quick(&mesh((0..side * side).map(point).collect(), cells.collect()));
         let (nodes, leaves) = (tree.nodes.len() as f64, tree.leaves.len() as f64);
         assert!(tree.order.len() as f64 / leaves > 9.0);
         assert!((leaves + nodes - 1.0) / nodes > 9.0);
@@ -374,11 +347,6 @@ mod tests {
         let walls = (0..6).map(|k| [0, 1, 2].map(|corner| side * side + 3 * k + corner));
         let mesh = mesh(points, cells.chain(walls).collect());
         let (quick, full) = (MeshTree::build_quick(&mesh), MeshTree::build(&mesh));
-        assert!(
-            quick.cost < 1.45 * full.cost,
-            "{} {}",
-            quick.cost,
-            full.cost
-        );
+        assert!(quick.cost < 1.45 * full.cost, "{} {}", quick.cost, full.cost);
     }
 }

@@ -38,11 +38,8 @@ impl MeshTree {
         }
         let space = Space::new(mesh.into())?;
         let points = space.points(mesh);
-        let sharing = Sharing {
-            triangles: mesh.triangles(),
-            points: &points,
-            is_welded: self.is_welded,
-        };
+        let sharing =
+            Sharing { triangles: mesh.triangles(), points: &points, is_welded: self.is_welded };
         let of_leaf = |leaf: &Meshlet| {
             let first = leaf.first as usize;
             &self.order[first..first + leaf.filled.count_ones() as usize]
@@ -53,11 +50,7 @@ impl MeshTree {
         }
         let leaf = |leaf: &Meshlet| Meshlet::new(&sharing, of_leaf(leaf), leaf.first);
         let mut leaves = memory::room(self.leaves.len());
-        self.leaves
-            .par_iter()
-            .with_min_len(1024)
-            .map(leaf)
-            .collect_into_vec(&mut leaves);
+        self.leaves.par_iter().with_min_len(1024).map(leaf).collect_into_vec(&mut leaves);
         let mut nodes = memory::copy(&self.nodes);
         // Children stand behind their parents.
         for k in (0..nodes.len()).rev() {
@@ -169,9 +162,7 @@ mod tests {
     #[test]
     fn what_is_all_over_the_place_is_built_anew() {
         let built = MeshTree::build(&sheet(40, |_, _| 0.0));
-        let scattered = sheet(40, |x, y| {
-            libm::fmod(7919.0 * x * x + 104_729.0 * y * x * y, 40.0)
-        });
+        let scattered = sheet(40, |x, y| libm::fmod(7919.0 * x * x + 104_729.0 * y * x * y, 40.0));
         assert!(built.refit(&scattered).is_none());
     }
 

@@ -63,10 +63,7 @@ impl Tree {
         for (node, k) in nodes.iter().zip(0..).filter(|(node, _)| node.count == 0) {
             parents[node.first as usize..][..2].fill(k);
         }
-        Self {
-            nodes: memory::copy(nodes),
-            parents,
-        }
+        Self { nodes: memory::copy(nodes), parents }
     }
 
     fn node(&self, node: u32) -> BinaryNode {
@@ -105,11 +102,7 @@ impl Tree {
         let bounds = self.node(root).bounds;
         let own = bounds.half_area();
         let parent = self.parent(root);
-        let mut best = Move {
-            root,
-            beside: 0,
-            gain: own,
-        };
+        let mut best = Move { root, beside: 0, gain: own };
         // Gained by taking it out, less what putting it below the node would enlarge above that.
         let mut gained = self.surface(parent);
         // The node on the way up, and the box around what is left below it.
@@ -164,11 +157,7 @@ impl Tree {
         let (left, other) = (self.node(place), self.node(beside));
         self.nodes[parent as usize] = left;
         self.nodes[place as usize] = other;
-        self.nodes[beside as usize] = BinaryNode {
-            first: root.min(place),
-            count: 0,
-            ..other
-        };
+        self.nodes[beside as usize] = BinaryNode { first: root.min(place), count: 0, ..other };
         for (node, at) in [(left, parent), (other, place)] {
             if node.count == 0 {
                 self.parents[node.first as usize..][..2].fill(at);
@@ -270,15 +259,11 @@ mod tests {
     #[test]
     fn a_subtree_goes_to_its_neighbours() {
         // Two of 99 here stand among those far away, and the other way round.
-        let mut places: Vec<f32> = (0..200)
-            .map(|k| k as f32 + if k < 100 { 0.0 } else { 1e4 })
-            .collect();
+        let mut places: Vec<f32> =
+            (0..200).map(|k| k as f32 + if k < 100 { 0.0 } else { 1e4 }).collect();
         places.swap(50, 150);
         places.swap(20, 120);
-        let all: Vec<_> = (0..)
-            .zip(&places)
-            .map(|(k, &place)| leaf(k, place))
-            .collect();
+        let all: Vec<_> = (0..).zip(&places).map(|(k, &place)| leaf(k, place)).collect();
         let sorted = {
             let mut all = all.clone();
             all.sort_by(|a, b| a.bounds.low()[0].total_cmp(&b.bounds.low()[0]));
@@ -299,9 +284,7 @@ mod tests {
     fn leaves_stay_and_boxes_are_around_them() {
         let mut state = 1_u64;
         let mut random = |below: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 33) as usize % below
         };
         for count in [1, 2, 3, 4, 5, 40, 3000] {
@@ -313,11 +296,7 @@ mod tests {
             let mut next = 1;
             let mut open = vec![0_usize];
             while let Some(at) = open.pop() {
-                let BinaryNode {
-                    bounds,
-                    first,
-                    count,
-                } = better[at];
+                let BinaryNode { bounds, first, count } = better[at];
                 if count == 0 {
                     // All below the first child stand before what is below the second.
                     assert_eq!(first as usize, next);

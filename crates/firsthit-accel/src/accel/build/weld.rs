@@ -32,11 +32,7 @@ impl<'a> Sharing<'a> {
         let places = count_places(points);
         // To compare places for fewer does not pay.
         let is_welded = places < points.len() / 8 * 7;
-        let sharing = Self {
-            triangles: mesh.triangles(),
-            points,
-            is_welded,
-        };
+        let sharing = Self { triangles: mesh.triangles(), points, is_welded };
         (sharing, if is_welded { places } else { points.len() })
     }
 

@@ -19,19 +19,13 @@ impl Packet {
     /// origins, and with a direction that can be squared. The others are undefined afterwards.
     #[inline(always)]
     pub fn enter<L: Lanes>(&mut self, l: L, transform: &Transform) -> u16 {
-        u16::from_le_bytes([
-            self.enter_half(l, transform, 0),
-            self.enter_half(l, transform, 1),
-        ])
+        u16::from_le_bytes([self.enter_half(l, transform, 0), self.enter_half(l, transform, 1)])
     }
 
     #[inline(always)]
     fn enter_half<L: Lanes>(&mut self, l: L, transform: &Transform, half: usize) -> u8 {
         let number = |x: f64| l.splat64(x);
-        let (origin, direction) = (
-            vector(l, &self.origin, half),
-            vector(l, &self.direction, half),
-        );
+        let (origin, direction) = (vector(l, &self.origin, half), vector(l, &self.direction, half));
         let length = largest_of(l, &direction);
         let t_max = l.load64(of(&self.t_max, half));
         let plain = l.lt64(number(0.0), t_max)

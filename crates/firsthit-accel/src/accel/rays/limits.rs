@@ -112,10 +112,7 @@ impl Packet {
     }
 
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the rounding is allowed for"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "the rounding is allowed for")]
     fn depth(&self, lane: usize, t: f64) -> f32 {
         (t * self.depth_per_t[lane % RAYS] - self.moved[lane % RAYS]) as f32
     }

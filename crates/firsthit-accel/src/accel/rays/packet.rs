@@ -138,25 +138,13 @@ impl Packet {
         let pair = |v: &[[f32; RAYS]; 2]| [v[0][lane], v[1][lane]];
         TreeRay {
             axes: AXES[z],
-            start: [
-                pair(&self.start[0]),
-                pair(&self.start[1]),
-                pair(&self.start[2]),
-            ],
+            start: [pair(&self.start[0]), pair(&self.start[1]), pair(&self.start[2])],
             slope: pair(&self.slope),
             forwards: self.forwards[lane],
             blur: self.blur[lane],
             slabs: Slabs {
-                inverse: [
-                    self.inverse[0][lane],
-                    self.inverse[1][lane],
-                    self.inverse[2][lane],
-                ],
-                ends: [
-                    pair(&self.ends[0]),
-                    pair(&self.ends[1]),
-                    pair(&self.ends[2]),
-                ],
+                inverse: [self.inverse[0][lane], self.inverse[1][lane], self.inverse[2][lane]],
+                ends: [pair(&self.ends[0]), pair(&self.ends[1]), pair(&self.ends[2])],
             },
         }
     }
@@ -180,11 +168,7 @@ pub(super) fn of_mut<T>(all: &mut [T; RAYS], half: usize) -> &mut [T; WIDE] {
 /// The vectors of a half.
 #[inline(always)]
 pub(super) fn vector<L: Lanes>(l: L, from: &[[f64; RAYS]; 3], half: usize) -> [L::Doubles; 3] {
-    [
-        l.load64(of(&from[0], half)),
-        l.load64(of(&from[1], half)),
-        l.load64(of(&from[2], half)),
-    ]
+    [l.load64(of(&from[0], half)), l.load64(of(&from[1], half)), l.load64(of(&from[2], half))]
 }
 
 /// The largest size of a component.

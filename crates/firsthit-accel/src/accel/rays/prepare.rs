@@ -58,21 +58,13 @@ impl Axes {
     /// Reorders components from the axes of space to those of the rays.
     #[inline(always)]
     fn turned<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
-        [
-            self.choose(l, [y, z, x]),
-            self.choose(l, [z, x, y]),
-            self.choose(l, [x, y, z]),
-        ]
+        [self.choose(l, [y, z, x]), self.choose(l, [z, x, y]), self.choose(l, [x, y, z])]
     }
 
     /// Reorders components from the axes of the rays to those of space.
     #[inline(always)]
     fn restored<L: Lanes>(&self, l: L, [x, y, z]: [L::Doubles; 3]) -> [L::Doubles; 3] {
-        [
-            self.choose(l, [z, y, x]),
-            self.choose(l, [x, z, y]),
-            self.choose(l, [y, x, z]),
-        ]
+        [self.choose(l, [z, y, x]), self.choose(l, [x, z, y]), self.choose(l, [y, x, z])]
     }
 }
 
@@ -133,11 +125,8 @@ impl Packet {
         self.departing = 0;
         let (first, first_distant) = self.prepare_half(l, trees, 0, off);
         // One ray alone is common.
-        let (second, second_distant) = if count > WIDE {
-            self.prepare_half(l, trees, 1, off)
-        } else {
-            (0, 0)
-        };
+        let (second, second_distant) =
+            if count > WIDE { self.prepare_half(l, trees, 1, off) } else { (0, 0) };
         self.distant = u16::from_le_bytes([first_distant, second_distant]);
         self.alive = u16::from_le_bytes([first, second]) & lowest(count) & !self.distant;
     }
@@ -153,17 +142,11 @@ impl Packet {
     ) -> (u8, u8) {
         let number = |x: f64| l.splat64(x);
         let (zero, one) = (number(0.0), number(1.0));
-        let (origin, d) = (
-            vector(l, &self.origin, half),
-            vector(l, &self.direction, half),
-        );
+        let (origin, d) = (vector(l, &self.origin, half), vector(l, &self.direction, half));
         let axes = Axes::new(l, &d);
         let [across, upwards, along] = axes.turned(l, d);
         let sign = l.select64(l.lt64(along, zero), number(-1.0), one);
-        let slope = [
-            l.mul64(sign, l.div64(across, along)),
-            l.mul64(sign, l.div64(upwards, along)),
-        ];
+        let slope = [l.mul64(sign, l.div64(across, along)), l.mul64(sign, l.div64(upwards, along))];
         let direction = axes.restored(l, [slope[0], slope[1], sign]);
 
         let scale = trees.scale(l, half);
@@ -236,14 +219,8 @@ impl Packet {
             let minus = l.sub64(zero, over);
             l.store_narrowed(over, of_mut(&mut self.inverse[axis], half));
             let [first, last] = &mut self.ends[axis];
-            l.store_narrowed(
-                l.mul64(l.add64(start[axis], wider), minus),
-                of_mut(first, half),
-            );
-            l.store_narrowed(
-                l.mul64(l.sub64(start[axis], wider), minus),
-                of_mut(last, half),
-            );
+            l.store_narrowed(l.mul64(l.add64(start[axis], wider), minus), of_mut(first, half));
+            l.store_narrowed(l.mul64(l.sub64(start[axis], wider), minus), of_mut(last, half));
         }
     }
 }

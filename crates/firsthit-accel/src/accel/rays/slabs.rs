@@ -21,10 +21,7 @@ pub(super) const SMALLEST: f64 = 1e-30;
 impl Slabs {
     /// The slabs of a ray whose direction has a largest component of one, for boxes that seem wider
     /// by `margin`.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the margin covers the rounding"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "the margin covers the rounding")]
     #[inline(always)]
     pub(in crate::accel) fn new(start: DVec3, direction: DVec3, margin: f64) -> Self {
         let (mut inverse, mut ends) = ([0.0; 3], [[0.0; 2]; 3]);
@@ -59,21 +56,11 @@ impl Slabs {
                 // Backwards, the high plane comes first.
                 let is_back = (self.inverse[$axis].to_bits() >> 31) as usize;
                 let plane = l.load(&node.planes[2 * $axis + (is_back ^ $side) % 2]);
-                l.mul_add(
-                    plane,
-                    l.splat(self.inverse[$axis]),
-                    l.splat(self.ends[$axis][$side]),
-                )
+                l.mul_add(plane, l.splat(self.inverse[$axis]), l.splat(self.ends[$axis][$side]))
             }};
         }
-        let entry = l.max(
-            l.max(end!(0, 0), end!(1, 0)),
-            l.max(end!(2, 0), l.splat(first)),
-        );
-        let exit = l.min(
-            l.min(end!(0, 1), end!(1, 1)),
-            l.min(end!(2, 1), l.splat(last)),
-        );
+        let entry = l.max(l.max(end!(0, 0), end!(1, 0)), l.max(end!(2, 0), l.splat(first)));
+        let exit = l.min(l.min(end!(0, 1), end!(1, 1)), l.min(end!(2, 1), l.splat(last)));
         (l.le(entry, exit), entry)
     }
 }

@@ -38,11 +38,7 @@ impl Trees for &MeshTree {
 
     #[inline(always)]
     fn with_rounding<L: Lanes>(self, l: L, _: usize, blur: L::Doubles) -> L::Doubles {
-        if self.is_exact {
-            blur
-        } else {
-            l.add64(blur, l.splat64(U.into()))
-        }
+        if self.is_exact { blur } else { l.add64(blur, l.splat64(U.into())) }
     }
 }
 

@@ -76,11 +76,6 @@ impl<L: Lanes> EdgeTest<L> {
         let weights = l.mul(l.mul(l.mul(l.splat(MEAN), bound), spread), over);
         let error = l.add(weights, l.splat(depth_error));
         let [low, high] = depths(l, certain, [depth, error], [nearest, farthest]);
-        Some(Self {
-            possible,
-            certain,
-            low,
-            high,
-        })
+        Some(Self { possible, certain, low, high })
     }
 }

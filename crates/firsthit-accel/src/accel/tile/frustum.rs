@@ -145,10 +145,7 @@ pub struct TileFrustum {
 
 impl TileFrustum {
     /// `None` where float32 resolves too little of a pixel; the tile's rays then go one by one.
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the rounding is allowed for"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "the rounding is allowed for")]
     #[expect(
         clippy::too_many_lines,
         reason = "one derivation, each line of which needs those before"
@@ -158,9 +155,7 @@ impl TileFrustum {
         let mut eye = (camera.eye - space.origin) * space.scale;
         let far = eye.abs().max_element();
         let [centre, across, down] =
-            arrays::map([camera.centre, camera.across, camera.down], |v| {
-                v * space.scale
-            });
+            arrays::map([camera.centre, camera.across, camera.down], |v| v * space.scale);
         // Parallel rays may start anywhere on their way: near the tree, differences lose nothing.
         let mut slid = 0.0;
         if !camera.is_perspective {
@@ -224,11 +219,7 @@ impl TileFrustum {
         let is_in_range = skew < 1e4 && reach < 1e3 && (1e-12..1e12).contains(&sum(rows[2]));
         // Give up where X and Y may be off by a fifth of a pixel even at the tree's far side: most samples would be
         // undecided.
-        let far_depth = if camera.is_perspective {
-            0.1 * sum(rows[2])
-        } else {
-            1.0
-        };
+        let far_depth = if camera.is_perspective { 0.1 * sum(rows[2]) } else { 1.0 };
         let is_sharp = rounding + across_both * TILE_ANY_VERTEX + TILE_LEVER_OF_WIDTH * sideways
             < 0.2 * far_depth.max(1e-30);
         // Written so that a NaN fails.
@@ -248,18 +239,11 @@ impl TileFrustum {
             } else {
                 sign * side
             };
-            let below = if camera.is_perspective {
-                0.0
-            } else {
-                reach_of_pixels
-            };
+            let below = if camera.is_perspective { 0.0 } else { reach_of_pixels };
             let box_error = sum(normal) * (TILE_PLANES * reach + 2.0 * blur);
             let slack =
                 box_error + error + across_both * TILE_ANY_VERTEX + TILE_LEVER_OF_PLANES * sideways;
-            (
-                arrays::map(normal.to_array(), |x| x as f32),
-                -((below + slack) * 1.000_01) as f32,
-            )
+            (arrays::map(normal.to_array(), |x| x as f32), -((below + slack) * 1.000_01) as f32)
         };
         Some(Self {
             axes,
@@ -283,10 +267,7 @@ impl TileFrustum {
 
     /// The coordinates X, Y and Z of a leaf's vertices.
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the rounding is allowed for"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "the rounding is allowed for")]
     pub(super) fn transformed<L: Lanes>(&self, l: L, leaf: &Meshlet) -> [L::Floats; 3] {
         macro_rules! vertices {
             ($k:literal) => {
@@ -326,10 +307,7 @@ impl TileFrustum {
 
     /// The first part of the error of a side of a leaf's triangles; see [`Self::relative`].
     #[inline(always)]
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a constant, for float32 too"
-    )]
+    #[expect(clippy::cast_possible_truncation, reason = "a constant, for float32 too")]
     pub(super) fn absolute(&self, leaf: &Meshlet) -> f32 {
         self.absolute + TILE_SIDE_BY_ERROR as f32 * self.error_per_extent * leaf.extent
     }
@@ -340,10 +318,7 @@ impl TileFrustum {
     pub(super) fn boxes<L: Lanes>(&self, l: L, node: &Node, limit: f32) -> (u16, L::Floats) {
         macro_rules! end {
             ($plane:literal) => {
-                l.sub(
-                    l.load(&node.planes[$plane]),
-                    l.splat(self.start[$plane / 2]),
-                )
+                l.sub(l.load(&node.planes[$plane]), l.splat(self.start[$plane / 2]))
             };
         }
         let ends = [end!(0), end!(1), end!(2), end!(3), end!(4), end!(5)];
@@ -371,11 +346,7 @@ impl TileFrustum {
 /// The product of a vector with others.
 #[inline(always)]
 fn product<L: Lanes>(l: L, [x, y, z]: [f32; 3], of: [L::Floats; 3]) -> L::Floats {
-    l.mul_add(
-        l.splat(x),
-        of[0],
-        l.mul_add(l.splat(y), of[1], l.mul(l.splat(z), of[2])),
-    )
+    l.mul_add(l.splat(x), of[0], l.mul_add(l.splat(y), of[1], l.mul(l.splat(z), of[2])))
 }
 
 /// The largest dot product of a direction with a point of each box, which is at a corner.

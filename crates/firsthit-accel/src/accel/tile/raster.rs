@@ -129,11 +129,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let half = l.splat(HALF);
         let first_x = l.sub(columns[0], half);
         let first_y = l.sub(rows[0], half);
-        let (ah, bh, ch) = if frustum.is_perspective {
-            (az, bz, cz)
-        } else {
-            (one, one, one)
-        };
+        let (ah, bh, ch) = if frustum.is_perspective { (az, bz, cz) } else { (one, one, one) };
         let ax = l.neg_mul_add(first_x, ah, l.permute(x, a));
         let bx = l.neg_mul_add(first_x, bh, l.permute(x, b));
         let cx = l.neg_mul_add(first_x, ch, l.permute(x, c));
@@ -230,10 +226,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
     fn triangle(&self, lane: usize) -> TriangleId {
         #[expect(clippy::cast_possible_truncation, reason = "one of sixteen")]
         let lane = lane as u32;
-        TriangleId {
-            object: self.object,
-            leaf_lane: self.leaf_lane + lane,
-        }
+        TriangleId { object: self.object, leaf_lane: self.leaf_lane + lane }
     }
 
     /// Step 5, for the pixel of a lane in a block.
@@ -245,14 +238,10 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let Some((triangle, depth)) = self.exact.nearer(l, row, column, old, new) else {
             return;
         };
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the rounding is allowed for"
-        )]
+        #[expect(clippy::cast_possible_truncation, reason = "the rounding is allowed for")]
         let depth = depth as f32;
         let error = self.frustum.depth_error + depth.abs() * ROUNDED_DEPTH;
-        self.buffer
-            .set(block, lane, triangle, depth - error, depth + error);
+        self.buffer.set(block, lane, triangle, depth - error, depth + error);
         self.changed |= 1 << block;
     }
 }

@@ -27,10 +27,7 @@ pub struct TileScratch {
 
 impl Default for TileScratch {
     fn default() -> Self {
-        Self {
-            stack: Stack::new(),
-            raster: Box::default(),
-        }
+        Self { stack: Stack::new(), raster: Box::default() }
     }
 }
 

@@ -31,10 +31,7 @@ pub struct TriangleId {
 
 impl TriangleId {
     /// No triangle.
-    pub const NONE: Self = Self {
-        object: u32::MAX,
-        leaf_lane: u32::MAX,
-    };
+    pub const NONE: Self = Self { object: u32::MAX, leaf_lane: u32::MAX };
 }
 
 /// The displacements of a tile's rays from its grid, in pixels, for lenses whose rays go through no
@@ -51,11 +48,8 @@ pub struct Displacements {
 }
 
 impl Displacements {
-    pub const NONE: Self = Self {
-        across: [[0.0; LANES]; LANES],
-        down: [[0.0; LANES]; LANES],
-        most: 0.0,
-    };
+    pub const NONE: Self =
+        Self { across: [[0.0; LANES]; LANES], down: [[0.0; LANES]; LANES], most: 0.0 };
 
     /// The rounding error of the displacements, in pixels, or far more.
     pub const REST: f64 = 1e-6;

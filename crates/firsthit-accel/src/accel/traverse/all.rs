@@ -34,10 +34,7 @@ pub struct Node {
 impl Node {
     /// The surface that is crossed.
     pub fn surface(&self) -> SurfaceId {
-        SurfaceId {
-            object: self.object,
-            primitive: self.crossing.primitive,
-        }
+        SurfaceId { object: self.object, primitive: self.crossing.primitive }
     }
 }
 
@@ -55,11 +52,7 @@ const KEPT: usize = 1 << 18;
 impl Gathered {
     /// An empty list in `memory`.
     const fn new(memory: Vec<Node>) -> Self {
-        Self {
-            nodes: memory,
-            is_full: false,
-            waiting: Waiting::NONE,
-        }
+        Self { nodes: memory, is_full: false, waiting: Waiting::NONE }
     }
 
     /// Adds a crossing to a list, and returns its index. Without memory it is lost.
@@ -71,11 +64,7 @@ impl Gathered {
         match index {
             Some(index) => {
                 let next = std::mem::replace(&mut list.last, index);
-                self.nodes.push(Node {
-                    crossing,
-                    object: 0,
-                    next,
-                });
+                self.nodes.push(Node { crossing, object: 0, next });
             }
             None => self.is_full = true,
         }
@@ -102,11 +91,7 @@ struct Waiting {
 }
 
 impl Waiting {
-    const NONE: Self = Self {
-        count: 0,
-        pairs: EightPairs::NONE,
-        nodes: [0; WIDE],
-    };
+    const NONE: Self = Self { count: 0, pairs: EightPairs::NONE, nodes: [0; WIDE] };
 
     /// The rays with their triangles and nodes.
     fn entries(&self) -> impl Iterator<Item = (Ray, [DVec3; 3], u32)> {
@@ -141,9 +126,7 @@ impl CrossingList {
     pub fn gather<T>(work: impl FnOnce() -> T) -> (T, bool) {
         let outer = GATHERED.replace(Gathered::new(SPARE.take()));
         let made = work();
-        let Gathered {
-            mut nodes, is_full, ..
-        } = GATHERED.replace(outer);
+        let Gathered { mut nodes, is_full, .. } = GATHERED.replace(outer);
         nodes.clear();
         nodes.shrink_to(KEPT);
         SPARE.set(nodes);
@@ -170,11 +153,7 @@ impl CrossingList {
         (primitive, leaf_lane): (i32, u32),
     ) {
         let is_eight = GATHERED.with_borrow_mut(|gathered| {
-            let unknown = Crossing {
-                t: f64::NAN,
-                primitive,
-                barycentric: DVec2::NAN,
-            };
+            let unknown = Crossing { t: f64::NAN, primitive, barycentric: DVec2::NAN };
             if let Some(node) = gathered.add(self, unknown) {
                 let waiting = &mut gathered.waiting;
                 let lane = waiting.count % WIDE;
@@ -274,10 +253,7 @@ impl MeshQuery for All {
 
     #[inline(always)]
     fn new(limit: f32) -> Self {
-        Self {
-            list: CrossingList::EMPTY,
-            limit,
-        }
+        Self { list: CrossingList::EMPTY, limit }
     }
 
     #[inline(always)]
@@ -303,10 +279,7 @@ impl MeshQuery for All {
             // Copies have the same corners in the same order.
             for &[_, copy] in copies {
                 let primitive = copy.cast_signed();
-                self.list.push(Crossing {
-                    primitive,
-                    ..crossing
-                });
+                self.list.push(Crossing { primitive, ..crossing });
             }
         }
     }

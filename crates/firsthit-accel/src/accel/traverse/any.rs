@@ -31,9 +31,7 @@ impl MeshQuery for Any {
 
     #[inline(always)]
     fn new(limit: f32) -> Self {
-        Self {
-            limit: limit.max(NOTHING),
-        }
+        Self { limit: limit.max(NOTHING) }
     }
 
     #[inline(always)]
@@ -48,11 +46,7 @@ impl MeshQuery for Any {
         if ray.limits.begin_after(high) {
             return;
         }
-        let one = MeetsOneOf {
-            ray,
-            leaf: &ray.tree.leaves[leaf as usize],
-            triangles: 1 << lane,
-        };
+        let one = MeetsOneOf { ray, leaf: &ray.tree.leaves[leaf as usize], triangles: 1 << lane };
         if is_certain && ray.limits.hold(low, high) || l.call(one) {
             self.limit = FOUND;
         }
@@ -87,11 +81,7 @@ impl Visitor for Any {
         if possible == 0 {
             return;
         }
-        let some = MeetsOneOf {
-            ray,
-            leaf: &ray.tree.leaves[leaf as usize],
-            triangles: possible,
-        };
+        let some = MeetsOneOf { ray, leaf: &ray.tree.leaves[leaf as usize], triangles: possible };
         if possible & candidates.certain & inside != 0 || l.call(some) {
             self.limit = FOUND;
         }
@@ -116,11 +106,7 @@ impl Kernel for MeetsOneOf<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> bool {
-        let Self {
-            ray,
-            leaf,
-            triangles,
-        } = self;
+        let Self { ray, leaf, triangles } = self;
         for lane in set_bits(triangles) {
             if ray.intersect(l, Any::EDGES, leaf, lane).is_some() {
                 return true;
@@ -195,17 +181,7 @@ pub(super) mod tests {
         let tree = MeshTree::build(&mesh);
         let infinity = f32::INFINITY;
         let mut limits = [infinity; RAYS];
-        let before = [
-            FOUND,
-            NOTHING,
-            -infinity,
-            -3.0,
-            -1.5,
-            -0.5,
-            -0.0,
-            f32::MIN,
-            f32::NAN,
-        ];
+        let before = [FOUND, NOTHING, -infinity, -3.0, -1.5, -0.5, -0.0, f32::MIN, f32::NAN];
         limits[..before.len()].copy_from_slice(&before);
         for set in InstructionSet::available() {
             simd::run(set, Ending(&tree, &mesh, limits));

@@ -56,10 +56,7 @@ impl PacketFrustum {
         let tree = packet.tree;
         let mut limits = Aligned([0.0; RAYS]);
         let none = l.splat(-1.0);
-        l.store(
-            l.select(self.rays, l.load(&packet.packet.t_max_high), none),
-            &mut limits.0,
-        );
+        l.store(l.select(self.rays, l.load(&packet.packet.t_max_high), none), &mut limits.0);
         let mut limit = self.limit(l, &limits.0);
         let mut budget = BUDGET * self.rays.count_ones();
         let mut view = LeafView::NOTHING;

@@ -28,11 +28,7 @@ pub(super) struct Deferred<'a> {
 impl<'a> Deferred<'a> {
     #[inline(always)]
     pub(super) fn new() -> Self {
-        Self {
-            count: 0,
-            entries: [None; WIDE],
-            pairs: EightPairs::NONE,
-        }
+        Self { count: 0, entries: [None; WIDE], pairs: EightPairs::NONE }
     }
 
     /// Puts the answer of a ray into `sink`, now or with the rays that wait.
@@ -53,8 +49,7 @@ impl<'a> Deferred<'a> {
         }
         let lane = self.count % WIDE;
         let in_mesh = ray.packet.ray(ray.lane);
-        self.pairs
-            .put(lane, &in_mesh, (ray.tree, ray.mesh), leaf_lane);
+        self.pairs.put(lane, &in_mesh, (ray.tree, ray.mesh), leaf_lane);
         self.entries[lane] = Some((packet, ray, leaf_lane));
         self.count += 1;
     }

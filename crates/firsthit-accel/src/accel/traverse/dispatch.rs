@@ -25,10 +25,7 @@ pub struct Dispatcher {
 
 impl Default for Dispatcher {
     fn default() -> Self {
-        Self {
-            stack: Stack::new(),
-            in_flight: InFlight::new(),
-        }
+        Self { stack: Stack::new(), in_flight: InFlight::new() }
     }
 }
 
@@ -77,10 +74,7 @@ struct Trials {
 
 impl Trials {
     fn new() -> Self {
-        Self {
-            failures: 0,
-            left_out: 0,
-        }
+        Self { failures: 0, left_out: 0 }
     }
 
     #[inline(always)]

@@ -46,10 +46,8 @@ impl Approach {
     /// The approach of a ray; of the whole line that it is on, where it begins behind its origin.
     pub(super) fn new(space: &Space, ray: &Ray) -> Self {
         let start = between(Scalar, &ray.origin.to_array(), &space.origin.to_array());
-        let mut place = arrays::map(start, |x| Double {
-            high: x.high * space.scale,
-            low: x.low * space.scale,
-        });
+        let mut place =
+            arrays::map(start, |x| Double { high: x.high * space.scale, low: x.low * space.scale });
         // The direction by a power of two, which is exact: its square is around 1.
         let unit = power_of_two_below(ray.direction.abs().max_element());
         let d = ray.direction / unit;

@@ -45,14 +45,7 @@ impl Kernel for EachCandidate<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Self {
-            scratch,
-            at_mesh: (tree, mesh),
-            ray,
-            off,
-            with_copies,
-            visit,
-        } = self;
+        let Self { scratch, at_mesh: (tree, mesh), ray, off, with_copies, visit } = self;
         // In units of the tree.
         let unsure = off * tree.space.scale;
         let at_mesh = (tree, mesh);
@@ -115,14 +108,7 @@ fn each_ahead<L: Lanes>(
     (ray, off, with_copies): (&Ray, f64, bool),
     visit: &mut Visit<'_>,
 ) {
-    l.call(EachAhead {
-        scratch,
-        at_mesh,
-        ray,
-        off,
-        with_copies,
-        visit,
-    });
+    l.call(EachAhead { scratch, at_mesh, ray, off, with_copies, visit });
 }
 
 /// A function of its own for [`each_ahead`], which has it three times.

@@ -29,9 +29,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
 
     #[inline(always)]
     fn new(limit: f32) -> Self {
-        Self {
-            query: Q::new(limit),
-        }
+        Self { query: Q::new(limit) }
     }
 
     #[inline(always)]
@@ -57,9 +55,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
         };
         let meets_all = ray.filter().meets_all_of(here);
         if meets_all && is_certain && ray.limits.begin_before(low) {
-            return self
-                .query
-                .visit_one(l, ray, (leaf, lane), (low, high), is_certain);
+            return self.query.visit_one(l, ray, (leaf, lane), (low, high), is_certain);
         }
         if !meets_all {
             for triangle in here() {
@@ -80,10 +76,7 @@ impl<Q: MeshQuery> MeshQuery for FilteredQuery<Q> {
         if Self::EDGES == EdgeRule::Once {
             for copy in triangles {
                 let primitive = copy.cast_signed();
-                let copied = Crossing {
-                    primitive,
-                    ..crossing
-                };
+                let copied = Crossing { primitive, ..crossing };
                 self.query.see(l, ray, copied);
             }
         }
@@ -120,10 +113,7 @@ impl<Q: MeshQuery> Visitor for FilteredQuery<Q> {
             let ahead = l.lt(l.splat(ray.limits.t_min_high), candidates.low);
             let settled = left & candidates.certain & ahead;
             left &= !settled;
-            let settled = Candidates {
-                possible: settled,
-                ..*candidates
-            };
+            let settled = Candidates { possible: settled, ..*candidates };
             self.query.visit(l, ray, leaf, &settled);
         }
         if left == 0 || self.query.limit() < 0.0 {

@@ -96,18 +96,8 @@ impl MeshQuery for First {
 
     #[inline(always)]
     fn new(limit: f32) -> Self {
-        let crossing = Crossing {
-            t: 0.0,
-            primitive: 0,
-            barycentric: DVec2::ZERO,
-        };
-        Self {
-            best: NOTHING,
-            low: f32::INFINITY,
-            high: f32::INFINITY,
-            limit,
-            crossing,
-        }
+        let crossing = Crossing { t: 0.0, primitive: 0, barycentric: DVec2::ZERO };
+        Self { best: NOTHING, low: f32::INFINITY, high: f32::INFINITY, limit, crossing }
     }
 
     #[inline(always)]
@@ -140,11 +130,7 @@ impl MeshQuery for First {
         if is_certain && limits.begin_before(low) && high < self.certain_before(ray) {
             self.take(leaf_lane(leaf, lane), low, high);
         } else {
-            l.call(Compared {
-                query: self,
-                ray,
-                triangle: (leaf, lane),
-            });
+            l.call(Compared { query: self, ray, triangle: (leaf, lane) });
         }
     }
 
@@ -242,8 +228,7 @@ impl Kernel for OneByOne<'_> {
         for lane in set_bits(near) {
             let is_certain = certain >> lane & 1 == 1;
             let (triangle, depths) = ((self.leaf, lane), (lows[lane], highs[lane]));
-            self.query
-                .visit_one(l, self.ray, triangle, depths, is_certain);
+            self.query.visit_one(l, self.ray, triangle, depths, is_certain);
         }
     }
 }

@@ -169,10 +169,7 @@ impl PacketFrustum {
             axes,
             forwards,
             reference,
-            at_zero_bounds: [
-                wider(at_zero_bounds[0], margin),
-                wider(at_zero_bounds[1], margin),
-            ],
+            at_zero_bounds: [wider(at_zero_bounds[0], margin), wider(at_zero_bounds[1], margin)],
             slope_bounds,
             at_zero,
             start_depth: Aligned([0.0; RAYS]),
@@ -204,10 +201,7 @@ impl PacketFrustum {
         let [x, y, z] = self.axes;
         macro_rules! plane {
             ($axis:ident, $k:literal, $side:expr) => {
-                l.sub(
-                    l.load(&node.planes[(2 * $axis + $side) % 6]),
-                    l.splat(self.reference[$k]),
-                )
+                l.sub(l.load(&node.planes[(2 * $axis + $side) % 6]), l.splat(self.reference[$k]))
             };
         }
         let is_back = usize::from(self.forwards < 0.0);
@@ -236,11 +230,7 @@ impl PacketFrustum {
         let [normal_x, normal_y] = self.normal;
         macro_rules! ordered {
             ($factor:expr, $low:ident, $high:ident) => {
-                if $factor > 0.0 {
-                    ($low, $high)
-                } else {
-                    ($high, $low)
-                }
+                if $factor > 0.0 { ($low, $high) } else { ($high, $low) }
             };
         }
         let (less_x, more_x) = ordered!(normal_x, low_x, high_x);
@@ -269,14 +259,6 @@ impl PacketFrustum {
 #[inline(always)]
 fn normal([x, y]: [f32; 2], [along_x, along_y]: [f32; 2]) -> [f32; 2] {
     let (size, change) = (x.abs().max(y.abs()), along_x.abs().max(along_y.abs()));
-    let (x, y, size) = if change > size {
-        (along_x, along_y, change)
-    } else {
-        (x, y, size)
-    };
-    if size > 0.0 {
-        [y / size, -x / size]
-    } else {
-        [0.0; 2]
-    }
+    let (x, y, size) = if change > size { (along_x, along_y, change) } else { (x, y, size) };
+    if size > 0.0 { [y / size, -x / size] } else { [0.0; 2] }
 }

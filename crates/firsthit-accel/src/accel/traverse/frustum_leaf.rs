@@ -65,10 +65,7 @@ impl PacketFrustum {
         let [x, y, z] = self.axes;
         macro_rules! relative {
             ($axis:ident, $k:literal) => {
-                l.sub(
-                    l.load(&leaf.vertices[$axis % 3]),
-                    l.splat(self.reference[$k]),
-                )
+                l.sub(l.load(&leaf.vertices[$axis % 3]), l.splat(self.reference[$k]))
             };
         }
         let depth = l.mul(relative!(z, 2), l.splat(self.forwards));
@@ -80,10 +77,7 @@ impl PacketFrustum {
                 let values = $values;
                 let (first, second) = (l.permute(values, a), l.permute(values, b));
                 let third = l.permute(values, c);
-                (
-                    l.min(l.min(first, second), third),
-                    l.max(l.max(first, second), third),
-                )
+                (l.min(l.min(first, second), third), l.max(l.max(first, second), third))
             }};
         }
         let (nearest, farthest) = ends!(depth);
@@ -130,11 +124,8 @@ impl PacketFrustum {
                 let fixed = l.mul_add(size, l.splat(PACKET_EXTENT), l.splat(self.error));
                 let error = l.mul_add(deep, l.splat(PACKET_VERTEX), fixed);
                 let size = l.mul_add(error, l.splat(4.2), l.mul(size, l.splat(1.01)));
-                let share = l.mul_add(
-                    error,
-                    l.splat(SIDE_BY_ERROR),
-                    l.mul(size, l.splat(SIDE_BY_SIZE)),
-                );
+                let share =
+                    l.mul_add(error, l.splat(SIDE_BY_ERROR), l.mul(size, l.splat(SIDE_BY_SIZE)));
                 l.mul(share, size)
             }};
         }

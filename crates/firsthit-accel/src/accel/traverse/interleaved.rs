@@ -38,10 +38,7 @@ pub(super) struct InFlight {
 impl InFlight {
     pub(super) fn new() -> Self {
         let lists = vec![WorkList::EMPTY; LANES].into_boxed_slice();
-        Self {
-            lists: lists.try_into().expect("it has that length"),
-            stack: Stack::new(),
-        }
+        Self { lists: lists.try_into().expect("it has that length"), stack: Stack::new() }
     }
 }
 
@@ -62,10 +59,8 @@ const CAPACITY: usize = 256;
 const LAST_FIRST: usize = CAPACITY / 2;
 
 impl WorkList {
-    const EMPTY: Self = Self {
-        depths: [f32::INFINITY; CAPACITY + LANES],
-        children: [0.0; CAPACITY + LANES],
-    };
+    const EMPTY: Self =
+        Self { depths: [f32::INFINITY; CAPACITY + LANES], children: [0.0; CAPACITY + LANES] };
 }
 
 /// A ray in flight.
@@ -92,11 +87,7 @@ pub(super) fn interleaved<'a, L: Lanes, Q: MeshQuery>(
     let Some(&any) = packets.first() else {
         return;
     };
-    let mut queue = Queue {
-        packets,
-        next: 0,
-        left: 0,
-    };
+    let mut queue = Queue { packets, next: 0, left: 0 };
     let mut slots: [Slot<'a, Q>; LANES] = [Slot::new(any, 0, 0); LANES];
     let InFlight { lists, stack } = in_flight;
     let mut nodes = 0_u16;
@@ -155,11 +146,7 @@ impl Next {
         limits: &[f32; LANES],
         all: u16,
     ) -> Self {
-        let mut next = Self {
-            nodes: 0,
-            leaves: 0,
-            nothing: 0,
-        };
+        let mut next = Self { nodes: 0, leaves: 0, nothing: 0 };
         let mut left = all;
         if Q::ORDERED {
             let (within, keys) = nearest(l, slots, lists, limits);
@@ -237,13 +224,7 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     #[inline(always)]
     fn new(packet: MeshPacket<'a>, number: usize, lane: usize) -> Self {
         let ray = packet.ray(lane);
-        Self {
-            ray,
-            packet: number,
-            query: Q::new(ray.limits.t_max_high),
-            next: 0,
-            height: 0,
-        }
+        Self { ray, packet: number, query: Q::new(ray.limits.t_max_high), next: 0, height: 0 }
     }
 
     /// Puts the children that the ray meets into the work list.
@@ -253,10 +234,9 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
         let MeshRay { packet, lane, .. } = self.ray;
         let (met, entry) = packet.tree_ray(lane).boxes(l, node, self.query.limit());
         let above = LANES + self.height;
-        let (Some(depths), Some(children)) = (
-            list.depths[above..].first_chunk_mut(),
-            list.children[above..].first_chunk_mut(),
-        ) else {
+        let (Some(depths), Some(children)) =
+            (list.depths[above..].first_chunk_mut(), list.children[above..].first_chunk_mut())
+        else {
             return self.start_again(l, stack);
         };
         if Q::ORDERED {
@@ -271,11 +251,7 @@ impl<'a, Q: MeshQuery> Slot<'a, Q> {
     #[inline(never)]
     fn start_again<L: Lanes>(&mut self, l: L, stack: &mut Stack) {
         self.query = Q::new(self.ray.limits.t_max_high);
-        l.call(FromRoot {
-            stack,
-            ray: self.ray,
-            query: &mut self.query,
-        });
+        l.call(FromRoot { stack, ray: self.ray, query: &mut self.query });
         self.height = 0;
     }
 

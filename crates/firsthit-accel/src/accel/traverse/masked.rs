@@ -131,11 +131,7 @@ struct SegmentBounds {
 impl SegmentBounds {
     #[inline(always)]
     fn new<L: Lanes>(l: L, packet: &Packet, rays: u16) -> Self {
-        let mut out = Self {
-            low: [0.0; 3],
-            high: [0.0; 3],
-            back: [0; 3],
-        };
+        let mut out = Self { low: [0.0; 3], high: [0.0; 3], back: [0; 3] };
         let (zero, one, half) = (l.splat(0.0), l.splat(1.0), l.splat(0.5));
         let limit = l.max(l.min(l.load(&packet.t_max_high), l.splat(FARTHEST)), zero);
         for axis in 0..3 {
@@ -173,9 +169,7 @@ impl SegmentBounds {
     fn open<L: Lanes>(&self, l: L, packet: &Packet, node: &Node, here: u16, stack: &mut Stack) {
         if here.is_power_of_two() {
             let lane = here.trailing_zeros() as usize % RAYS;
-            let (met, _) = packet
-                .tree_ray(lane)
-                .boxes(l, node, packet.t_max_high[lane]);
+            let (met, _) = packet.tree_ray(lane).boxes(l, node, packet.t_max_high[lane]);
             for child in set_bits(met) {
                 stack.push(key(here, node.children[child]));
             }
@@ -288,11 +282,7 @@ mod tests {
                 (0, &mut packet),
                 (&mut Deferred::new(), &mut Nowhere),
             );
-            Outcome {
-                is_done,
-                open: packet.open,
-                outside,
-            }
+            Outcome { is_done, open: packet.open, outside }
         }
     }
 
@@ -313,12 +303,7 @@ mod tests {
         let mesh = sheet();
         let tree = MeshTree::build(&mesh);
         for set in InstructionSet::available() {
-            for (reach, goes) in [
-                (0.3, true),
-                (1e-6, true),
-                (3.0, false),
-                (f64::INFINITY, false),
-            ] {
+            for (reach, goes) in [(0.3, true), (1e-6, true), (3.0, false), (f64::INFINITY, false)] {
                 let sixteen = Sixteen {
                     mesh: &mesh,
                     tree: &tree,
@@ -328,11 +313,7 @@ mod tests {
                 let outcome = simd::run(set, sixteen);
                 assert_eq!(outcome.is_done, goes, "{set:?} {reach}");
                 assert_eq!(outcome.open, if goes { 0 } else { u16::MAX });
-                assert!(
-                    outcome.outside < 0.0,
-                    "{set:?} {reach}: {}",
-                    outcome.outside
-                );
+                assert!(outcome.outside < 0.0, "{set:?} {reach}: {}", outcome.outside);
             }
         }
     }

@@ -29,22 +29,13 @@ pub struct MeshPacket<'a> {
 
 impl<'a> MeshPacket<'a> {
     pub fn new(tree: &'a MeshTree, mesh: impl Into<Meshes<'a>>, packet: &'a Packet) -> Self {
-        Self {
-            tree,
-            mesh: mesh.into(),
-            packet,
-            each: None,
-            open: packet.alive,
-        }
+        Self { tree, mesh: mesh.into(), packet, each: None, open: packet.alive }
     }
 
     /// A packet of rays that are at different meshes.
     pub fn apart(each: &'a TreePerRay<'a>, packet: &'a Packet) -> Self {
         let (tree, mesh) = each.at(0);
-        Self {
-            each: Some(each),
-            ..Self::new(tree, mesh, packet)
-        }
+        Self { each: Some(each), ..Self::new(tree, mesh, packet) }
     }
 
     /// Whether enough of the rays are at one mesh for traversals of packets to pay.
@@ -58,13 +49,7 @@ impl<'a> MeshPacket<'a> {
     pub(super) fn ray(&self, lane: usize) -> MeshRay<'a> {
         let at_mesh = (self.tree, self.mesh);
         let (tree, mesh) = self.each.map_or(at_mesh, |each| each.at(lane));
-        MeshRay {
-            tree,
-            mesh,
-            packet: self.packet,
-            lane,
-            limits: self.packet.limits(lane),
-        }
+        MeshRay { tree, mesh, packet: self.packet, lane, limits: self.packet.limits(lane) }
     }
 }
 
@@ -115,9 +100,7 @@ impl MeshRay<'_> {
         let ray = self.packet.ray(self.lane);
         let settle = |doubtful| settle_within(l, &ray, doubtful);
         let ray_and_shear = (&ray, &Shear::new(&ray));
-        let hit = self
-            .filter()
-            .intersect(ray_and_shear, edges, (triangle, corners), settle)?;
+        let hit = self.filter().intersect(ray_and_shear, edges, (triangle, corners), settle)?;
         let farthest = || self.mesh.farthest(triangle);
         let is_met = ray.holds(hit.t) && self.filter().has_begun(hit.t, farthest);
         is_met.then(|| hit.crossing(triangle.cast_signed()))
@@ -217,8 +200,7 @@ impl Kernel for IsAfter<'_> {
     fn run<L: Lanes>(self, _: L) -> bool {
         let Self(mesh, ray, [new, old]) = self;
         let old = (old, mesh.corners(old));
-        mesh.crowds()
-            .is_some_and(|crowds| crowds.is_after(ray, new, old))
+        mesh.crowds().is_some_and(|crowds| crowds.is_after(ray, new, old))
     }
 }
 

@@ -77,11 +77,7 @@ impl TreePoint {
         let off = f64::from(NEAR) * reach + off * space.scale;
         // Written so that a NaN is far away.
         let is_near = reach < NEAR_FARTHEST && off < NEAR_FARTHEST;
-        is_near.then(|| Self {
-            at: at.to_array().map(single),
-            stretch: stretch * space.scale,
-            off,
-        })
+        is_near.then(|| Self { at: at.to_array().map(single), stretch: stretch * space.scale, off })
     }
 
     /// The limit on squares of distances in the tree, from a limit in the world.
@@ -240,10 +236,7 @@ fn cross<L: Lanes>(l: L, a: Vectors<L>, b: Vectors<L>) -> Vectors<L> {
 fn offset<L: Lanes>(l: L, a: Vectors<L>, edge: Vectors<L>) -> (Vectors<L>, L::Floats) {
     let share = l.div(dot(l, a, edge), dot(l, edge, edge));
     // Of an edge without a length it is NaN, and then 1, which leads to the same point.
-    let share = l.max(
-        l.min(l.sub(l.splat(0.0), share), l.splat(1.0)),
-        l.splat(0.0),
-    );
+    let share = l.max(l.min(l.sub(l.splat(0.0), share), l.splat(1.0)), l.splat(0.0));
     let offset = [
         l.mul_add(share, edge[0], a[0]),
         l.mul_add(share, edge[1], a[1]),
@@ -254,11 +247,7 @@ fn offset<L: Lanes>(l: L, a: Vectors<L>, edge: Vectors<L>) -> (Vectors<L>, L::Fl
 
 #[inline(always)]
 fn select<L: Lanes>(l: L, mask: u16, a: Vectors<L>, b: Vectors<L>) -> Vectors<L> {
-    [
-        l.select(mask, a[0], b[0]),
-        l.select(mask, a[1], b[1]),
-        l.select(mask, a[2], b[2]),
-    ]
+    [l.select(mask, a[0], b[0]), l.select(mask, a[1], b[1]), l.select(mask, a[2], b[2])]
 }
 
 /// See [the module](self), step 3.
@@ -305,8 +294,5 @@ fn bounded<L: Lanes>(l: L, point: &TreePoint, leaf: &Meshlet, limit: f32) -> Bou
     let beyond = l.lt(l.mul(l.splat(limit), length), squared);
     let mut low = Aligned([0.0; LANES]);
     l.store(l.select(is_told, l.div(squared, length), zero), &mut low.0);
-    Bounded {
-        possible: leaf.filled & !(is_told & beyond),
-        low,
-    }
+    Bounded { possible: leaf.filled & !(is_told & beyond), low }
 }

@@ -31,10 +31,7 @@ pub struct Scratch {
 
 impl Default for Scratch {
     fn default() -> Self {
-        Self {
-            stack: Stack::new(),
-            packet: Box::default(),
-        }
+        Self { stack: Stack::new(), packet: Box::default() }
     }
 }
 

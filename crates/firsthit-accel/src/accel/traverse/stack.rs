@@ -19,10 +19,7 @@ const _: () = assert!(15 * LEVELS + 1 < STACK);
 
 impl Stack {
     pub(in crate::accel) fn new() -> Self {
-        Self {
-            entries: vec![0; STACK].try_into().expect("it has that length"),
-            height: 0,
-        }
+        Self { entries: vec![0; STACK].try_into().expect("it has that length"), height: 0 }
     }
 
     #[inline(always)]

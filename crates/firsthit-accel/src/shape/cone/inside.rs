@@ -98,12 +98,7 @@ impl Cone {
         slab: Interval<A>,
         line: Line<A::Number>,
     ) -> Interval<A> {
-        let Line {
-            across,
-            d_across,
-            z,
-            dz,
-        } = line;
+        let Line { across, d_across, z, dz } = line;
         let slope = of.number(self.slope());
         let radius = of.add(of.number(self.bottom_radius), of.mul(slope, z));
         let d_radius = of.mul(slope, dz);
@@ -119,10 +114,7 @@ impl Cone {
         let deepest = of.div(negative(of, b), a);
         let radius_there = of.add(radius, of.mul(deepest, d_radius));
         let across_there = plus(of, across, times(of, deepest, d_across));
-        let depth = of.sub(
-            of.mul(radius_there, radius_there),
-            squared(of, across_there),
-        );
+        let depth = of.sub(of.mul(radius_there, radius_there), squared(of, across_there));
         let flat = of.sub(of.mul(b, b), of.mul(a, c));
         let discriminant = of.select(is_steep, of.mul(a, depth), flat);
         let zero = of.number(0.0);
@@ -173,9 +165,7 @@ impl Cone {
         let rounding = of.mul(of.number(1e-14), of.sqrt(squared_distance));
         let most = of.add(of.number(2.0 * size), rounding);
         let is_outside = is_far & of.lt(most, of.sqrt(squared(of, nearest)));
-        self.inside(of, nearest, ray.direction)
-            .only(!is_outside)
-            .moved(start)
+        self.inside(of, nearest, ray.direction).only(!is_outside).moved(start)
     }
 
     /// The first crossings of rays with the cone.

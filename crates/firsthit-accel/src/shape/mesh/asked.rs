@@ -33,10 +33,7 @@ impl<T> WhenAsked<T> {
 
 impl<T> Default for WhenAsked<T> {
     fn default() -> Self {
-        Self {
-            value: OnceLock::new(),
-            asked: AtomicUsize::new(0),
-        }
+        Self { value: OnceLock::new(), asked: AtomicUsize::new(0) }
     }
 }
 

@@ -29,11 +29,7 @@ impl Mesh {
     /// [`Error::Argument`] when there are not as many `faces` as triangles, or one is no identifier: 2^31 or more.
     pub fn with_faces(mut self, faces: Vec<u32>) -> Result<Self> {
         if faces.len() != self.triangles.len() {
-            return Err(Error::argument(
-                "faces",
-                "one for each triangle",
-                faces.len(),
-            ));
+            return Err(Error::argument("faces", "one for each triangle", faces.len()));
         }
         if let Some(&face) = faces.iter().find(|&&face| i32::try_from(face).is_err()) {
             return Err(Error::argument("faces", "below 2^31", face));
@@ -154,9 +150,7 @@ impl Mesh {
 
     /// The polygon that a triangle was part of; without polygons, the triangle's own index.
     pub fn face(&self, triangle: usize) -> usize {
-        self.faces
-            .as_ref()
-            .map_or(triangle, |faces| faces[triangle] as usize)
+        self.faces.as_ref().map_or(triangle, |faces| faces[triangle] as usize)
     }
 
     /// The shading normal in object space, interpolated and not of length one; `None` where the mesh has none.
@@ -169,9 +163,7 @@ impl Mesh {
 
     /// The texture coordinates; `None` where the mesh has none.
     pub fn uv(&self, triangle: usize, barycentric: DVec2) -> Option<DVec2> {
-        self.uvs
-            .as_ref()
-            .map(|uvs| DVec2::from(self.between(uvs, triangle, barycentric)))
+        self.uvs.as_ref().map(|uvs| DVec2::from(self.between(uvs, triangle, barycentric)))
     }
 
     /// The second texture coordinates; `None` where the mesh has none.
@@ -191,9 +183,7 @@ impl Mesh {
     /// The linear colour; `None` where the mesh has none.
     #[inline]
     pub fn color(&self, triangle: usize, barycentric: DVec2) -> Option<DVec3> {
-        self.colors
-            .as_ref()
-            .map(|colors| DVec3::from(self.between(colors, triangle, barycentric)))
+        self.colors.as_ref().map(|colors| DVec3::from(self.between(colors, triangle, barycentric)))
     }
 
     /// The alpha of its own; `None` where the mesh has none.
@@ -207,9 +197,7 @@ impl Mesh {
     /// The slot of a triangle: the index of its object's material.
     #[inline]
     pub fn slot(&self, triangle: usize) -> usize {
-        self.slots
-            .as_ref()
-            .map_or(0, |slots| slots[triangle] as usize)
+        self.slots.as_ref().map_or(0, |slots| slots[triangle] as usize)
     }
 
     /// Whether all of a triangle's points look alike as far as holes are concerned: of two triangles in one place
@@ -227,11 +215,7 @@ impl Mesh {
         triangle: usize,
         barycentric: DVec2,
     ) -> [f64; N] {
-        let weights = [
-            1.0 - barycentric.x - barycentric.y,
-            barycentric.x,
-            barycentric.y,
-        ];
+        let weights = [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y];
         attribute.interpolate(triangle, self.triangles[triangle], weights)
     }
 }
@@ -242,12 +226,7 @@ mod tests {
     use crate::shape::Positions;
 
     fn square() -> Mesh {
-        let points = vec![
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [1.0, 1.0, 0.0],
-            [0.0, 1.0, 0.0],
-        ];
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 2, 3]]).unwrap()
     }
 
@@ -260,10 +239,7 @@ mod tests {
             [1.0; 3],
         ]);
         let mesh = square().with_colors(colors).unwrap();
-        assert_eq!(
-            mesh.color(0, DVec2::new(0.5, 0.25)).unwrap(),
-            DVec3::new(0.25, 0.5, 0.25)
-        );
+        assert_eq!(mesh.color(0, DVec2::new(0.5, 0.25)).unwrap(), DVec3::new(0.25, 0.5, 0.25));
         assert_eq!(mesh.color(1, DVec2::new(0.0, 1.0)).unwrap(), DVec3::ONE);
     }
 }

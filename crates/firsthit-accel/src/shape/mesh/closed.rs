@@ -96,10 +96,7 @@ impl Mesh {
         let mut uses: Vec<u64> = Vec::new();
         let room = uses.try_reserve_exact(3 * self.triangles.len());
         room.map_err(|_| memory::no_room_for("edges of a mesh"))?;
-        let Welded {
-            triangles,
-            vertices,
-        } = self.welded()?;
+        let Welded { triangles, vertices } = self.welded()?;
         if vertices.len() > MOST_PLACES {
             return Err(Error::Limit {
                 what: "places of a mesh's vertices",
@@ -147,11 +144,7 @@ mod tests {
 
     #[test]
     fn vertices_in_one_place_are_one_and_so_are_both_zeros() {
-        let mut soup: Vec<_> = SIDES
-            .as_flattened()
-            .iter()
-            .map(|&k| TIPS[k as usize])
-            .collect();
+        let mut soup: Vec<_> = SIDES.as_flattened().iter().map(|&k| TIPS[k as usize]).collect();
         for (k, point) in soup.iter_mut().enumerate() {
             *point = point.map(|x| if x == 0.0 && k % 2 == 0 { -0.0 } else { x });
         }

@@ -22,11 +22,7 @@ impl Mesh {
     #[inline]
     #[doc(hidden)]
     pub fn precedes(&self, ray: &Ray, new: &Crossing, old: &Crossing) -> bool {
-        if are_close(new.t, old.t) {
-            self.precedes_closely(ray, new, old)
-        } else {
-            new.t < old.t
-        }
+        if are_close(new.t, old.t) { self.precedes_closely(ray, new, old) } else { new.t < old.t }
     }
 
     #[cold]
@@ -59,11 +55,7 @@ impl Mesh {
     #[inline]
     fn meeting(&self, ray: &Ray, crossing: &Crossing) -> Option<Meeting<f64>> {
         let triangle = usize::try_from(crossing.primitive).ok()?;
-        Some(Meeting::new(
-            ray.origin,
-            ray.direction,
-            self.corners(triangle),
-        ))
+        Some(Meeting::new(ray.origin, ray.direction, self.corners(triangle)))
     }
 
     /// The first crossing of a ray that is ready for triangles, by brute force.

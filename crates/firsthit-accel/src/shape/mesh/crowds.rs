@@ -46,10 +46,7 @@ struct Layer {
 }
 
 impl Layer {
-    const NONE: Self = Self {
-        crowd: NONE,
-        heights: [0.0; 3],
-    };
+    const NONE: Self = Self { crowd: NONE, heights: [0.0; 3] };
 
     fn least(&self) -> f64 {
         let [a, b, c] = self.heights;
@@ -99,10 +96,7 @@ impl Crowds {
                 if layer.crowd == NONE
                     && let Some(heights) = crowd.take(mesh.corners(triangle), near)
                 {
-                    *layer = Layer {
-                        crowd: number,
-                        heights,
-                    };
+                    *layer = Layer { crowd: number, heights };
                     areas[triangle] = 0.0;
                 }
             }

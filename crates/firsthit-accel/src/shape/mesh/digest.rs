@@ -26,9 +26,7 @@ impl Mesh {
     fn part(&self, triangles: Range<usize>) -> [u8; 32] {
         let mut digest = Digest::default();
         let corners = triangles.clone().flat_map(|k| self.corners(k));
-        let numbers: Vec<f64> = corners
-            .flat_map(|corner: DVec3| corner.to_array())
-            .collect();
+        let numbers: Vec<f64> = corners.flat_map(|corner: DVec3| corner.to_array()).collect();
         digest.numbers(&numbers);
         let numbers = triangles.clone().flat_map(|k| [self.face(k), self.slot(k)]);
         let numbers: Vec<f64> = numbers.map(|number| number as f64).collect();

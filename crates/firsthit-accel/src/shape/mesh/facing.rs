@@ -50,9 +50,7 @@ pub fn sorted([a, b, c]: [u32; 3]) -> ([u32; 3], bool) {
 #[doc(hidden)]
 pub fn edges([a, b, c]: [u32; 3]) -> impl Iterator<Item = ([u32; 2], bool)> {
     let sides = [(a, b), (b, c), (c, a)].into_iter();
-    sides
-        .filter(|(p, q)| p != q)
-        .map(|(p, q)| ([p.min(q), p.max(q)], p < q))
+    sides.filter(|(p, q)| p != q).map(|(p, q)| ([p.min(q), p.max(q)], p < q))
 }
 
 impl Mesh {
@@ -74,11 +72,7 @@ impl Mesh {
             Facing::AsGiven
         } else {
             let turned = self.turned()?;
-            if self.is_balanced(&turned)? {
-                Facing::Turned(turned)
-            } else {
-                Facing::Undecided
-            }
+            if self.is_balanced(&turned)? { Facing::Turned(turned) } else { Facing::Undecided }
         };
         Ok(parallel::once(known, || facing))
     }

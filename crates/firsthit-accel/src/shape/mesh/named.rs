@@ -53,11 +53,7 @@ impl Mesh {
         let own = own.into_iter();
         let own = own.filter_map(|(name, values)| Some((name, values?)));
         let all = self.properties.iter().map(named).chain(own);
-        all.map(|(name, values)| NamedAttribute {
-            mesh: self,
-            name,
-            values,
-        })
+        all.map(|(name, values)| NamedAttribute { mesh: self, name, values })
     }
 
     /// The attribute of that name. Where several have it, `of` chooses, or else the corners' comes before the vertices', and that
@@ -95,11 +91,7 @@ impl<'a> NamedAttribute<'a> {
             Values::Three(attribute) => attribute.corners.is_some(),
             Values::Four(attribute) => attribute.corners.is_some(),
         };
-        if has_corners {
-            PropertyOf::Corners
-        } else {
-            PropertyOf::Vertices
-        }
+        if has_corners { PropertyOf::Corners } else { PropertyOf::Vertices }
     }
 
     /// The number of components of a value.
@@ -165,11 +157,7 @@ impl<'a> NamedAttribute<'a> {
             triangle,
             vertices,
             face: self.mesh.face(triangle),
-            weights: [
-                1.0 - barycentric.x - barycentric.y,
-                barycentric.x,
-                barycentric.y,
-            ],
+            weights: [1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y],
         };
         match self.values {
             Values::Property(property) => property.look_up(&point, out),
@@ -201,12 +189,7 @@ mod tests {
     use crate::shape::{Between, Positions, PropertyValues};
 
     fn square() -> Mesh {
-        let points = vec![
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [1.0, 1.0, 0.0],
-            [0.0, 1.0, 0.0],
-        ];
+        let points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         Mesh::new(Positions::compact(points), vec![[0, 1, 2], [0, 2, 3]]).unwrap()
     }
 
@@ -277,13 +260,6 @@ mod tests {
             refused(pairs.clone()).to_string(),
             "properties must be as many as vertices, got 9 numbers, 2 for each, of 'a'"
         );
-        assert!(
-            square()
-                .with_properties(vec![Property {
-                    components: 0,
-                    ..pairs
-                }])
-                .is_err()
-        );
+        assert!(square().with_properties(vec![Property { components: 0, ..pairs }]).is_err());
     }
 }

@@ -73,10 +73,7 @@ impl Mesh {
     pub fn split(&self) -> Result<Vec<Self>> {
         let mut number = memory::filled(self.positions.len(), u32::MAX)?;
         let parts = self.parts()?;
-        parts
-            .iter()
-            .map(|part| self.of_triangles(part, &mut number))
-            .collect()
+        parts.iter().map(|part| self.of_triangles(part, &mut number)).collect()
     }
 
     /// A mesh of some triangles alone, with their vertices. `number` is memory for a number of each
@@ -98,13 +95,8 @@ impl Mesh {
         for &vertex in &vertices {
             number[vertex as usize] = u32::MAX;
         }
-        let some = Chosen {
-            triangles,
-            vertices: &vertices,
-        };
-        let points = vertices
-            .iter()
-            .map(|&vertex| self.positions.get(vertex).to_array());
+        let some = Chosen { triangles, vertices: &vertices };
+        let points = vertices.iter().map(|&vertex| self.positions.get(vertex).to_array());
         let positions = match &*self.positions {
             Positions::Single(all) => Positions::Single(some.of_vertices(all, 1).into()),
             Positions::Double(_) => Positions::Double(points.collect::<Vec<_>>().into()),
@@ -176,11 +168,7 @@ impl Mesh {
         }
         let bounds = self.bounds;
         // From the middle, for far from the origin what is added would cancel.
-        let middle = if bounds.is_empty() {
-            DVec3::ZERO
-        } else {
-            bounds.centre()
-        };
+        let middle = if bounds.is_empty() { DVec3::ZERO } else { bounds.centre() };
         let volumes = (0..self.triangles.len()).map(|k| {
             let [a, b, c] = self.corners(k).map(|corner| corner - middle);
             let volume = a.dot(b.cross(c));
@@ -219,18 +207,11 @@ impl Chosen<'_> {
             *corner = u32::try_from(found).unwrap_or(u32::MAX);
         }
         let values: Storage<[f32; N]> = chosen(values, (&own, 1)).into();
-        Attribute {
-            values,
-            corners: Some(used.into()),
-        }
+        Attribute { values, corners: Some(used.into()) }
     }
 }
 
 /// The groups of `each` numbers whose indices are listed.
 fn chosen<T: Copy>(all: &[T], (which, each): (&[u32], usize)) -> Vec<T> {
-    which
-        .iter()
-        .flat_map(|&k| &all[k as usize * each..][..each])
-        .copied()
-        .collect()
+    which.iter().flat_map(|&k| &all[k as usize * each..][..each]).copied().collect()
 }

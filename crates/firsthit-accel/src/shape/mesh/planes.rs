@@ -90,11 +90,7 @@ impl Mesh {
         }
         let are_one = count == firsts.len() && firsts.iter().all(|&first| first == firsts[0]);
         let crowds = if are_one { None } else { Crowds::find(self) };
-        Some(Planes {
-            firsts,
-            are_one,
-            crowds,
-        })
+        Some(Planes { firsts, are_one, crowds })
     }
 
     /// A number for the plane of a triangle, which others may have too; `None` where float64 is not sure of an area.
@@ -134,9 +130,7 @@ mod tests {
     fn numbers() -> impl FnMut() -> f64 {
         let mut state = 1_u64;
         move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 44) as f64 / f64::from(1 << 20)
         }
     }
@@ -150,11 +144,7 @@ mod tests {
             for _ in 0..3 {
                 let (x, y) = (next(), next());
                 let z = [0.0, 0.5 * x + 0.25 * y, 0.5 * x + 0.25 * y + 2.0][k % 3];
-                points.push(if k % 3 == 2 {
-                    [x, y, z.next_up()]
-                } else {
-                    [x, y, z]
-                });
+                points.push(if k % 3 == 2 { [x, y, z.next_up()] } else { [x, y, z] });
             }
         }
         points.extend([[0.0; 3], [0.5, 0.5, 0.0], [1.0, 1.0, 0.0]]);

@@ -54,9 +54,7 @@ impl Mesh {
     fn blocks(&self) -> Arc<[Bounds]> {
         let Blocks(known) = &self.blocks;
         let around = |triangles: &[[u32; 3]]| {
-            let corners = triangles
-                .iter()
-                .flat_map(|&corners| self.positions.three(corners));
+            let corners = triangles.iter().flat_map(|&corners| self.positions.three(corners));
             corners.fold(Bounds::EMPTY, |all, corner| Bounds {
                 low: all.low.min(corner),
                 high: all.high.max(corner),
@@ -84,18 +82,10 @@ mod tests {
         points.push([9.0; 3]);
         let triangles: Vec<[u32; 3]> = (0..2990).map(|k| [k, k + 1, k + 7]).collect();
         let mesh = Mesh::new(Positions::compact(points), triangles).unwrap();
-        for direction in [
-            DVec3::X,
-            DVec3::NEG_Z,
-            DVec3::new(1.0, -2.0, 0.3),
-            DVec3::ZERO,
-        ] {
+        for direction in [DVec3::X, DVec3::NEG_Z, DVec3::new(1.0, -2.0, 0.3), DVec3::ZERO] {
             let corners = (0..mesh.triangles().len()).flat_map(|k| mesh.corners(k));
             let along = corners.map(|corner| corner.dot(direction));
-            assert_eq!(
-                mesh.reach(direction),
-                along.fold(f64::NEG_INFINITY, f64::max)
-            );
+            assert_eq!(mesh.reach(direction), along.fold(f64::NEG_INFINITY, f64::max));
         }
         let nothing = Mesh::new(Positions::compact(vec![]), vec![]).unwrap();
         assert_eq!(nothing.reach(DVec3::X), f64::NEG_INFINITY);

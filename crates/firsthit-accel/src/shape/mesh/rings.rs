@@ -37,10 +37,7 @@ impl Mesh {
     fn find_rings(&self) -> Option<Vec<u32>> {
         let count = 3 * self.triangles.len();
         u32::try_from(count).ok()?;
-        let Welded {
-            triangles,
-            vertices,
-        } = self.welded().ok()?;
+        let Welded { triangles, vertices } = self.welded().ok()?;
         let mut last = memory::filled(vertices.len(), NONE).ok()?;
         let mut next = memory::filled(count, NONE).ok()?;
         let places = triangles.as_flattened();
@@ -64,14 +61,7 @@ mod tests {
     #[test]
     fn around_a_corner_are_all_triangles_that_have_its_place_each_once() {
         let tips = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -0.0, 0.0]];
-        let triangles = vec![
-            [0, 1, 2],
-            [3, 2, 1],
-            [1, 1, 2],
-            [1, 2, 2],
-            [3, 0, 1],
-            [2, 1, 1],
-        ];
+        let triangles = vec![[0, 1, 2], [3, 2, 1], [1, 1, 2], [1, 2, 2], [3, 0, 1], [2, 1, 1]];
         let mesh = Mesh::new(Positions::compact(tips.to_vec()), triangles.clone()).unwrap();
         // The first questions are answered the long way.
         let mut asked = 0;

@@ -121,11 +121,8 @@ impl Mesh {
             }
             _ => self.triangles.len(),
         };
-        let counts = Counts {
-            vertices: self.positions.len(),
-            triangles: self.triangles.len(),
-            faces,
-        };
+        let counts =
+            Counts { vertices: self.positions.len(), triangles: self.triangles.len(), faces };
         let fits = |property: &Property| property.check(&counts).is_ok();
         if !properties.iter().all(fits) {
             return Err("a property does not fit its mesh");
@@ -161,7 +158,5 @@ fn fits<const N: usize>(
 pub(crate) fn are_below(indices: &[u32], count: usize) -> bool {
     // The largest of a part: without a branch, so that it is as fast as memory.
     let largest = |part: &[u32]| part.iter().fold(0, |largest, &index| index.max(largest));
-    parallel::all(indices.chunks(CHUNK), |part| {
-        (largest(part) as usize) < count
-    })
+    parallel::all(indices.chunks(CHUNK), |part| (largest(part) as usize) < count)
 }

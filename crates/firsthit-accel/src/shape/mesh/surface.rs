@@ -33,9 +33,7 @@ impl Surface for Arc<Mesh> {
 
     fn nearest(&self, from: DVec3, place: &Transform, visit: &mut dyn FnMut(Nearest)) {
         for (primitive, triangle) in (0..).zip(0..self.triangles.len()) {
-            let corners = self
-                .corners(triangle)
-                .map(|corner| place.point_in_world(corner));
+            let corners = self.corners(triangle).map(|corner| place.point_in_world(corner));
             visit(nearest_on_lone_triangle(from, corners, primitive));
         }
     }
@@ -52,34 +50,12 @@ impl crate::shape::conformance::Conforming for Arc<Mesh> {
         let mesh = |points: &[[f64; 3]], triangles: &[[u32; 3]]| {
             Self::new(Mesh::new(Positions::compact(points.to_vec()), triangles.to_vec()).unwrap())
         };
-        let tips = [
-            [1., 0., 0.],
-            [0., 1., 0.],
-            [-1., 0., 0.],
-            [0., -1., 0.],
-            [0., 0., 1.],
-            [0., 0., -1.],
-        ];
+        let tips =
+            [[1., 0., 0.], [0., 1., 0.], [-1., 0., 0.], [0., -1., 0.], [0., 0., 1.], [0., 0., -1.]];
         let around = [[0, 1], [1, 2], [2, 3], [3, 0]];
-        let sides: Vec<_> = around
-            .iter()
-            .flat_map(|&[a, b]| [[a, b, 4], [b, a, 5]])
-            .collect();
-        let pyramid = [
-            [0.1, 0., 0.],
-            [2., 0., 0.3],
-            [2., 2., 0.],
-            [0., 2.2, 0.],
-            [0.7, 0.1, 3.1],
-        ];
-        let faces = [
-            [0, 3, 2],
-            [0, 2, 1],
-            [0, 1, 4],
-            [1, 2, 4],
-            [2, 3, 4],
-            [3, 0, 4],
-        ];
+        let sides: Vec<_> = around.iter().flat_map(|&[a, b]| [[a, b, 4], [b, a, 5]]).collect();
+        let pyramid = [[0.1, 0., 0.], [2., 0., 0.3], [2., 2., 0.], [0., 2.2, 0.], [0.7, 0.1, 3.1]];
+        let faces = [[0, 3, 2], [0, 2, 1], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
         vec![mesh(&tips, &sides), mesh(&pyramid, &faces)]
     }
 
@@ -95,21 +71,11 @@ impl crate::shape::conformance::Conforming for Arc<Mesh> {
                 (point - p - along * (q - p)).length()
             };
             let height = (point - a).dot(Mesh::normal(self, triangle));
-            if inside {
-                height.abs()
-            } else {
-                edge(a, b).min(edge(b, c)).min(edge(c, a))
-            }
+            if inside { height.abs() } else { edge(a, b).min(edge(b, c)).min(edge(c, a)) }
         };
-        let distance = (0..self.triangles.len())
-            .map(to)
-            .fold(f64::INFINITY, f64::min);
+        let distance = (0..self.triangles.len()).map(to).fold(f64::INFINITY, f64::min);
         let behind =
             |triangle| (point - self.corners(triangle)[0]).dot(Mesh::normal(self, triangle)) < 0.0;
-        if (0..self.triangles.len()).all(behind) {
-            -distance
-        } else {
-            distance
-        }
+        if (0..self.triangles.len()).all(behind) { -distance } else { distance }
     }
 }

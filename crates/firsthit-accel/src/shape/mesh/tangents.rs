@@ -51,10 +51,7 @@ impl Mesh {
                 let here = &corners[corner];
                 let next = sums.len();
                 let number = *known.entry(here.key(is_mirrored)).or_insert_with(|| {
-                    sums.push(Sum {
-                        tangent: DVec3::ZERO,
-                        is_mirrored,
-                    });
+                    sums.push(Sum { tangent: DVec3::ZERO, is_mirrored });
                     u32::try_from(next).unwrap_or(u32::MAX)
                 });
                 let others = [1, 2].map(|k| corners[(corner + k) % 3].position);
@@ -117,12 +114,7 @@ impl Corner {
         // Zeros have a sign that makes no difference.
         let position = (self.position + DVec3::ZERO).to_array().map(f64::to_bits);
         let bits = |x: f32| (x + 0.0).to_bits();
-        (
-            position,
-            self.normal.map(bits),
-            self.uv.map(bits),
-            is_mirrored,
-        )
+        (position, self.normal.map(bits), self.uv.map(bits), is_mirrored)
     }
 
     /// A triangle's tangent across the normal, by the triangle's angle here. `None` where there is no such thing.
@@ -153,10 +145,7 @@ mod tests {
         let plain = triangle([[0.0, 1.0], [1.0, 1.0], [0.0, 0.0]]);
         assert_eq!(plain.at_corners(0, [0, 1, 2]), [[1.0, 0.0, 0.0, 1.0]; 3]);
         let mirrored = triangle([[1.0, 1.0], [0.0, 1.0], [1.0, 0.0]]);
-        assert_eq!(
-            mirrored.at_corners(0, [0, 1, 2]),
-            [[-1.0, 0.0, 0.0, -1.0]; 3]
-        );
+        assert_eq!(mirrored.at_corners(0, [0, 1, 2]), [[-1.0, 0.0, 0.0, -1.0]; 3]);
         let turned = triangle([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
         assert_eq!(turned.at_corners(0, [0, 1, 2]), [[0.0, 1.0, 0.0, 1.0]; 3]);
     }
@@ -165,15 +154,9 @@ mod tests {
     fn coordinates_without_an_area_give_no_tangent_and_no_nan() {
         let none = triangle([[0.3; 2]; 3]);
         assert_eq!(none.at_corners(0, [0, 1, 2]), [[0.0, 0.0, 0.0, 1.0]; 3]);
-        for uvs in [
-            [[f32::MAX, 0.0], [-f32::MAX, 1.0], [0.0, f32::MAX]],
-            [[f32::NAN; 2]; 3],
-        ] {
+        for uvs in [[[f32::MAX, 0.0], [-f32::MAX, 1.0], [0.0, f32::MAX]], [[f32::NAN; 2]; 3]] {
             let all = triangle(uvs);
-            assert!(
-                all.values.iter().flatten().all(|x| x.is_finite()),
-                "{all:?}"
-            );
+            assert!(all.values.iter().flatten().all(|x| x.is_finite()), "{all:?}");
         }
     }
 }

@@ -64,9 +64,7 @@ impl Mesh {
         for (entry, &vertex) in order.iter_mut().zip(&used) {
             *entry = (self.positions.get(vertex), vertex);
         }
-        sort(&mut order, |a, b| {
-            compare_points(a.0, b.0).then(a.1.cmp(&b.1))
-        });
+        sort(&mut order, |a, b| compare_points(a.0, b.0).then(a.1.cmp(&b.1)));
         let is_table = self.uses_most_vertices();
         let slot = |vertex: u32| {
             if is_table {
@@ -75,11 +73,7 @@ impl Mesh {
             let found = used.binary_search(&vertex);
             found.expect("every corner's vertex is there")
         };
-        let slots = if is_table {
-            self.positions.len()
-        } else {
-            used.len()
-        };
+        let slots = if is_table { self.positions.len() } else { used.len() };
         let mut places = memory::filled(slots, 0)?;
         let mut vertices = memory::filled(used.len(), 0)?;
         let mut count = 0;
@@ -105,10 +99,7 @@ impl Mesh {
         } else {
             weld((&mut triangles, &self.triangles));
         }
-        Ok(Welded {
-            triangles,
-            vertices,
-        })
+        Ok(Welded { triangles, vertices })
     }
 }
 

@@ -49,10 +49,7 @@ impl Principal {
                 directions[k] = directions[(k + 1) % 3].cross(directions[(k + 2) % 3]);
             }
         }
-        Self {
-            directions,
-            lengths,
-        }
+        Self { directions, lengths }
     }
 
     /// The coordinates of a vector along the axes.
@@ -115,10 +112,7 @@ fn root<const N: usize>(axes: [f64; N], ratios: [f64; N], y: [f64; N], least: us
     if low == 0.0 && (value(0.0) < 0.0 || y.iter().all(|&y| y == 0.0)) {
         return 0.0;
     }
-    let far: f64 = (0..N)
-        .map(|k| ratios[k] * (y[k] / axes[k]))
-        .map(|x| x * x)
-        .sum();
+    let far: f64 = (0..N).map(|k| ratios[k] * (y[k] / axes[k])).map(|x| x * x).sum();
     let mut high = far.sqrt().max(low).next_up();
     loop {
         let middle = 0.5 * low + 0.5 * high;
@@ -156,10 +150,7 @@ mod tests {
             point[k / 3 % 3] *= [0.0, 1e-9, 1.0][k / 9 % 3];
             let found = onto_ellipse(axes, point);
             let on: f64 = (0..3).map(|k| found[k] / axes[k]).map(|x| x * x).sum();
-            assert!(
-                (on - 1.0).abs() < 1e-12,
-                "{axes:?} {point:?} {found:?} {on}"
-            );
+            assert!((on - 1.0).abs() < 1e-12, "{axes:?} {point:?} {found:?} {on}");
             let way = DVec3::from(point) - DVec3::from(found);
             let gradient: [f64; 3] = [0, 1, 2].map(|k| found[k] / axes[k] / axes[k]);
             let gradient = DVec3::from(gradient).normalize();
@@ -182,11 +173,8 @@ mod tests {
 
     #[test]
     fn principal_axes_are_perpendicular_and_keep_the_ellipsoid() {
-        let spanned = [
-            DVec3::new(1.0, 2.0, 0.5),
-            DVec3::new(-0.3, 1.0, 4.0),
-            DVec3::new(0.2, 0.1, -0.6),
-        ];
+        let spanned =
+            [DVec3::new(1.0, 2.0, 0.5), DVec3::new(-0.3, 1.0, 4.0), DVec3::new(0.2, 0.1, -0.6)];
         let principal = Principal::new(spanned);
         let [f, g, h] = principal.directions;
         assert!(f.dot(g).abs() + g.dot(h).abs() + h.dot(f).abs() < 1e-14);

@@ -70,10 +70,7 @@ fn is_before(a: DVec3, b: DVec3) -> bool {
 pub(super) fn nearest_on_segment(p: DVec3, a: DVec3, b: DVec3) -> Foot {
     if is_before(b, a) {
         let foot = ordered(p, b, a);
-        Foot {
-            share: 1.0 - foot.share,
-            ..foot
-        }
+        Foot { share: 1.0 - foot.share, ..foot }
     } else {
         ordered(p, a, b)
     }
@@ -81,10 +78,7 @@ pub(super) fn nearest_on_segment(p: DVec3, a: DVec3, b: DVec3) -> Foot {
 
 #[inline(always)]
 fn ordered(p: DVec3, a: DVec3, b: DVec3) -> Foot {
-    let end = |end: DVec3, share| Foot {
-        squared: (end - p).length_squared(),
-        share,
-    };
+    let end = |end: DVec3, share| Foot { squared: (end - p).length_squared(), share };
     let from_a = along(p, a, b);
     if from_a.is_nan() || from_a <= 0.0 {
         return end(a, 0.0);
@@ -95,18 +89,11 @@ fn ordered(p: DVec3, a: DVec3, b: DVec3) -> Foot {
     }
     let share = from_a / (from_a + from_b);
     let (to_a, to_b, edge) = (a - p, b - p, b - a);
-    let offset = if share <= 0.5 {
-        to_a + share * edge
-    } else {
-        to_b - from_b / (from_a + from_b) * edge
-    };
+    let offset =
+        if share <= 0.5 { to_a + share * edge } else { to_b - from_b / (from_a + from_b) * edge };
     let squared = offset.length_squared();
     let farther = to_a.length_squared().max(to_b.length_squared());
-    if 4.0 * squared >= farther {
-        Foot { squared, share }
-    } else {
-        between_exactly(p, a, b)
-    }
+    if 4.0 * squared >= farther { Foot { squared, share } } else { between_exactly(p, a, b) }
 }
 
 /// The foot in double-double, for a point that is nearest between the ends.
@@ -121,8 +108,5 @@ fn between_exactly(p: DVec3, a: DVec3, b: DVec3) -> Foot {
         let moved = sum(Scalar, to_a[k].high, way.high);
         moved.high + (moved.low + (to_a[k].low + rest))
     });
-    Foot {
-        squared: DVec3::from(offset).length_squared(),
-        share: share.high.clamp(0.0, 1.0),
-    }
+    Foot { squared: DVec3::from(offset).length_squared(), share: share.high.clamp(0.0, 1.0) }
 }

@@ -68,11 +68,7 @@ pub fn nearest_on_triangle(from: DVec3, corners: [DVec3; 3], primitive: i32) -> 
         return moderate(from, corners, primitive);
     }
     let scale = 1.0 / f64::from_bits(largest.max(f64::MIN_POSITIVE).to_bits() & EXPONENT);
-    let scaled = moderate(
-        scale * from,
-        corners.map(|corner| scale * corner),
-        primitive,
-    );
+    let scaled = moderate(scale * from, corners.map(|corner| scale * corner), primitive);
     Nearest {
         squared: scaled.squared / scale / scale,
         point: place(corners, scaled.barycentric),
@@ -121,18 +117,10 @@ fn place([a, b, c]: [DVec3; 3], weights: DVec2) -> DVec3 {
     let first = 1.0 - weights.x - weights.y;
     // A corner is itself, and an edge's point is not moved off it by the third corner.
     if weights.y == 0.0 {
-        return if weights.x == 1.0 {
-            b
-        } else {
-            a + weights.x * (b - a)
-        };
+        return if weights.x == 1.0 { b } else { a + weights.x * (b - a) };
     }
     if weights.x == 0.0 {
-        return if weights.y == 1.0 {
-            c
-        } else {
-            a + weights.y * (c - a)
-        };
+        return if weights.y == 1.0 { c } else { a + weights.y * (c - a) };
     }
     if first == 0.0 {
         return b + weights.y * (c - b);
@@ -201,10 +189,7 @@ fn height_exactly(from: DVec3, [a, b, c]: [DVec3; 3], sure: Option<DVec2>) -> Op
         determinant(&p, &q, &r).high / power(900) * p.unit * q.unit * r.unit
     };
     let distance = way / length.sqrt();
-    Some(Height {
-        squared: distance * distance,
-        weights,
-    })
+    Some(Height { squared: distance * distance, weights })
 }
 
 /// The weights of corners 1 and 2, from the edges opposite the corners, each with the corner that it begins at; `None`

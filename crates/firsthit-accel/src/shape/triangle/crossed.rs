@@ -48,16 +48,10 @@ impl Meeting<f64> {
         }
         let [a, b, c] = &self.corners;
         let is_positive = most > 0.0;
-        [(u, c, b), (v, a, c), (w, b, a)]
-            .iter()
-            .all(|&(side, p, q)| {
-                let side = if side == 0.0 {
-                    perturbed_side(&d, p, q)
-                } else {
-                    side
-                };
-                if is_positive { side > 0.0 } else { side < 0.0 }
-            })
+        [(u, c, b), (v, a, c), (w, b, a)].iter().all(|&(side, p, q)| {
+            let side = if side == 0.0 { perturbed_side(&d, p, q) } else { side };
+            if is_positive { side > 0.0 } else { side < 0.0 }
+        })
     }
 
     /// Whether another triangle has the same corners, in any order.
@@ -79,10 +73,7 @@ impl Meeting<f64> {
                 [&others.numerators[k], &others.denominator],
             )
         };
-        (0..4)
-            .map(compare)
-            .find(|order| order.is_ne())
-            .unwrap_or(Ordering::Equal)
+        (0..4).map(compare).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
     }
 }
 

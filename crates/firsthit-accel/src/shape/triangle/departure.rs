@@ -69,11 +69,7 @@ impl DeparturePoint {
         let mut has_weight = [u, v, w].map(|weight| weight * longest.max_element() > off);
         if has_weight == [false; 3] {
             // The triangle is no larger than that.
-            let heaviest = if u >= v.max(w) {
-                0
-            } else {
-                1 + usize::from(w > v)
-            };
+            let heaviest = if u >= v.max(w) { 0 } else { 1 + usize::from(w > v) };
             has_weight[heaviest] = true;
         }
         let (weights, rounded) = match has_weight {
@@ -94,13 +90,7 @@ impl DeparturePoint {
                 ([v, [w, 0.0]], rounded)
             }
         };
-        Self {
-            corners,
-            weights,
-            has_weight,
-            rounded,
-            off,
-        }
+        Self { corners, weights, has_weight, rounded, off }
     }
 
     /// A corner of the triangle that the point is made from.
@@ -162,11 +152,7 @@ impl DeparturePoint {
         }
         let meeting = Meeting::new(ray.origin, ray.direction, corners);
         let is_met = least > doubt || most < -doubt;
-        let doubtful = Doubtful {
-            meeting,
-            is_met: true,
-            edges,
-        };
+        let doubtful = Doubtful { meeting, is_met: true, edges };
         if is_met {
             let longest = ray.direction.abs().max_element();
             let steep = seen.across * seen.largest / seen.sum().abs();
@@ -310,14 +296,9 @@ impl Exact {
     /// `None` where a number is not finite.
     fn new(point: &DeparturePoint, direction: DVec3, corners: [DVec3; 3]) -> Option<Self> {
         let all = point.corners.iter().chain(&corners);
-        let largest = all.fold(0.0, |largest: f64, corner| {
-            largest.max(corner.abs().max_element())
-        });
+        let largest = all.fold(0.0, |largest: f64, corner| largest.max(corner.abs().max_element()));
         let longest = direction.abs().max_element();
-        let is_finite = corners
-            .iter()
-            .chain(&point.corners)
-            .all(|corner| corner.is_finite());
+        let is_finite = corners.iter().chain(&point.corners).all(|corner| corner.is_finite());
         if !(is_finite && direction.is_finite()) {
             return None;
         }
@@ -341,12 +322,7 @@ impl Exact {
         });
         let direction =
             [0, 1, 2].map(|axis| Expansion::of(vec![scaled(direction[axis], of_direction)]));
-        Some(Self {
-            relative,
-            direction,
-            edges,
-            unit_of_t: unit / of_direction,
-        })
+        Some(Self { relative, direction, edges, unit_of_t: unit / of_direction })
     }
 
     /// Whether the line meets the triangle.
@@ -390,10 +366,7 @@ impl Exact {
 
 fn exact_determinant(p: &ExactVector, q: &ExactVector, r: &ExactVector) -> Expansion {
     let minor = |k: usize, l: usize| q[k].product(&r[l]).minus(&q[l].product(&r[k]));
-    let parts = [
-        p[0].product(&minor(1, 2)),
-        p[1].product(&minor(2, 0)),
-        p[2].product(&minor(0, 1)),
-    ];
+    let parts =
+        [p[0].product(&minor(1, 2)), p[1].product(&minor(2, 0)), p[2].product(&minor(0, 1))];
     parts[0].plus(&parts[1]).plus(&parts[2])
 }

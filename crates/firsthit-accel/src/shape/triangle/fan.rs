@@ -251,9 +251,7 @@ fn sign(p: &DoubleVector<f64>, q: &DoubleVector<f64>, r: &DoubleVector<f64>) -> 
     // Each of six products is rounded at most eight times, and so are its factors.
     let [x, y, z] = c.abs().to_array();
     let [u, v, w] = b.abs().to_array();
-    let size = a
-        .abs()
-        .dot(DVec3::new(v * z + w * y, w * x + u * z, u * y + v * x));
+    let size = a.abs().dot(DVec3::new(v * z + w * y, w * x + u * z, u * y + v * x));
     // Within these nothing that is too small for float64 matters.
     let is_moderate = size > 1e-200 && a.abs().max_element() < 1e90;
     if is_moderate && value.abs() > 16.0 * f64::EPSILON * size {
@@ -288,8 +286,5 @@ fn around_one(v: &DoubleVector<f64>) -> DVec3 {
 }
 
 fn minus(x: Double<f64>) -> Double<f64> {
-    Double {
-        high: -x.high,
-        low: -x.low,
-    }
+    Double { high: -x.high, low: -x.low }
 }

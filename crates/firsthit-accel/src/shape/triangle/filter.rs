@@ -28,23 +28,12 @@ pub struct Begin {
 
 impl Begin {
     /// The start at one `t` for all meshes.
-    pub(crate) const TOGETHER: Self = Self {
-        start: 0.0,
-        along: 1.0,
-        latest: 0.0,
-    };
+    pub(crate) const TOGETHER: Self = Self { start: 0.0, along: 1.0, latest: 0.0 };
 
     /// The start at meshes whose largest number is at most `farthest`.
     pub fn new(start: f64, along: f64, farthest: f64) -> Self {
-        let begin = Self {
-            start,
-            along,
-            latest: 0.0,
-        };
-        Self {
-            latest: begin.at(farthest),
-            ..begin
-        }
+        let begin = Self { start, along, latest: 0.0 };
+        Self { latest: begin.at(farthest), ..begin }
     }
 
     /// The `t` at which the ray begins at a mesh, by the largest number of that.
@@ -92,11 +81,7 @@ impl MeshFilter {
 
     /// The ray leaves a triangle, and meets everything else.
     pub fn leaving(point: DeparturePoint) -> Self {
-        Self {
-            departure: Some(point),
-            is_departing: true,
-            ..Self::NONE
-        }
+        Self { departure: Some(point), is_departing: true, ..Self::NONE }
     }
 
     /// Sets all but the triangle that the ray leaves, for which there is [`leave`](Self::leave). `is_departing` says whether it leaves any

@@ -90,10 +90,7 @@ fn splat<A: Arithmetic>(a: A, v: &Vector<f64>) -> Vector<A::Number> {
 fn splat_double<A: Arithmetic>(a: A, v: &DoubleVector<f64>) -> DoubleVector<A::Number> {
     macro_rules! part {
         ($k:literal) => {
-            Double {
-                high: a.number(v[$k].high),
-                low: a.number(v[$k].low),
-            }
+            Double { high: a.number(v[$k].high), low: a.number(v[$k].low) }
         };
     }
     [part!(0), part!(1), part!(2)]
@@ -103,11 +100,7 @@ fn splat_double<A: Arithmetic>(a: A, v: &DoubleVector<f64>) -> DoubleVector<A::N
 /// between two. Only next to halfway are twice the digits not enough to tell.
 #[inline(always)]
 fn rounded_to_nearest(t: Double<f64>, exact: impl FnOnce() -> [Expansion; 2]) -> Double<f64> {
-    let other = if t.low < 0.0 {
-        t.high.next_down()
-    } else {
-        t.high.next_up()
-    };
+    let other = if t.low < 0.0 { t.high.next_down() } else { t.high.next_up() };
     let half = 0.5 * (other - t.high);
     let is_halfway = (t.low - half).abs() <= power(-30) * half.abs();
     if !is_halfway || t.high == 0.0 {
@@ -121,15 +114,8 @@ fn rounded_to_nearest(t: Double<f64>, exact: impl FnOnce() -> [Expansion; 2]) ->
         Ordering::Greater => false,
         Ordering::Equal => t.high.min(other).to_bits() % 2 == 0,
     };
-    let high = if is_low {
-        t.high.min(other)
-    } else {
-        t.high.max(other)
-    };
-    Double {
-        high,
-        low: (t.high - high) + t.low,
-    }
+    let high = if is_low { t.high.min(other) } else { t.high.max(other) };
+    Double { high, low: (t.high - high) + t.low }
 }
 
 impl Meeting<f64> {
@@ -223,9 +209,7 @@ impl Meeting<f64> {
             return None;
         }
         let t = quotient(Scalar, determinant(&e, &f, &start), slope);
-        let t = rounded_to_nearest(t, || {
-            [&start, &d].map(|v| Expansion::determinant(&e, &f, v))
-        });
+        let t = rounded_to_nearest(t, || [&start, &d].map(|v| Expansion::determinant(&e, &f, v)));
         let r = left_over(Scalar, t, &high(&d.vector), &start.vector);
         let n = high(&cross(Scalar, &e.vector, &f.vector));
         let (edges, _) = Edges::new(Scalar, [high(&e.vector), high(&f.vector)], n);
@@ -253,9 +237,7 @@ mod tests {
     fn numbers() -> impl FnMut() -> f64 {
         let mut state = 1_u64;
         move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         }
     }

@@ -18,10 +18,7 @@ pub(super) fn cameras(data: &[u8], path: &Path) -> Result<Vec<(u32, Intrinsics)>
         let model = i32::from_le_bytes(file.take()?);
         let model = Model::of(&format!("number {model}"), |own, _| own == model);
         let model = model.map_err(wrong_here)?;
-        let size = [
-            u64::from_le_bytes(file.take()?),
-            u64::from_le_bytes(file.take()?),
-        ];
+        let size = [u64::from_le_bytes(file.take()?), u64::from_le_bytes(file.take()?)];
         let mut numbers = Vec::new();
         for _ in model.parameters() {
             numbers.push(f64::from_le_bytes(file.take()?));
@@ -69,11 +66,7 @@ struct Bytes<'a> {
 impl<'a> Bytes<'a> {
     fn new(data: &'a [u8], path: &'a Path) -> Self {
         let whole = data.len();
-        Self {
-            path,
-            whole,
-            rest: data,
-        }
+        Self { path, whole, rest: data }
     }
 
     fn place(&self) -> Place {

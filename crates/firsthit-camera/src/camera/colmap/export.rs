@@ -34,18 +34,8 @@ pub struct ColmapCamera {
 }
 
 /// The numbers that distort nothing: K, the viewplane, and a thin lens, which COLMAP does not have.
-const WITHOUT_DISTORTION: [&str; 10] = [
-    "fx",
-    "fy",
-    "cx",
-    "cy",
-    "skew",
-    "focal_length",
-    "width",
-    "height",
-    "aperture",
-    "focus",
-];
+const WITHOUT_DISTORTION: [&str; 10] =
+    ["fx", "fy", "cx", "cy", "skew", "focal_length", "width", "height", "aperture", "focus"];
 
 impl ColmapCamera {
     /// A camera in COLMAP's words.
@@ -68,9 +58,8 @@ impl ColmapCamera {
             return Err(Error::argument("camera", expected, got));
         };
         let others = camera.lens().parameters().into_iter();
-        let mut others: Vec<(&str, f64)> = others
-            .filter(|(name, _)| !WITHOUT_DISTORTION.contains(name))
-            .collect();
+        let mut others: Vec<(&str, f64)> =
+            others.filter(|(name, _)| !WITHOUT_DISTORTION.contains(name)).collect();
         // COLMAP's fisheyes have no edge.
         others.retain(|&(name, value)| value != 0.0 && (name, value) != ("fov", 360.0));
         let is_enough = |model: &&ColmapModel| {
@@ -83,11 +72,7 @@ impl ColmapCamera {
             let mut names: Vec<&str> = others.iter().map(|&(name, _)| name).collect();
             names.sort_unstable();
             let got = format!("{} with {}", projection.name(), names.join(", "));
-            return Err(Error::argument(
-                "camera",
-                "one that COLMAP has a model for",
-                got,
-            ));
+            return Err(Error::argument("camera", "one that COLMAP has a model for", got));
         };
         let PixelMatrix { fx, fy, cx, cy, .. } = matrix;
         others.extend([("fx", fx), ("fy", fy), ("cx", cx), ("cy", cy)]);
@@ -109,17 +94,8 @@ impl ColmapCamera {
 
     /// The line of `cameras.txt`.
     pub fn camera_line(&self, camera_id: u32) -> String {
-        let Self {
-            model,
-            width,
-            height,
-            ..
-        } = self;
-        format!(
-            "{camera_id} {} {width} {height} {}",
-            model.name,
-            words(&self.params)
-        )
+        let Self { model, width, height, .. } = self;
+        format!("{camera_id} {} {width} {height} {}", model.name, words(&self.params))
     }
 
     /// The two lines of `images.txt`; the second, of observed points, is empty.

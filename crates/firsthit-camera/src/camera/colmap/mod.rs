@@ -220,11 +220,7 @@ impl ColmapImages {
         if let Some(image) = twice {
             return Err(image.wrong(of_images, "the name is there twice"));
         }
-        Ok(Self {
-            paths: paths.map(Path::to_owned),
-            cameras,
-            images,
-        })
+        Ok(Self { paths: paths.map(Path::to_owned), cameras, images })
     }
 
     /// The images' names, in the order of the file.
@@ -282,13 +278,8 @@ impl ColmapImages {
         let lens = intrinsics.lens(model).map_err(in_file)?;
         let [rows, columns] = intrinsics.size;
         // The lens alone, so that what is wrong with it is told of its own file.
-        Camera::new(super::View {
-            rows,
-            columns,
-            lens,
-            ..super::View::default()
-        })
-        .map_err(in_file)?;
+        Camera::new(super::View { rows, columns, lens, ..super::View::default() })
+            .map_err(in_file)?;
         let pose = Convention::Colmap.pose(matrix(&image.pose));
         let camera = pose.and_then(|pose| Camera::at_pose(&pose, lens, rows, columns));
         camera.map_err(|error| image.wrong(of_images, error.to_string()))
@@ -312,16 +303,9 @@ impl Intrinsics {
         }
         let pixels = |count: u64| usize::try_from(count).ok().filter(|&count| count > 0);
         let (Some(rows), Some(columns)) = (pixels(rows), pixels(columns)) else {
-            return Err(format!(
-                "width and height must be positive, got {columns} and {rows}"
-            ));
+            return Err(format!("width and height must be positive, got {columns} and {rows}"));
         };
-        Ok(Self {
-            model,
-            size: [rows, columns],
-            numbers,
-            place,
-        })
+        Ok(Self { model, size: [rows, columns], numbers, place })
     }
 
     fn lens(&self, model: &ColmapModel) -> Result<Lens> {
@@ -351,16 +335,9 @@ impl Image {
         let square = w * w + x * x + y * y + z * z;
         let is_turned = square > 0.0 && square.is_finite();
         if !is_turned || pose.iter().any(|number| !number.is_finite()) {
-            return Err(format!(
-                "a pose must be a quaternion and a translation, got {pose:?}"
-            ));
+            return Err(format!("a pose must be a quaternion and a translation, got {pose:?}"));
         }
-        Ok(Self {
-            name,
-            camera,
-            pose,
-            place,
-        })
+        Ok(Self { name, camera, pose, place })
     }
 
     fn wrong(&self, path: &Path, what: impl AsRef<str>) -> Error {

@@ -146,10 +146,7 @@ fn what_is_wrong_in_cameras_is_told_with_its_line() {
         ("1 PINHOLE 6 4 5 x 3 2\n", "expected a number, got 'x'"),
         ("1 PINHOLE 6 -1 5 1 3 2\n", "a whole number, got '-1'"),
         ("1 PINHOLE 6 0 5 1 3 2\n", "positive, got 6 and 0"),
-        (
-            "1 PINHOLE 99999999999999999999 1 5 1 3 2\n",
-            "a whole number",
-        ),
+        ("1 PINHOLE 99999999999999999999 1 5 1 3 2\n", "a whole number"),
         ("-1 PINHOLE 6 4 5 5 3 2\n", "a whole number, got '-1'"),
         (&ONE.repeat(2), ":2: camera 1 is there twice"),
     ] {
@@ -159,10 +156,7 @@ fn what_is_wrong_in_cameras_is_told_with_its_line() {
     }
     let paths = [Path::new("cameras.txt"), Path::new("images.txt")];
     let error = ColmapImages::read([b"1 P\xffN", b""], paths).unwrap_err();
-    assert!(
-        error.to_string().ends_with("the file must be UTF-8 text"),
-        "{error}"
-    );
+    assert!(error.to_string().ends_with("the file must be UTF-8 text"), "{error}");
 }
 
 #[test]
@@ -174,10 +168,7 @@ fn what_is_wrong_in_images_is_told_with_its_line() {
         ("1 1 0 0 0 0 inf 5 1 a\n", ":1: a pose must be"),
         ("1 1 nan 0 0 0 0 5 1 a\n", ":1: a pose must be"),
         ("1 1e200 0 0 0 0 0 5 1 a\n", ":1: a pose must be"),
-        (
-            "1 1 0 0 0 0 0 5 3 a\n",
-            ":1: image 'a': there is no camera 3",
-        ),
+        ("1 1 0 0 0 0 0 5 3 a\n", ":1: image 'a': there is no camera 3"),
         (
             "1 1 0 0 0 0 0 5 1 a\n\n2 1 0 0 0 0 0 6 1 b\n\n3 1 0 0 0 0 0 7 1 a\n",
             ":5: image 'a': the name is there twice",
@@ -193,45 +184,23 @@ fn what_is_wrong_in_images_is_told_with_its_line() {
 #[test]
 fn a_lens_that_is_none_is_told_of_its_line() {
     for (line, said) in [
-        (
-            "1 PINHOLE 640 480 -500 510 320 240",
-            "cameras.txt:2: fx must be a positive",
-        ),
-        (
-            "1 FOV 64 48 50 51 32 24 4",
-            "cameras.txt:2: omega must be a number between -pi and pi",
-        ),
-        (
-            "1 EUCM 64 48 50 51 32 24 0.5 -1",
-            "cameras.txt:2: beta must be a positive",
-        ),
+        ("1 PINHOLE 640 480 -500 510 320 240", "cameras.txt:2: fx must be a positive"),
+        ("1 FOV 64 48 50 51 32 24 4", "cameras.txt:2: omega must be a number between -pi and pi"),
+        ("1 EUCM 64 48 50 51 32 24 0.5 -1", "cameras.txt:2: beta must be a positive"),
     ] {
         let cameras = format!("# one\n{line}\n");
         let images = text(&cameras, "1 1 0 0 0 0 0 5 1 a.jpg\n\n").unwrap();
         let error = images.camera("a.jpg").unwrap().unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
     }
-    let images = text(
-        "1 PINHOLE 640 480 5 5 3 2",
-        "1 0.5 0.5 0.5 0.5 1.7e308 1.7e308 1.7e308 1 a\n",
-    );
+    let images =
+        text("1 PINHOLE 640 480 5 5 3 2", "1 0.5 0.5 0.5 0.5 1.7e308 1.7e308 1.7e308 1 a\n");
     let camera = images.unwrap().camera("a").unwrap();
     // Of a turn by a third the place is finite: axes change places.
     assert!(camera.is_ok());
-    let images = text(
-        "1 PINHOLE 640 480 5 5 3 2",
-        "1 1 0.3 0.2 0.1 1.7e308 1.7e308 1.7e308 1 a\n",
-    );
-    let error = images
-        .unwrap()
-        .camera("a")
-        .unwrap()
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("images.txt:1: image 'a': position must be"),
-        "{error}"
-    );
+    let images = text("1 PINHOLE 640 480 5 5 3 2", "1 1 0.3 0.2 0.1 1.7e308 1.7e308 1.7e308 1 a\n");
+    let error = images.unwrap().camera("a").unwrap().unwrap_err().to_string();
+    assert!(error.contains("images.txt:1: image 'a': position must be"), "{error}");
 }
 
 #[test]
@@ -254,16 +223,10 @@ fn counts_that_the_file_has_no_room_for_are_refused_at_once() {
         let count = count.to_le_bytes();
         let wrong = [&count[..], &cameras[8..]].concat();
         let error = binary(&wrong, &images).unwrap_err().to_string();
-        assert!(
-            error.contains("entries, and is too short for them"),
-            "{error}"
-        );
+        assert!(error.contains("entries, and is too short for them"), "{error}");
         let wrong = [&count[..], &images[8..]].concat();
         let error = binary(&cameras, &wrong).unwrap_err().to_string();
-        assert!(
-            error.contains("entries, and is too short for them"),
-            "{error}"
-        );
+        assert!(error.contains("entries, and is too short for them"), "{error}");
     }
     // The points of the first image: those of the last would be beyond the file's end.
     let at = images.iter().position(|&byte| byte == b'f').unwrap() + "front.jpg".len() + 1;
@@ -293,11 +256,9 @@ fn cameras_of_other_models_are_passed_over() {
     let [of_cameras, of_images] = as_binary(&of_text);
     let of_binary = binary(&of_cameras, &of_images).unwrap();
     for images in [of_text, of_binary] {
-        for (name, model) in [
-            ("1.jpg", "SIMPLE_DIVISION"),
-            ("2.jpg", "DIVISION"),
-            ("3.jpg", "EQUIRECTANGULAR"),
-        ] {
+        for (name, model) in
+            [("1.jpg", "SIMPLE_DIVISION"), ("2.jpg", "DIVISION"), ("3.jpg", "EQUIRECTANGULAR")]
+        {
             let error = images.camera(name).unwrap().unwrap_err().to_string();
             assert!(error.starts_with("cameras."), "{error}");
             let said = format!(": the model {model} of image '{name}' is not supported");
@@ -315,9 +276,8 @@ fn files_with_changed_bytes_are_read_or_refused() {
     let mut state = 1_u64;
     let mut random = |below: usize| {
         // Knuth's MMIX generator; its high bits are the good ones.
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         usize::try_from(state >> 33).unwrap() % below.max(1)
     };
     let (mut read, mut refused) = (0, 0);
@@ -364,29 +324,13 @@ fn cameras_in_colmaps_words_are_read_back() {
     let models = ColmapModel::ALL.iter();
     for model in models.filter(|model| model.parameters.contains(&"fx")) {
         let distortion = (1..).zip(model.parameters.iter().skip(4));
-        let others: Vec<(&str, f64)> = distortion
-            .map(|(k, name)| (*name, 0.003 * f64::from(k)))
-            .collect();
+        let others: Vec<(&str, f64)> =
+            distortion.map(|(k, name)| (*name, 0.003 * f64::from(k))).collect();
         let [fx, fy, cx, cy] = [500.0, 510.0, 321.5, 239.0];
-        let matrix = PixelMatrix {
-            fx,
-            fy,
-            cx,
-            cy,
-            skew: 0.0,
-        };
+        let matrix = PixelMatrix { fx, fy, cx, cy, skew: 0.0 };
         let lens = matrix.lens(model.projection, &others, [480, 640]).unwrap();
-        for aim in [
-            -DVec3::Z,
-            DVec3::new(0.3, -1.0, 2.0),
-            DVec3::new(-9.0, 1.0, 0.5),
-        ] {
-            let view = View {
-                position: DVec3::new(1.0, -2.0, 0.1),
-                aim,
-                lens,
-                ..View::default()
-            };
+        for aim in [-DVec3::Z, DVec3::new(0.3, -1.0, 2.0), DVec3::new(-9.0, 1.0, 0.5)] {
+            let view = View { position: DVec3::new(1.0, -2.0, 0.1), aim, lens, ..View::default() };
             let given = ColmapCamera::of(&Camera::new(view).unwrap()).unwrap();
             assert!(given.qvec[0] >= 0.0 && given.model.projection == model.projection);
             let lines = [given.camera_line(7), given.image_lines("a b.png", 3, 7)];
@@ -404,30 +348,15 @@ fn cameras_in_colmaps_words_are_read_back() {
 
 #[test]
 fn cameras_without_a_model_of_colmap_are_refused_with_what_they_have() {
-    let matrix = PixelMatrix {
-        fx: 9.0,
-        fy: 9.0,
-        cx: 3.0,
-        cy: 3.0,
-        skew: 0.0,
-    };
+    let matrix = PixelMatrix { fx: 9.0, fy: 9.0, cx: 3.0, cy: 3.0, skew: 0.0 };
     let others = [("xi", 0.1), ("alpha", 0.5)];
-    let sphere = matrix
-        .lens(Projection::DoubleSphere, &others, [480, 640])
-        .unwrap();
+    let sphere = matrix.lens(Projection::DoubleSphere, &others, [480, 640]).unwrap();
     let parallel = Lens::named(Projection::Orthographic, &[]).unwrap();
     for (lens, expected) in [
-        (
-            parallel,
-            "got orthographic with skew 0 and rays from the viewplane",
-        ),
+        (parallel, "got orthographic with skew 0 and rays from the viewplane"),
         (sphere, "got double_sphere with alpha, xi"),
     ] {
-        let camera = Camera::new(View {
-            lens,
-            ..View::default()
-        })
-        .unwrap();
+        let camera = Camera::new(View { lens, ..View::default() }).unwrap();
         let error = ColmapCamera::of(&camera).unwrap_err().to_string();
         assert!(error.ends_with(expected), "{error}");
     }

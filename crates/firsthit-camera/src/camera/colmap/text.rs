@@ -108,6 +108,5 @@ const WHOLE: &str = "a whole number";
 const NUMBER: &str = "a number";
 
 fn parsed<T: FromStr>(word: &str, expected: &str) -> InWords<T> {
-    word.parse()
-        .map_err(|_| format!("expected {expected}, got {}", shown(word)))
+    word.parse().map_err(|_| format!("expected {expected}, got {}", shown(word)))
 }

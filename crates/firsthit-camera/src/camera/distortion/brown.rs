@@ -49,33 +49,17 @@ impl<const N: usize> Brown<N> {
         } else {
             f64::INFINITY
         };
-        let probed = if is_lopsided {
-            self.probed(undistorted)
-        } else {
-            undistorted
-        };
-        let distorted = if first < pole {
-            undistorted * self.radial(first)[0]
-        } else {
-            f64::INFINITY
-        };
-        let limit = Limit {
-            undistorted,
-            distorted,
-            outermost,
-            probed,
-            ..Limit::default()
-        };
+        let probed = if is_lopsided { self.probed(undistorted) } else { undistorted };
+        let distorted =
+            if first < pole { undistorted * self.radial(first)[0] } else { f64::INFINITY };
+        let limit = Limit { undistorted, distorted, outermost, probed, ..Limit::default() };
         // At the fold itself the inverse's slope is infinite, and no polynomial is near it.
         let end = farthest.min(0.999 * distorted);
         let factor = |q: f64| {
             let radius = q.sqrt();
             Some(self.undistorted_radius(&limit, radius)? / radius)
         };
-        Limit {
-            start: Start::through(end * end, factor),
-            ..limit
-        }
+        Limit { start: Start::through(end * end, factor), ..limit }
     }
 
     /// The distorted point of (x, y); `None` past the fold.
@@ -103,11 +87,7 @@ impl<const N: usize> Brown<N> {
             return Some(radial / radius * point);
         }
         let solve = |radial: f64| {
-            let start = if radius == 0.0 {
-                DVec2::ZERO
-            } else {
-                radial / radius * point
-            };
+            let start = if radius == 0.0 { DVec2::ZERO } else { radial / radius * point };
             let start = self.before_fold(limit, start)?;
             let found = invert_in_plane(point, start, |at| self.distorted(limit, at))?;
             self.is_before_fold(limit, found).then_some(found)
@@ -252,17 +232,11 @@ impl<const N: usize> Brown<N> {
             let (p2x, p2y) = (of.mul(p2, x), of.mul(p2, y));
             there_x = of.add(
                 there_x,
-                of.add(
-                    of.mul(twice(of, p1), xy),
-                    of.mul(p2, of.add(q, twice(of, xx))),
-                ),
+                of.add(of.mul(twice(of, p1), xy), of.mul(p2, of.add(q, twice(of, xx)))),
             );
             there_y = of.add(
                 there_y,
-                of.add(
-                    of.mul(twice(of, p2), xy),
-                    of.mul(p1, of.add(q, twice(of, yy))),
-                ),
+                of.add(of.mul(twice(of, p2), xy), of.mul(p1, of.add(q, twice(of, yy)))),
             );
             by_xx = of.add(by_xx, of.add(twice(of, p1y), of.mul(of.number(6.0), p2x)));
             by_yy = of.add(by_yy, of.add(twice(of, p2x), of.mul(of.number(6.0), p1y)));
@@ -404,11 +378,7 @@ fn is_above_zero([low, middle, high]: [[f64; 2]; 3], f: impl Fn(f64) -> f64) -> 
         if !is_above {
             return false;
         }
-        let (kept, dropped) = if there[1] < least[1] {
-            (there, least[0])
-        } else {
-            (least, x)
-        };
+        let (kept, dropped) = if there[1] < least[1] { (there, least[0]) } else { (least, x) };
         if dropped < kept[0] {
             low = dropped;
         } else {
@@ -437,10 +407,7 @@ fn value_and_slope<A: Arithmetic, const N: usize>(
     q: A::Number,
 ) -> Pair<A> {
     let slope = slope_of(coefficients);
-    [
-        polynomial(of, coefficients, q),
-        polynomial(of, &slope[..N - 1], q),
-    ]
+    [polynomial(of, coefficients, q), polynomial(of, &slope[..N - 1], q)]
 }
 
 /// The coefficients of a polynomial's derivative, and a zero.
@@ -472,9 +439,7 @@ mod tests {
     fn a_fold_near_the_middle_is_seen_from_far_out() {
         let mut state = 7_u64;
         let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (state >> 40) as f64 / f64::from(1 << 24) - 0.5
         };
         let (mut folded, mut kept) = (0, 0);

@@ -26,10 +26,7 @@ impl Distortion for DoubleSphere {
         let (mz, rest) = height(of, alpha, r2);
         let mz2 = of.mul(mz, mz);
         let under = of.add(mz2, of.mul(of.number(1.0 - xi * xi), r2));
-        let factor = of.div(
-            of.add(of.mul(mz, of.number(xi)), of.sqrt(under)),
-            of.add(mz2, r2),
-        );
+        let factor = of.div(of.add(of.mul(mz, of.number(xi)), of.sqrt(under)), of.add(mz2, r2));
         let z = of.sub(of.mul(factor, mz), of.number(xi));
         let direction = [of.mul(factor, x), of.mul(factor, y), z];
         // Written so that a NaN is not known.

@@ -27,13 +27,7 @@ settings! {
 impl Mei {
     fn distortion(&self) -> OpenCv {
         let Self { k1, k2, p1, p2, .. } = *self;
-        OpenCv {
-            k1,
-            k2,
-            p1,
-            p2,
-            ..OpenCv::default()
-        }
+        OpenCv { k1, k2, p1, p2, ..OpenCv::default() }
     }
 }
 
@@ -52,11 +46,7 @@ impl Distortion for Mei {
     fn project(&self, limit: &Limit, direction: DVec3) -> Option<DVec2> {
         let length = direction.length();
         // Where the sphere, seen from the point of view, turns its back.
-        let backmost = if self.xi > 1.0 {
-            -1.0 / self.xi
-        } else {
-            -self.xi
-        };
+        let backmost = if self.xi > 1.0 { -1.0 / self.xi } else { -self.xi };
         // Written so that a NaN fails.
         let is_seen = direction.z > backmost * length;
         if !is_seen {

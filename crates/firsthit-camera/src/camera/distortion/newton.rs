@@ -34,11 +34,8 @@ pub(super) fn invert(
         // Written so that a NaN leads to the middle.
         let is_inside = newton > low && newton < high;
         let allowed = (0.5 * last_step).max(SMALL * x.abs());
-        let next = if is_inside && (newton - x).abs() <= allowed {
-            newton
-        } else {
-            low.midpoint(high)
-        };
+        let next =
+            if is_inside && (newton - x).abs() <= allowed { newton } else { low.midpoint(high) };
         last_step = (next - x).abs();
         x = next;
     }
@@ -87,9 +84,7 @@ pub(super) fn invert_in_plane(
         let mut next = None;
         for _ in 0..MOST_HALVES {
             let there = x - share * step;
-            next = f(there)
-                .filter(|mapped| off(mapped) < off(&at))
-                .map(|mapped| (there, mapped));
+            next = f(there).filter(|mapped| off(mapped) < off(&at)).map(|mapped| (there, mapped));
             if next.is_some() {
                 break;
             }
@@ -109,14 +104,7 @@ mod tests {
 
     #[test]
     fn roots_many_magnitudes_below_the_start_are_found() {
-        for (k, power) in [
-            (0.1, 5),
-            (1e100, 5),
-            (1e300, 5),
-            (1e120, 3),
-            (1e90, 11),
-            (1e300, 2),
-        ] {
+        for (k, power) in [(0.1, 5), (1e100, 5), (1e300, 5), (1e120, 3), (1e90, 11), (1e300, 2)] {
             let f = |r: f64| {
                 let high = k * libm::pow(r, f64::from(power - 1));
                 [r + r * high, 1.0 + f64::from(power) * high]

@@ -111,19 +111,11 @@ impl Distortion for OpenCv {
         let in_front = direction.z > 0.0;
         let point = in_front.then(|| direction.truncate() / direction.z)?;
         let distorted = self.flat().distort(limit, point)?;
-        if self.is_tilted() {
-            through(&self.tilt(), distorted)
-        } else {
-            Some(distorted)
-        }
+        if self.is_tilted() { through(&self.tilt(), distorted) } else { Some(distorted) }
     }
 
     fn unproject(&self, limit: &Limit, point: DVec2) -> Option<DVec3> {
-        let point = if self.is_tilted() {
-            through(&self.tilt().inverse(), point)?
-        } else {
-            point
-        };
+        let point = if self.is_tilted() { through(&self.tilt().inverse(), point)? } else { point };
         Some(self.flat().undistort(limit, point)?.extend(1.0))
     }
 }

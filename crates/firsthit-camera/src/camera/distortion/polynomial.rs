@@ -34,9 +34,7 @@ pub(super) fn sign_changes(coefficients: &[f64]) -> Vec<f64> {
     }
     // Cauchy's bound of all roots.
     let leading = coefficients[degree].abs();
-    let largest = coefficients[..degree]
-        .iter()
-        .fold(0.0, |m: f64, c| m.max(c.abs()));
+    let largest = coefficients[..degree].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
     let bound = 1.0 + largest / leading;
     let mut ends = vec![0.0];
     ends.extend(sign_changes(&derivative(coefficients)));

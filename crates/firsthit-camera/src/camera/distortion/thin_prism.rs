@@ -82,13 +82,7 @@ const EQUIDISTANT: Equidistant = Equidistant { fov: 360.0 };
 
 /// The limit of that.
 fn all_around() -> Limit {
-    Limit {
-        undistorted: PI,
-        distorted: PI,
-        outermost: PI,
-        probed: PI,
-        ..Limit::default()
-    }
+    Limit { undistorted: PI, distorted: PI, outermost: PI, probed: PI, ..Limit::default() }
 }
 
 impl ThinPrismFisheye {
@@ -137,15 +131,7 @@ impl Distortion for ThinPrismFisheye {
 
 impl RadTanThinPrismFisheye {
     fn polynomial(&self) -> AngleSeries {
-        let Self {
-            k0,
-            k1,
-            k2,
-            k3,
-            k4,
-            k5,
-            ..
-        } = *self;
+        let Self { k0, k1, k2, k3, k4, k5, .. } = *self;
         AngleSeries([1.0, k0, k1, k2, k3, k4, k5])
     }
 
@@ -164,10 +150,7 @@ impl RadTanThinPrismFisheye {
 /// The limit of the second stage, which distorts the polynomial's image. It has no fold of its own by radius; how far it was probed
 /// is kept in the limit of the lens.
 fn of_plane(limit: &Limit) -> Limit {
-    Limit {
-        probed: limit.probed,
-        ..Limit::default()
-    }
+    Limit { probed: limit.probed, ..Limit::default() }
 }
 
 impl Distortion for RadTanThinPrismFisheye {

@@ -43,11 +43,7 @@ pub(super) fn height<A: Arithmetic>(of: A, alpha: f64, r2: A::Number) -> (A::Num
 
 /// The largest z / d behind the camera at which directions are still seen.
 pub(super) fn backmost(alpha: f64) -> f64 {
-    if alpha <= 0.5 {
-        -alpha / (1.0 - alpha)
-    } else {
-        -(1.0 - alpha) / alpha
-    }
+    if alpha <= 0.5 { -alpha / (1.0 - alpha) } else { -(1.0 - alpha) / alpha }
 }
 
 impl Distortion for Eucm {
@@ -77,10 +73,7 @@ impl Distortion for Eucm {
 
 impl Ucm {
     fn enhanced(self) -> Eucm {
-        Eucm {
-            alpha: self.alpha,
-            beta: 1.0,
-        }
+        Eucm { alpha: self.alpha, beta: 1.0 }
     }
 }
 

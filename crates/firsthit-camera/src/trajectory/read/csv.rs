@@ -54,10 +54,6 @@ pub fn read_csv(text: &[u8], path: &Path) -> Result<Trajectory> {
         else {
             return Err(header.missing(&["time", "t", "timestamp"]));
         };
-        Ok(Columns {
-            time,
-            unit,
-            pose: header.pose(POSE)?,
-        })
+        Ok(Columns { time, unit, pose: header.pose(POSE)? })
     })
 }

@@ -52,11 +52,7 @@ pub fn read_ros(text: &[u8], path: &Path) -> Result<Trajectory> {
         let Some(pose) = pose else {
             return Err(header.missing(&names.each_ref().map(|[first, ..]| first.as_str())));
         };
-        Ok(Columns {
-            time,
-            unit: Unit::NANOSECOND,
-            pose,
-        })
+        Ok(Columns { time, unit: Unit::NANOSECOND, pose })
     })
 }
 

@@ -86,11 +86,7 @@ fn kitti_has_ten_poses_a_second_or_the_times_that_are_given() {
     assert_eq!(trajectory.times(), [0.0, 0.1]);
     // A quarter of a turn about x takes y to z.
     let quarter = 0.5_f64.sqrt();
-    assert!(is_near(
-        &trajectory.poses()[0],
-        [1.5, 2.5, -3.0],
-        [quarter, 0.0, 0.0, quarter]
-    ));
+    assert!(is_near(&trajectory.poses()[0], [1.5, 2.5, -3.0], [quarter, 0.0, 0.0, quarter]));
     // An angle of the tangent 24/7, of which the sine of the half is 0.6.
     let second = trajectory.poses()[1];
     assert!((second.rotation - DQuat::from_xyzw(0.0, 0.0, 0.6, 0.8)).length() < 1e-6);
@@ -98,10 +94,7 @@ fn kitti_has_ten_poses_a_second_or_the_times_that_are_given() {
     let trajectory = read_kitti(KITTI.as_bytes(), path(), Some(&times)).unwrap();
     assert_eq!(trajectory.times(), [0.0, 0.103_869]);
     let error = read_kitti(KITTI.as_bytes(), path(), Some(&[1.0])).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "times must be as many as poses, got 1 for 2 poses"
-    );
+    assert_eq!(error.to_string(), "times must be as many as poses, got 1 for 2 poses");
     let error = read_kitti_times(b"0\n0\n", Path::new("times.txt")).unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -209,9 +202,7 @@ fn no_text_crashes_a_reader() {
     ];
     let mut state = 1_u64;
     let mut random = |below: usize| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         usize::try_from(state >> 33).unwrap() % below
     };
     let mut read = 0;
@@ -243,10 +234,7 @@ fn what_is_written_is_read_as_the_same_bits() {
         let k = f64::from(k);
         let vector = DVec3::new(k * 0.37 % 3.0, k * 0.91 % 2.0, k * 0.13 % 1.0);
         let position = DVec3::new(k / 3.0, -1e-7 * k, 1e20 * k + 0.1);
-        Pose {
-            position,
-            rotation: super::super::rotation::exp(vector),
-        }
+        Pose { position, rotation: super::super::rotation::exp(vector) }
     });
     let times = (0..50).map(|k| 1.7e9 + f64::from(k) / 7.0).collect();
     let trajectory = Trajectory::new(times, poses.collect()).unwrap();

@@ -183,9 +183,7 @@ impl<'a> Field<'a> {
         let text = str::from_utf8(self.text).unwrap_or_default();
         let number: Option<f64> = if unit.exponent.is_empty() || text.contains(['e', 'E']) {
             // There cannot be a second exponent: such numbers are rounded twice.
-            text.parse()
-                .ok()
-                .map(|number: f64| number / unit.of_a_second)
+            text.parse().ok().map(|number: f64| number / unit.of_a_second)
         } else {
             format!("{text}{}", unit.exponent).parse().ok()
         };
@@ -214,10 +212,7 @@ impl Unit {
     pub(super) const NANOSECOND: Self = Self::new("e-9", 1e9);
 
     const fn new(exponent: &'static str, of_a_second: f64) -> Self {
-        Self {
-            exponent,
-            of_a_second,
-        }
+        Self { exponent, of_a_second }
     }
 }
 

@@ -33,15 +33,10 @@ pub(super) fn coloring(
         missing: args.color_missing.or(base.missing),
         by: base.by,
     };
-    for (option, color) in [
-        ("--color-below", coloring.below),
-        ("--color-above", coloring.above),
-    ] {
+    for (option, color) in [("--color-below", coloring.below), ("--color-above", coloring.above)] {
         if color.is_some() && coloring.range.is_none() {
             let why = "of all numbers that there are none is outside";
-            return Err(Failure::usage(format!(
-                "{option} needs --color-range: {why}"
-            )));
+            return Err(Failure::usage(format!("{option} needs --color-range: {why}")));
         }
     }
     Ok(Some(coloring))

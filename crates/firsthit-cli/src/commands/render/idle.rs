@@ -20,9 +20,7 @@ pub(crate) fn do_nothing(
     why: &str,
 ) -> Vec<String> {
     let given = options.into_iter().filter(|(_, is_given)| *is_given);
-    given
-        .map(|(name, _)| format!("{name} does nothing {why}"))
-        .collect()
+    given.map(|(name, _)| format!("{name} does nothing {why}")).collect()
 }
 
 /// The warnings about options that would do nothing: users may expect something else of them, or
@@ -133,10 +131,7 @@ fn behind_environment(light: &LightingArgs, seen: &Resolved) -> Vec<String> {
         Some(_) => "without --environment-hidden: the environment is seen in its place",
         None => "here: the file's environment is seen in its place",
     };
-    let options = [
-        ("--background", light.background.is_some()),
-        ("--sky", light.sky.is_some()),
-    ];
+    let options = [("--background", light.background.is_some()), ("--sky", light.sky.is_some())];
     do_nothing(options, &format!("{why}{alpha}"))
 }
 

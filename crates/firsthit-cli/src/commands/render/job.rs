@@ -79,28 +79,13 @@ pub(crate) fn picture(
 ) -> Result<(), Failure> {
     let started = Instant::now();
     let &Job {
-        scene,
-        camera,
-        shade,
-        samples,
-        noise,
-        resume,
-        settings,
-        legend,
-        cull,
-        edges,
-        ..
+        scene, camera, shade, samples, noise, resume, settings, legend, cull, edges, ..
     } = job;
     let kinds = all_kinds(orders, noise)?;
     let total = work(camera.pixels(), &kinds, samples);
     progress.begin("shooting", total, RAYS);
-    let picture = Picture {
-        samples,
-        noise,
-        cull,
-        edges,
-        ..Picture::new(scene, camera, shade, &kinds)
-    };
+    let picture =
+        Picture { samples, noise, cull, edges, ..Picture::new(scene, camera, shade, &kinds) };
     let mut whole = match resume {
         Some(path) => {
             let _keeping = Keeping::begin();
@@ -147,15 +132,9 @@ impl Taken {
             let pixels = counts.len() as f64;
             let sum: f64 = counts.iter().map(|&count| f64::from(count)).sum();
             let is_all = |count: &&i32| i64::from(**count) == i64::from(job.samples);
-            (
-                sum / pixels,
-                counts.iter().filter(is_all).count() as f64 / pixels,
-            )
+            (sum / pixels, counts.iter().filter(is_all).count() as f64 / pixels)
         });
-        Self {
-            most: whole.origin().samples.unwrap_or(job.samples),
-            by_noise,
-        }
+        Self { most: whole.origin().samples.unwrap_or(job.samples), by_noise }
     }
 }
 
@@ -166,12 +145,7 @@ fn tell(
     args: &RunArgs,
     (hit, taken, seconds): (usize, &Taken, f64),
 ) -> Result<(), Failure> {
-    let &Job {
-        scene,
-        camera,
-        guessed,
-        ..
-    } = job;
+    let &Job { scene, camera, guessed, .. } = job;
     let pixels = camera.pixels() as u64;
     if args.json {
         let done = done(job, orders, legends, (hit, taken, seconds));

@@ -49,11 +49,9 @@ pub(super) fn ground(args: &LightingArgs) -> Option<bool> {
 
 pub(super) fn background(args: &LightingArgs, model: &World, camera: &Camera) -> Background {
     match (args.sky, args.background) {
-        (Some(sky), _) => Background::Gradient {
-            horizon: sky.horizon,
-            zenith: sky.zenith,
-            up: camera.view().up,
-        },
+        (Some(sky), _) => {
+            Background::Gradient { horizon: sky.horizon, zenith: sky.zenith, up: camera.view().up }
+        }
         (None, Some(background)) => background,
         (None, None) => model.background.unwrap_or(BACKGROUND),
     }
@@ -65,11 +63,8 @@ const BRIGHTNESS: f64 = 0.95;
 
 /// The lights that the command line gives, if any, each as bright in the middle of the scene.
 pub(super) fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Option<Vec<Light>> {
-    let centre = if scene.bounds().is_empty() {
-        camera.position()
-    } else {
-        scene.bounds().centre()
-    };
+    let centre =
+        if scene.bounds().is_empty() { camera.position() } else { scene.bounds().centre() };
     let scaled = |light: &LightArg| match light {
         LightArg::LightRig(_) => None,
         LightArg::Light(light) => Some(light.scaled(BRIGHTNESS / taken(light, centre))),
@@ -83,10 +78,9 @@ pub(super) fn lights(args: &LightingArgs, scene: &Scene, camera: &Camera) -> Opt
 fn taken(light: &Light, at: DVec3) -> f64 {
     // A spot is as bright where it goes as it would be there.
     let light = match *light {
-        Light::Spot(spot) => Light::from(PointLight {
-            position: spot.position,
-            intensity: spot.intensity,
-        }),
+        Light::Spot(spot) => {
+            Light::from(PointLight { position: spot.position, intensity: spot.intensity })
+        }
         light => light,
     };
     let arriving = light.sample(at, DVec2::splat(0.5));
@@ -106,8 +100,7 @@ pub(super) fn unseen_ground(
         Some(ground) if ground.is_seen_from(camera.position()) => return None,
         Some(_) => "the camera is below it, as --up says",
     };
-    args.ground
-        .then(|| format!("--ground does nothing here: {why}"))
+    args.ground.then(|| format!("--ground does nothing here: {why}"))
 }
 
 /// Says of lights that shine on one side that the whole scene is on the other.

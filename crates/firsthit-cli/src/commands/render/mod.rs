@@ -44,9 +44,7 @@ pub(crate) fn run(args: &RenderArgs, progress: &Progress) -> Result<(), Failure>
     if let Some(path) = &args.picture.resume {
         check_state_file(path)?;
     }
-    let asked = (!args.picture.output.is_empty())
-        .then(|| orders(args, &[]))
-        .transpose()?;
+    let asked = (!args.picture.output.is_empty()).then(|| orders(args, &[])).transpose()?;
     output::kinds(&args.picture.channels, ChannelSource::Camera, true)?;
     if let Some(orders) = &asked {
         check_others(args, orders)?;
@@ -102,12 +100,7 @@ fn rendered(
     asked: Option<Vec<Order>>,
     progress: &Progress,
 ) -> Result<(), Failure> {
-    let Loaded {
-        scene,
-        warnings,
-        model,
-        ..
-    } = loaded;
+    let Loaded { scene, warnings, model, .. } = loaded;
     let orders = all_orders(args, asked, &model.outputs)?;
     let has_colors = orders.iter().any(needs_shade);
     let edges = edges(&args.edges, model.edges);
@@ -116,10 +109,7 @@ fn rendered(
     warn(&warnings);
     let base = of_file(&args.camera, &model)?;
     let chosen = camera(&args.camera, (&args.file, &base), &scene, &model)?;
-    let Chosen {
-        camera,
-        mut guessed,
-    } = chosen;
+    let Chosen { camera, mut guessed } = chosen;
     let noise = args.picture.noise.filter(|_| has_colors);
     let (lit, mut appearance) = asked_for(&Asked::of(args), &model, scene, &camera)?;
     // Now everything is read.
@@ -165,12 +155,7 @@ pub(crate) struct Asked<'a> {
 
 impl<'a> Asked<'a> {
     fn of(args: &'a RenderArgs) -> Self {
-        Self {
-            camera: &args.camera,
-            light: &args.light,
-            colors: &args.colors,
-            load: &args.load,
-        }
+        Self { camera: &args.camera, light: &args.light, colors: &args.colors, load: &args.load }
     }
 
     /// Refuses lights of which some would be ignored.
@@ -198,9 +183,7 @@ pub(crate) fn asked_for(
     // Of a standard view, up is the world's; of a camera that is aimed, it may be the picture's alone.
     let is_view = args.camera.aim.is_none() && args.camera.look_at.is_none();
     let scene_up = (args.camera.up.filter(|_| is_view)).unwrap_or_else(|| model.up_in(&scene));
-    let scene = scene
-        .with_environment(model.environment.clone())
-        .with_up(scene_up);
+    let scene = scene.with_environment(model.environment.clone()).with_up(scene_up);
     let up = world_up(&scene, Some(camera));
     let scene = environment::lit(scene, args.light, args.load, up)?;
     let appearance = Appearance {
@@ -222,11 +205,7 @@ fn all_orders(
 ) -> Result<Vec<Order>, Failure> {
     let is_of_file = asked.is_none() && args.picture.channels.is_empty() && !outputs.is_empty();
     let blamed = |failure: Failure| {
-        if is_of_file {
-            failure.in_file(&args.file)
-        } else {
-            failure
-        }
+        if is_of_file { failure.in_file(&args.file) } else { failure }
     };
     let orders = asked.map_or_else(|| orders(args, outputs), Ok);
     let orders = orders.map_err(blamed)?;
@@ -264,8 +243,7 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
         vec![with_channels(&path)]
     } else if asked.is_empty() {
         let own = of_file.iter();
-        own.map(|output| (output.path.clone(), output.channels.clone()))
-            .collect()
+        own.map(|output| (output.path.clone(), output.channels.clone())).collect()
     } else {
         let own = of_file.iter();
         own.map(|output| {
@@ -280,10 +258,7 @@ fn orders(args: &RenderArgs, of_file: &[Output]) -> Result<Vec<Order>, Failure> 
 /// The input's name with the extension of a picture, in the current folder.
 fn default_output(input: &Path) -> PathBuf {
     // Not `set_extension`: `part.v2.stl` becomes `part.v2.png`.
-    let mut name = input
-        .file_stem()
-        .unwrap_or_else(|| "render".as_ref())
-        .to_owned();
+    let mut name = input.file_stem().unwrap_or_else(|| "render".as_ref()).to_owned();
     name.push(".png");
     name.into()
 }
@@ -324,9 +299,7 @@ mod tests {
             render: RenderArgs,
         }
         let words = format!("render a.ply --size 20x5 {options}");
-        let args = Options::try_parse_from(words.split_whitespace())
-            .unwrap()
-            .render;
+        let args = Options::try_parse_from(words.split_whitespace()).unwrap().render;
         rays(&args, &World::default(), None)
     }
 
@@ -337,10 +310,7 @@ mod tests {
             ("--samples 1", Some(100 * 3)),
             ("--channels z,normal -o z.exr", Some(100)),
             ("--channels z -o z.exr --samples 9", Some(100)),
-            (
-                "--channels color,z -o a.exr --shader lambert",
-                Some(100 * 4 * 2),
-            ),
+            ("--channels color,z -o a.exr --shader lambert", Some(100 * 4 * 2)),
             ("--light shoulder", Some(100 * 4 * 2)),
             ("--ambient 0.1,0.1,0.1", Some(100 * 4 * 2)),
             ("--shader lambert --ground", Some(100 * 16 * 2)),

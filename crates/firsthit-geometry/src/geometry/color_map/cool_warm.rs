@@ -14,11 +14,7 @@ const MIDDLE: f64 = 88.0;
 
 /// The levels of sRGB of a number from 0 to 1.
 pub(super) fn levels(number: f64) -> [u8; 3] {
-    let (hue, sign) = if number < 0.5 {
-        (HUES[0], -1.0)
-    } else {
-        (HUES[1], 1.0)
-    };
+    let (hue, sign) = if number < 0.5 { (HUES[0], -1.0) } else { (HUES[1], 1.0) };
     // How far from the middle, up to 1.
     let away = (2.0 * number - 1.0).abs();
     let between = |middle: f64, end: f64| middle + away * (end - middle);
@@ -28,11 +24,7 @@ pub(super) fn levels(number: f64) -> [u8; 3] {
     let hue = between(hue + sign * turn, hue);
     let (off_grey, grey) = libm::sincos(saturation);
     let (b, a) = libm::sincos(hue);
-    from_lab([
-        distance * grey,
-        distance * off_grey * a,
-        distance * off_grey * b,
-    ])
+    from_lab([distance * grey, distance * off_grey * a, distance * off_grey * b])
 }
 
 /// CIELAB with the white D65 as levels of sRGB.

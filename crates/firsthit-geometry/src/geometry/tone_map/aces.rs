@@ -2,11 +2,8 @@ use super::rows;
 use crate::geometry::{Color, DMat3};
 
 /// Linear Rec. 709 to ACES primaries (AP1), with the saturation of the reference rendering transform (RRT).
-const FROM_REC_709: DMat3 = rows([
-    [0.59719, 0.35458, 0.04823],
-    [0.07600, 0.90834, 0.01566],
-    [0.02840, 0.13383, 0.83777],
-]);
+const FROM_REC_709: DMat3 =
+    rows([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]);
 
 /// ACES primaries to linear Rec. 709, with the saturation of the output device transform (ODT).
 const TO_REC_709: DMat3 = rows([

@@ -30,14 +30,8 @@ const SHOWN_MIDDLE: f64 = 0.5;
 const SLOPE: f64 = 2.0;
 
 /// The curve above and below middle grey.
-const SHOULDER: Bend = Bend {
-    power: 3.25,
-    scale: 0.541_464_156_278_149_7,
-};
-const TOE: Bend = Bend {
-    power: 3.0,
-    scale: 0.512_277_382_293_071,
-};
+const SHOULDER: Bend = Bend { power: 3.25, scale: 0.541_464_156_278_149_7 };
+const TOE: Bend = Bend { power: 3.0, scale: 0.512_277_382_293_071 };
 
 /// The exponent of display-encoded values.
 const DISPLAY_GAMMA: f64 = 2.2;
@@ -66,11 +60,7 @@ struct Bend {
 
 /// Jed Smith's sigmoid, in which both sides of the pivot have their own bend.
 fn contrast(x: f64) -> f64 {
-    let (Bend { power, scale }, side) = if x >= MIDDLE {
-        (SHOULDER, 1.0)
-    } else {
-        (TOE, -1.0)
-    };
+    let (Bend { power, scale }, side) = if x >= MIDDLE { (SHOULDER, 1.0) } else { (TOE, -1.0) };
     let along = SLOPE * (x - MIDDLE).abs() / scale;
     let bent = along / libm::pow(1.0 + libm::pow(along, power), 1.0 / power);
     SHOWN_MIDDLE + side * scale * bent

@@ -13,11 +13,7 @@ const DESATURATION: f64 = 0.15;
 /// Khronos PBR Neutral: "Khronos PBR Neutral Tone Mapper", specification, Khronos Group (2024).
 pub(super) fn neutral(color: Color) -> Color {
     let least = color.min_element();
-    let offset = if least < 2.0 * OFFSET {
-        least - 6.25 * least * least
-    } else {
-        OFFSET
-    };
+    let offset = if least < 2.0 * OFFSET { least - 6.25 * least * least } else { OFFSET };
     let color = color - offset;
     let peak = color.max_element();
     if peak < START {

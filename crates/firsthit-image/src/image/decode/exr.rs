@@ -43,16 +43,13 @@ fn decode_checked(bytes: &[u8], most: u64) -> Result<Output, String> {
         place(&block, meta, &mut planes);
         seen += 1;
     }
-    let expected: usize = (chunks.meta_data().headers.iter())
-        .map(|header| header.chunk_count)
-        .sum();
+    let expected: usize =
+        (chunks.meta_data().headers.iter()).map(|header| header.chunk_count).sum();
     if seen < expected {
         return Err(format!("holds {seen} blocks of {expected}"));
     }
     for layer in planes {
-        output
-            .arrays
-            .extend(layer.into_arrays(output.metadata.as_ref())?);
+        output.arrays.extend(layer.into_arrays(output.metadata.as_ref())?);
     }
     Ok(output)
 }
@@ -71,11 +68,7 @@ fn check_claims(headers: &[Header], length: usize, most: u64) -> Result<(), Stri
         let channels = header.channels.list.len();
         elements(&[rows as u64, columns as u64, channels as u64], 8, most)?;
         let block = header.max_block_pixel_size();
-        elements(
-            &[block.x() as u64, block.y() as u64, channels as u64],
-            8,
-            most,
-        )?;
+        elements(&[block.x() as u64, block.y() as u64, channels as u64], 8, most)?;
         total =
             total.saturating_add((rows as u64 * columns as u64).saturating_mul(channels as u64));
     }
@@ -173,9 +166,8 @@ impl Planes {
         if !names.iter().all(is_there) {
             return Ok(None);
         }
-        let planes: Vec<Vec<u32>> = (names.iter())
-            .filter_map(|name| self.samples.remove(name))
-            .collect();
+        let planes: Vec<Vec<u32>> =
+            (names.iter()).filter_map(|name| self.samples.remove(name)).collect();
         // A record that names a channel twice.
         if planes.len() != names.len() {
             return Ok(None);
@@ -242,11 +234,7 @@ fn place(block: &UncompressedBlock, meta: &MetaData, layers: &mut [Planes]) {
     let mut data = block.data.as_slice();
     for row in index.pixel_position.y()..index.pixel_position.y() + index.pixel_size.y() {
         for channel in &header.channels.list {
-            let size = if channel.sample_type == SampleType::F16 {
-                2
-            } else {
-                4
-            };
+            let size = if channel.sample_type == SampleType::F16 { 2 } else { 4 };
             let Some((line, rest)) = data.split_at_checked(index.pixel_size.x() * size) else {
                 return;
             };

@@ -7,14 +7,10 @@ use super::output::{Array, ArrayValues, Output, collected, elements, metadata_of
 
 /// The picture: distances where it holds steps of them, else its samples.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
-    let limits = Limits {
-        bytes: usize::try_from(most).unwrap_or(usize::MAX),
-    };
+    let limits = Limits { bytes: usize::try_from(most).unwrap_or(usize::MAX) };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::EXPAND);
-    let mut reader = decoder
-        .read_info()
-        .map_err(|error| in_words(&error, bytes.len()))?;
+    let mut reader = decoder.read_info().map_err(|error| in_words(&error, bytes.len()))?;
     let (columns, rows) = (reader.info().width, reader.info().height);
     let (color, depth) = reader.output_color_type();
     let components = color.samples();
@@ -22,15 +18,11 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
     let count = elements(&shape, 8, most)?;
     // Deflate packs to a thousandth at best: a small file that claims a large picture holds none.
     if count as u64 / 8 > 2048 * bytes.len() as u64 {
-        return Err(format!(
-            "{columns} x {rows} pixels are more than the file can hold"
-        ));
+        return Err(format!("{columns} x {rows} pixels are more than the file can hold"));
     }
     let size = reader.output_buffer_size().ok_or("is too large")?;
     let mut samples = collected(size, std::iter::repeat_n(0, size))?;
-    reader
-        .next_frame(&mut samples)
-        .map_err(|error| in_words(&error, bytes.len()))?;
+    reader.next_frame(&mut samples).map_err(|error| in_words(&error, bytes.len()))?;
     let mut output = Output::default();
     let texts = &reader.info().uncompressed_latin1_text;
     let text = texts.iter().find(|text| text.keyword == KEY);
@@ -38,10 +30,7 @@ pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String
     output.metadata = metadata_of(text, &mut output.notes);
     let (dtype, whole) = match depth {
         BitDepth::Sixteen => ("uint16", collected(count, sixteen(&samples))?),
-        _ => (
-            "uint8",
-            collected(count, samples.into_iter().map(i64::from))?,
-        ),
+        _ => ("uint8", collected(count, samples.into_iter().map(i64::from))?),
     };
     let channel = only_channel(output.metadata.as_ref());
     let (numbers, is_picture) = match channel {
@@ -84,11 +73,7 @@ fn sixteen(samples: &[u8]) -> impl Iterator<Item = i64> {
 /// Steps as distances: 0 is a miss.
 fn distances(steps: &[i64], scale: f64) -> Result<ArrayValues, String> {
     let distance = |&steps: &i64| {
-        if steps == 0 {
-            f64::INFINITY
-        } else {
-            scale * steps as f64
-        }
+        if steps == 0 { f64::INFINITY } else { scale * steps as f64 }
     };
     collected(steps.len(), steps.iter().map(distance)).map(ArrayValues::Float64)
 }

@@ -107,14 +107,9 @@ mod tests {
     fn every_format_is_found_by_its_extension() {
         for format in SECTION_FORMATS {
             let path = format!("a.b/cut.{}", format.name.to_uppercase());
-            assert_eq!(
-                SectionFormat::of(Path::new(&path)).unwrap().name,
-                format.name
-            );
+            assert_eq!(SectionFormat::of(Path::new(&path)).unwrap().name, format.name);
         }
-        let error = SectionFormat::of(Path::new("cut.pdf"))
-            .unwrap_err()
-            .to_string();
+        let error = SectionFormat::of(Path::new("cut.pdf")).unwrap_err().to_string();
         for format in SECTION_FORMATS {
             assert!(error.contains(&format!(".{}", format.name)), "{error}");
         }

@@ -13,10 +13,7 @@ pub(super) fn write(section: &Section, out: &mut dyn Write) -> io::Result<()> {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:?}mm\" height=\"{:?}mm\" viewBox=\"{:?} {:?} {:?} {:?}\">",
         size.x, size.y, low.x, low.y, size.x, size.y
     )?;
-    writeln!(
-        out,
-        "<g stroke=\"black\" stroke-linejoin=\"round\" fill-rule=\"evenodd\">"
-    )?;
+    writeln!(out, "<g stroke=\"black\" stroke-linejoin=\"round\" fill-rule=\"evenodd\">")?;
     let mut polylines = section.polylines().peekable();
     while let Some(first) = polylines.peek() {
         let object = first.object;

@@ -11,9 +11,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Picture> {
     let left = report.budget.left();
     let output = decode_exr(bytes, left).map_err(|what| {
         let left = size_in_words(left);
-        Fault::file(format!(
-            "{what} ({left} of memory are left of what is allowed)"
-        ))
+        Fault::file(format!("{what} ({left} of memory are left of what is allowed)"))
     })?;
     for note in &output.notes {
         report.warn("exr", &Place::File, || note.clone());
@@ -33,11 +31,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Picture> {
         _ => [0, 0],
     };
     charge(columns as u64, rows as u64, report)?;
-    Ok(Picture {
-        columns,
-        rows,
-        texels: texels(array)?,
-    })
+    Ok(Picture { columns, rows, texels: texels(array)? })
 }
 
 fn texels(array: &Array) -> Checked<Vec<[f32; 3]>> {
@@ -48,14 +42,10 @@ fn texels(array: &Array) -> Checked<Vec<[f32; 3]>> {
     let count = values.len() / array.components.max(1);
     let room = texels.try_reserve_exact(count);
     room.map_err(|_| crate::memory::no_room_for("the texels of an environment"))?;
-    texels.extend(
-        values
-            .chunks_exact(array.components.max(1))
-            .map(|values| match *values {
-                [red, green, blue] => [red, green, blue],
-                [grey] => [grey; 3],
-                _ => [0.0; 3],
-            }),
-    );
+    texels.extend(values.chunks_exact(array.components.max(1)).map(|values| match *values {
+        [red, green, blue] => [red, green, blue],
+        [grey] => [grey; 3],
+        _ => [0.0; 3],
+    }));
     Ok(texels)
 }

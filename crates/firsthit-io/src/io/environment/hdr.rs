@@ -27,11 +27,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Picture> {
             }
         }
     }
-    Ok(Picture {
-        columns: order.columns(),
-        rows: order.rows(),
-        texels,
-    })
+    Ok(Picture { columns: order.columns(), rows: order.rows(), texels })
 }
 
 /// Mantissas over 256, times two to the power of the exponent less 128: exact in float32.
@@ -129,38 +125,18 @@ impl Order {
     }
 
     fn columns(&self) -> usize {
-        if self.of_rows {
-            self.length
-        } else {
-            self.lines
-        }
+        if self.of_rows { self.length } else { self.lines }
     }
 
     fn rows(&self) -> usize {
-        if self.of_rows {
-            self.lines
-        } else {
-            self.length
-        }
+        if self.of_rows { self.lines } else { self.length }
     }
 
     /// The index in the picture, row by row from the top left, of a texel of a line.
     fn place(&self, line: usize, index: usize) -> usize {
-        let (row, column) = if self.of_rows {
-            (line, index)
-        } else {
-            (index, line)
-        };
-        let row = if self.from_bottom {
-            self.rows() - 1 - row
-        } else {
-            row
-        };
-        let column = if self.from_right {
-            self.columns() - 1 - column
-        } else {
-            column
-        };
+        let (row, column) = if self.of_rows { (line, index) } else { (index, line) };
+        let row = if self.from_bottom { self.rows() - 1 - row } else { row };
+        let column = if self.from_right { self.columns() - 1 - column } else { column };
         row * self.columns() + column
     }
 }
@@ -219,10 +195,7 @@ impl ByteReader<'_> {
         let may_be_new = (8..0x8000).contains(&line.len());
         if may_be_new && [a, b] == [2, 2] && high < 128 {
             if length != line.len() {
-                let what = format!(
-                    "a line of {length} texels, where {} are in each",
-                    line.len()
-                );
+                let what = format!("a line of {length} texels, where {} are in each", line.len());
                 return Err(Fault::at(Place::Byte(start as u64), what));
             }
             return (0..4).try_for_each(|component| self.component(component, line));
@@ -238,11 +211,7 @@ impl ByteReader<'_> {
         while left > 0 {
             let start = self.at;
             let code = usize::from(self.byte()?);
-            let (count, is_run) = if code > 128 {
-                (code - 128, true)
-            } else {
-                (code, false)
-            };
+            let (count, is_run) = if code > 128 { (code - 128, true) } else { (code, false) };
             if count == 0 || count > left {
                 let what = format!("a run of {count} texels, where {left} are left in the line");
                 return Err(Fault::at(Place::Byte(start as u64), what));
@@ -254,9 +223,7 @@ impl ByteReader<'_> {
             } else {
                 // The values first: else a place is taken for which there is no value left.
                 let values = self.some(count)?.iter();
-                values
-                    .zip(places.by_ref())
-                    .for_each(|(&value, place)| *place = value);
+                values.zip(places.by_ref()).for_each(|(&value, place)| *place = value);
             }
         }
         Ok(())
@@ -279,10 +246,7 @@ impl ByteReader<'_> {
             };
             let left = line.len() - done;
             let count = usize::from(count).checked_shl(shift).unwrap_or(usize::MAX);
-            let before = done
-                .checked_sub(1)
-                .and_then(|before| line.get(before))
-                .copied();
+            let before = done.checked_sub(1).and_then(|before| line.get(before)).copied();
             let (Some(before), true) = (before, count <= left && shift <= 16) else {
                 let what = format!(
                     "the texel before is repeated {count} times, where {left} are left in the line"

@@ -62,11 +62,7 @@ pub(crate) fn decoded(bytes: Vec<u8>, report: &mut Report) -> Result<Environment
         let bytes = gzip::unpacked(bytes.into(), report)?;
         let mut picture = picture(&bytes, report)?;
         sanitize(&mut picture, report);
-        let Picture {
-            columns,
-            rows,
-            texels,
-        } = picture;
+        let Picture { columns, rows, texels } = picture;
         EnvironmentMap::new(columns, rows, texels).map_err(Fault::Other)
     };
     read(report).map_err(|fault| fault.into_error(&path))
@@ -174,11 +170,7 @@ mod tests {
         ];
         let got = texels(&hdr("-Y 2 +X 3", plain.as_flattened()));
         for ([red, green, blue, exponent], got) in plain.into_iter().zip(got) {
-            let scale = if exponent == 0 {
-                0.0
-            } else {
-                libm::exp2(f64::from(exponent) - 136.0)
-            };
+            let scale = if exponent == 0 { 0.0 } else { libm::exp2(f64::from(exponent) - 136.0) };
             let expected = [red, green, blue].map(|mantissa| f64::from(mantissa) * scale);
             assert_eq!(got.map(f64::from), expected);
         }
@@ -191,9 +183,7 @@ mod tests {
         // Two texels, each repeated: four and three times.
         let old = [[7, 7, 0, 129], [1, 1, 1, 4], [7, 7, 1, 129], [1, 1, 1, 3]];
         assert_eq!(texels(&hdr("-Y 1 +X 9", old.as_flattened())), plain);
-        let new = [
-            2, 2, 0, 9, 137, 7, 9, 7, 7, 7, 7, 7, 7, 7, 7, 7, 133, 0, 132, 1, 137, 129,
-        ];
+        let new = [2, 2, 0, 9, 137, 7, 9, 7, 7, 7, 7, 7, 7, 7, 7, 7, 133, 0, 132, 1, 137, 129];
         assert_eq!(texels(&hdr("-Y 1 +X 9", &new)), plain);
         // 1 + 2 + 256 times 1.
         let long = [[7, 7, 7, 129], [1, 1, 1, 2], [1, 1, 1, 1]];
@@ -237,9 +227,7 @@ mod tests {
             ("-Y 99999999999 +X 9", &[], "the size must be"),
             ("-Y 4294967295 +X 4294967295", &[], "max-texture"),
         ] {
-            let error = read(&hdr(size, content), LoadSettings::default())
-                .0
-                .unwrap_err();
+            let error = read(&hdr(size, content), LoadSettings::default()).0.unwrap_err();
             assert!(error.to_string().contains(part), "{error}");
         }
         let xyz = b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x01\x01\x01\x80";
@@ -249,21 +237,12 @@ mod tests {
 
     #[test]
     fn limits_hold_before_anything_is_decoded() {
-        let small = LoadSettings {
-            max_texture: 8,
-            ..LoadSettings::default()
-        };
+        let small = LoadSettings { max_texture: 8, ..LoadSettings::default() };
         let bytes = hdr("-Y 4 +X 8", &[9; 4 * 32]);
         let error = read(&bytes, small).0.unwrap_err();
         assert!(error.to_string().contains("8 x 4"), "{error}");
-        let little = LoadSettings {
-            max_memory: 500,
-            ..LoadSettings::default()
-        };
-        assert!(matches!(
-            read(&bytes, little).0,
-            Err(Error::TooLarge { .. })
-        ));
+        let little = LoadSettings { max_memory: 500, ..LoadSettings::default() };
+        assert!(matches!(read(&bytes, little).0, Err(Error::TooLarge { .. })));
         assert!(read(&bytes, LoadSettings::default()).0.is_ok());
     }
 
@@ -281,11 +260,7 @@ mod tests {
     #[test]
     fn exr_is_read_and_what_is_no_light_is_mended_with_one_warning() {
         use ::exr::prelude::{Image, SpecificChannels, Vec2, WritableImage};
-        let colors = [
-            [0.5, 0.25, 2.0],
-            [f32::NAN, -1.0, f32::INFINITY],
-            [1.0, 1.0, -0.0],
-        ];
+        let colors = [[0.5, 0.25, 2.0], [f32::NAN, -1.0, f32::INFINITY], [1.0, 1.0, -0.0]];
         let pixel = |at: Vec2<usize>| {
             let [red, green, blue] = colors[at.x()];
             (red, green, blue)
@@ -296,15 +271,9 @@ mod tests {
         let bytes = bytes.into_inner();
         let (map, lines) = read(&bytes, LoadSettings::default());
         let texels = map.unwrap().texels().to_vec();
-        assert_eq!(
-            texels,
-            [[0.5, 0.25, 2.0], [0.0, 0.0, BRIGHTEST], [1.0, 1.0, 0.0]]
-        );
+        assert_eq!(texels, [[0.5, 0.25, 2.0], [0.0, 0.0, BRIGHTEST], [1.0, 1.0, 0.0]]);
         assert_eq!(lines.len(), 1, "{lines:?}");
-        assert!(
-            lines[0].contains("in 1 texels") && lines[0].contains("column 1"),
-            "{lines:?}"
-        );
+        assert!(lines[0].contains("in 1 texels") && lines[0].contains("column 1"), "{lines:?}");
         for end in 0..bytes.len() {
             assert!(read(&bytes[..end], LoadSettings::default()).0.is_err());
         }

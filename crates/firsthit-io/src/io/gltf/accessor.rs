@@ -192,9 +192,7 @@ impl<'a> Packed<'a> {
         }
         let needed = match count.checked_sub(1) {
             None => Some(0),
-            Some(steps) => steps
-                .checked_mul(stride)
-                .and_then(|start| start.checked_add(size)),
+            Some(steps) => steps.checked_mul(stride).and_then(|start| start.checked_add(size)),
         };
         let part = needed.and_then(|needed| bytes.part(offset, needed));
         let bytes = part.ok_or_else(|| {
@@ -240,11 +238,7 @@ impl<'a> Elements<'a> {
                     let what = format!("must be one of 5121, 5123, 5125, got {code}");
                     entry.fault("sparse/indices/componentType", what)
                 })?;
-                let extent = [
-                    sparse.indices.buffer_view,
-                    sparse.indices.byte_offset,
-                    sparse.count,
-                ];
+                let extent = [sparse.indices.buffer_view, sparse.indices.byte_offset, sparse.count];
                 let indices = packed(extent, kind.size(), "sparse/count", report)?;
                 // The indices twice, and the values at their largest: a byte may stand behind each.
                 let each = (size_of::<u32>() + size_of::<usize>()) as u64;
@@ -254,22 +248,11 @@ impl<'a> Elements<'a> {
                 (report.budget).charge_at(place, needed, "a sparse accessor")?;
                 let indices = indices.read(kind, None, sparse.count.0);
                 let indices = rising(&indices, count, entry)?;
-                let extent = [
-                    sparse.values.buffer_view,
-                    sparse.values.byte_offset,
-                    sparse.count,
-                ];
+                let extent = [sparse.values.buffer_view, sparse.values.byte_offset, sparse.count];
                 Some((indices, packed(extent, size, "sparse/count", report)?))
             }
         };
-        Ok(Self {
-            entry,
-            count,
-            component,
-            normalized: accessor.normalized,
-            packed: whole,
-            sparse,
-        })
+        Ok(Self { entry, count, component, normalized: accessor.normalized, packed: whole, sparse })
     }
 
     /// All elements, which must have `N` components.
@@ -279,9 +262,7 @@ impl<'a> Elements<'a> {
     ) -> Checked<Vec<[T; N]>> {
         // Values that are not in the bytes are zero; their count is only a claim.
         let needed = (self.count as u64).saturating_mul(size_of::<[T; N]>() as u64);
-        report
-            .budget
-            .charge_at(self.entry.at("count"), needed, "an accessor")?;
+        report.budget.charge_at(self.entry.at("count"), needed, "an accessor")?;
         let largest = self.normalized.then(|| self.component.largest());
         let mut values = match &self.packed {
             Some(packed) => packed.read(self.component, largest, self.count),

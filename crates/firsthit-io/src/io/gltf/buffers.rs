@@ -22,21 +22,14 @@ pub(super) struct Buffers<'a> {
 
 impl<'a> Buffers<'a> {
     pub(super) fn new(document: &'a Document<'a>, binary: Option<&'a [u8]>) -> Self {
-        Self {
-            document,
-            binary,
-            read: HashMap::new(),
-            unpacked: HashMap::new(),
-        }
+        Self { document, binary, read: HashMap::new(), unpacked: HashMap::new() }
     }
 
     /// Tells the watch of the bytes in other files, which are most of the work where there are any.
     pub(super) fn begin(&self, report: &mut Report) -> Checked<()> {
         let uri = |buffer: &&Buffer<'_>| buffer.uri.as_ref().is_some_and(|uri| !is_data(uri));
         let outside = self.document.buffers.iter().filter(uri);
-        match outside.fold(0, |sum: usize, buffer| {
-            sum.saturating_add(buffer.byte_length.0)
-        }) {
+        match outside.fold(0, |sum: usize, buffer| sum.saturating_add(buffer.byte_length.0)) {
             0 => Ok(()),
             bytes => {
                 report.advance_until(0)?;

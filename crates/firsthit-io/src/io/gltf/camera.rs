@@ -67,15 +67,8 @@ fn describe(view: View) -> Description {
     let lens = view.lens.viewplane().copied().unwrap_or_default();
     let Viewplane { width, height, .. } = lens;
     // Without a number of pixels the picture has the viewplane's shape.
-    let whole = Opening::Viewplane {
-        width,
-        height,
-        focal_length: None,
-    };
-    let described = Description {
-        opening: Some(whole),
-        ..Description::default()
-    };
+    let whole = Opening::Viewplane { width, height, focal_length: None };
+    let described = Description { opening: Some(whole), ..Description::default() };
     let [rows, columns] = described.size();
     Description {
         opening: Some(if lens.parallel {
@@ -92,14 +85,8 @@ fn describe(view: View) -> Description {
 /// The view of a camera at the origin along -z.
 fn lens(camera: &CameraEntry<'_>, entry: Entry) -> Checked<View> {
     let view = View::default();
-    let from_eye = Viewplane {
-        ray_start: RayStart::Eye,
-        ..Viewplane::default()
-    };
-    let through = |viewplane| View {
-        lens: Lens::Flat(viewplane),
-        ..view
-    };
+    let from_eye = Viewplane { ray_start: RayStart::Eye, ..Viewplane::default() };
+    let through = |viewplane| View { lens: Lens::Flat(viewplane), ..view };
     let positive = |value: &str, number: f64| {
         if number > 0.0 {
             Ok(number)
@@ -119,11 +106,7 @@ fn lens(camera: &CameraEntry<'_>, entry: Entry) -> Checked<View> {
                 Some(ratio) => positive("perspective/aspectRatio", ratio)?,
                 None => view.columns as f64 / view.rows as f64,
             };
-            Ok(through(Viewplane {
-                height,
-                width: height * aspect,
-                ..from_eye
-            }))
+            Ok(through(Viewplane { height, width: height * aspect, ..from_eye }))
         }
         ("orthographic", _, Some(lens)) => Ok(through(Viewplane {
             // Some programs write them with a sign, which would only mirror the picture.

@@ -58,9 +58,7 @@ fn chunks<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Container<'a>> {
     while place < bytes.len() {
         let (size, kind) = (word(bytes, place)?, word(bytes, place + 4)?);
         let start = place + 8;
-        let end = usize::try_from(size)
-            .ok()
-            .and_then(|size| start.checked_add(size));
+        let end = usize::try_from(size).ok().and_then(|size| start.checked_add(size));
         let chunk = end.and_then(|end| bytes.get(start..end)).ok_or_else(|| {
             let left = bytes.len() - start;
             let what = format!("truncated: the chunk has {size} bytes, {left} are left");
@@ -79,11 +77,7 @@ fn chunks<'a>(bytes: &'a [u8], report: &mut Report) -> Checked<Container<'a>> {
     // Some programs pad with zeros where it should be blanks.
     let padding = json.iter().rev().take_while(|&&byte| byte == 0).count();
     let json = json.get(..json.len() - padding).unwrap_or_default();
-    Ok(Container {
-        json,
-        start: Some(start),
-        binary,
-    })
+    Ok(Container { json, start: Some(start), binary })
 }
 
 /// The part of the file that its header says is the container.

@@ -298,11 +298,7 @@ pub(super) struct BufferView<'a> {
 
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct BufferViewExtensions<'a> {
-    #[serde(
-        borrow,
-        rename = "EXT_meshopt_compression",
-        alias = "KHR_meshopt_compression"
-    )]
+    #[serde(borrow, rename = "EXT_meshopt_compression", alias = "KHR_meshopt_compression")]
     pub(super) meshopt: Option<Meshopt<'a>>,
 }
 
@@ -336,9 +332,7 @@ pub(super) fn charge(container: &Container<'_>, report: &mut Report) -> Checked<
     let count = |wanted: u8| memchr::memchr_iter(wanted, container.json).count();
     let records = count(b'{').saturating_mul(record);
     let needed = records.saturating_add(count(b',').saturating_mul(value));
-    report
-        .budget
-        .charge_content(needed as u64, "the document")?;
+    report.budget.charge_content(needed as u64, "the document")?;
     check_free(needed)
 }
 

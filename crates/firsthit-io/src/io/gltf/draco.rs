@@ -44,9 +44,7 @@ impl Unpacked {
             .unwrap_or_else(|_| Err("the packed mesh cannot be read".to_owned()))
             .map_err(|reason| format!("Draco: {reason}"))?;
         let faces = mesh.num_faces() as u64;
-        report
-            .budget
-            .charge(FACE_BYTES.saturating_mul(faces), "a packed mesh")?;
+        report.budget.charge(FACE_BYTES.saturating_mul(faces), "a packed mesh")?;
         Ok(Self { mesh })
     }
 
@@ -70,9 +68,7 @@ impl Unpacked {
         let attribute = identifier.and_then(|id| self.mesh.attribute_by_unique_id(id));
         let attribute = attribute.ok_or("the packed mesh has no attribute of that identifier")?;
         let count = self.vertices();
-        report
-            .budget
-            .charge(4 * (count as u64) * components as u64, "a packed attribute")?;
+        report.budget.charge(4 * (count as u64) * components as u64, "a packed attribute")?;
         Ok(attribute.read_f32s(count, components))
     }
 }

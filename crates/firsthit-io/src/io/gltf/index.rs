@@ -36,10 +36,7 @@ impl<'de> Deserialize<'de> for Index {
                     let number = number as u64;
                     return self.visit_u64(number);
                 }
-                Err(E::invalid_value(
-                    serde::de::Unexpected::Float(number),
-                    &self,
-                ))
+                Err(E::invalid_value(serde::de::Unexpected::Float(number), &self))
             }
         }
         deserializer.deserialize_any(Whole)

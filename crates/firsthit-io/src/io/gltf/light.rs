@@ -41,10 +41,7 @@ pub(super) fn all(
 
 /// Whether the light is none, because it would take light away; warns of it.
 fn takes_light_away(light: &LightEntry<'_>, entry: Entry, report: &mut Report) -> bool {
-    let numbers = light
-        .intensity
-        .iter()
-        .map(|intensity| ("intensity", intensity));
+    let numbers = light.intensity.iter().map(|intensity| ("intensity", intensity));
     let colors = light.color.iter().flatten().map(|level| ("color", level));
     let Some((name, number)) = numbers.chain(colors).find(|(_, number)| **number < 0.0) else {
         return false;
@@ -71,27 +68,14 @@ fn at(
     let color = Color::from(light.color.unwrap_or([1.0; 3])) * (intensity / PI);
     let map = place.world_from_node;
     let (position, direction) = (map.translation, unit(map.transform_vector3(DVec3::NEG_Z)));
-    let direction = if direction.is_finite() {
-        direction
-    } else {
-        DVec3::NEG_Z
-    };
+    let direction = if direction.is_finite() { direction } else { DVec3::NEG_Z };
     match &*light.kind {
-        "directional" => Ok(Light::from(DirectionalLight {
-            direction,
-            color,
-            angle_degrees: 0.0,
-        })),
-        "point" => Ok(Light::from(PointLight {
-            position,
-            intensity: color,
-        })),
+        "directional" => Ok(Light::from(DirectionalLight { direction, color, angle_degrees: 0.0 })),
+        "point" => Ok(Light::from(PointLight { position, intensity: color })),
         "spot" => {
             let spot = light.spot.as_ref();
             let inner = spot.and_then(|spot| spot.inner_cone_angle).unwrap_or(0.0);
-            let outer = spot
-                .and_then(|spot| spot.outer_cone_angle)
-                .unwrap_or(FRAC_PI_4);
+            let outer = spot.and_then(|spot| spot.outer_cone_angle).unwrap_or(FRAC_PI_4);
             if !(0.0 <= inner && inner < outer && outer <= FRAC_PI_2 + 1e-6) {
                 let what = format!(
                     "the angles of the cones must be 0 <= inner < outer <= pi / 2, got {inner} and {outer}"

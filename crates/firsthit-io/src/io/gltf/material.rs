@@ -71,12 +71,8 @@ impl Looks {
                 maps,
                 normal_scale: numbers
                     .scale(material.normal_texture.as_ref().and_then(|info| info.scale)),
-                occlusion_strength: numbers.strength(
-                    material
-                        .occlusion_texture
-                        .as_ref()
-                        .and_then(|info| info.strength),
-                ),
+                occlusion_strength: numbers
+                    .strength(material.occlusion_texture.as_ref().and_then(|info| info.strength)),
                 alpha_mode,
                 unlit: material.extensions.unlit.is_some(),
                 double_sided: material.double_sided,
@@ -195,10 +191,7 @@ fn read(
     };
     let bytes = bytes.map_err(|problem| problem.into_words(report))?;
     let name = name.and_then(|uri| file_name(uri).ok());
-    let extension = name
-        .as_deref()
-        .and_then(|name| name.rsplit_once('.'))
-        .map(|(_, end)| end);
+    let extension = name.as_deref().and_then(|name| name.rsplit_once('.')).map(|(_, end)| end);
     picture::decode(bytes.get(), extension, report)
 }
 
@@ -213,9 +206,7 @@ fn wrap(code: Option<Index>) -> Wrap {
 fn alpha_mode(material: &MaterialEntry<'_>, entry: Entry) -> Checked<AlphaMode> {
     match material.alpha_mode.as_deref() {
         None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
-        Some("MASK") => Ok(AlphaMode::Mask {
-            cutoff: material.alpha_cutoff.unwrap_or(0.5),
-        }),
+        Some("MASK") => Ok(AlphaMode::Mask { cutoff: material.alpha_cutoff.unwrap_or(0.5) }),
         Some("BLEND") => Ok(AlphaMode::Blend),
         Some(mode) => {
             let mode = escape_controls(mode);

@@ -213,10 +213,7 @@ impl MaterialEntry<'_> {
         }
         let pbr = &self.pbr_metallic_roughness;
         let (base, diffuse) = (
-            (
-                pbr.base_color_texture.as_ref(),
-                "pbrMetallicRoughness/baseColorTexture",
-            ),
+            (pbr.base_color_texture.as_ref(), "pbrMetallicRoughness/baseColorTexture"),
             of!(diffuse, "KHR_materials_pbrSpecularGlossiness": diffuse_texture, "diffuseTexture"),
         );
         let rough = (
@@ -231,18 +228,9 @@ impl MaterialEntry<'_> {
         let all = [
             (MapRole::Color, base),
             (MapRole::MetallicRoughness, rough),
-            (
-                MapRole::Normal,
-                (self.normal_texture.as_ref(), "normalTexture"),
-            ),
-            (
-                MapRole::Occlusion,
-                (self.occlusion_texture.as_ref(), "occlusionTexture"),
-            ),
-            (
-                MapRole::Emission,
-                (self.emissive_texture.as_ref(), "emissiveTexture"),
-            ),
+            (MapRole::Normal, (self.normal_texture.as_ref(), "normalTexture")),
+            (MapRole::Occlusion, (self.occlusion_texture.as_ref(), "occlusionTexture")),
+            (MapRole::Emission, (self.emissive_texture.as_ref(), "emissiveTexture")),
             (
                 MapRole::Transmission,
                 of!(transmission, "KHR_materials_transmission": transmission_texture, "transmissionTexture"),
@@ -280,8 +268,7 @@ impl MaterialEntry<'_> {
                 of!(diffuse, "KHR_materials_pbrSpecularGlossiness": specular_glossiness_texture, "specularGlossinessTexture"),
             ),
         ];
-        all.into_iter()
-            .filter_map(|(role, (texture, place))| Some((role, place, texture?)))
+        all.into_iter().filter_map(|(role, (texture, place))| Some((role, place, texture?)))
     }
 
     /// The linear colour and alpha, and the name of the key that has them.
@@ -299,10 +286,7 @@ impl TextureInfo {
     /// The set of texture coordinates that the texture takes.
     pub(super) fn set(&self) -> usize {
         let transform = self.extensions.transform.as_ref();
-        transform
-            .and_then(|transform| transform.tex_coord)
-            .unwrap_or(self.tex_coord)
-            .0
+        transform.and_then(|transform| transform.tex_coord).unwrap_or(self.tex_coord).0
     }
 
     /// The map of texture coordinates to the picture's: scaled, then turned, then moved.
@@ -344,10 +328,7 @@ impl TextureEntry {
     /// All images that it may be made from.
     pub(super) fn sources(&self) -> impl Iterator<Item = Index> {
         let extensions = [&self.extensions.webp, &self.extensions.basisu];
-        let named = extensions
-            .into_iter()
-            .flatten()
-            .filter_map(|source| source.source);
+        let named = extensions.into_iter().flatten().filter_map(|source| source.source);
         self.source.into_iter().chain(named)
     }
 }

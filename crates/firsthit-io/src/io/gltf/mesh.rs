@@ -79,9 +79,9 @@ fn mode(values: &mut Values<'_, '_, '_>) -> Checked<Option<Mode>> {
     let Index(code) = values.primitive.mode.unwrap_or(Index(4));
     let place = values.place("mode");
     let mut unseen = |key: &'static str| {
-        values.report.warn(key, &place, || {
-            format!("primitives of {key} (mode {code}) are not seen")
-        });
+        values
+            .report
+            .warn(key, &place, || format!("primitives of {key} (mode {code}) are not seen"));
         Ok(None)
     };
     match code {
@@ -239,17 +239,12 @@ fn indices(values: &mut Values<'_, '_, '_>, index: Index, vertices: usize) -> Ch
         let what = "indices must be 5121, 5123 or 5125 (unsigned)";
         return Err(entry.fault("componentType", what));
     }
-    let indices = values
-        .elements::<u32, 1>(index, &Shape::SCALAR)?
-        .into_flattened();
+    let indices = values.elements::<u32, 1>(index, &Shape::SCALAR)?.into_flattened();
     let largest = indices.iter().copied().max().unwrap_or_default() as usize;
     if largest < vertices || indices.is_empty() {
         return Ok(indices);
     }
-    let bad = indices
-        .iter()
-        .position(|&index| index as usize >= vertices)
-        .unwrap_or_default();
+    let bad = indices.iter().position(|&index| index as usize >= vertices).unwrap_or_default();
     let value = indices.get(bad).copied().unwrap_or_default();
     let what = format!("element {bad} is index {value}, of {vertices} vertices");
     Err(Fault::at(entry.place(), what))
@@ -270,9 +265,8 @@ fn with_normals(
         let normals = sanitized(values, "NORMAL", &Shape::VEC3, ValueKind::Normals, count)?;
         return Ok(mesh.with_normals(Attribute::per_vertex(normals.unwrap_or_default()))?);
     }
-    let mut normals: Vec<[f64; 3]> = values
-        .read("NORMAL", &Shape::VEC3, count)?
-        .unwrap_or_default();
+    let mut normals: Vec<[f64; 3]> =
+        values.read("NORMAL", &Shape::VEC3, count)?.unwrap_or_default();
     morph(values, deformation, "NORMAL", &mut normals)?;
     for (normal, map) in normals.iter_mut().zip(maps.unwrap_or_default()) {
         // By the inverse transpose, as surfaces are turned.
@@ -411,9 +405,7 @@ fn with_colors(
     }
     let colors = sanitized::<4>(values, "COLOR_0", &Shape::VEC4, ValueKind::Colors, count)?;
     let colors = colors.unwrap_or_default();
-    let opaque = colors
-        .iter()
-        .map(|&[red, green, blue, _]| [red, green, blue]);
+    let opaque = colors.iter().map(|&[red, green, blue, _]| [red, green, blue]);
     let mesh = mesh.with_colors(Attribute::per_vertex(opaque.collect()))?;
     if !look.is_some_and(|look| look.has_alpha) {
         return Ok(mesh);

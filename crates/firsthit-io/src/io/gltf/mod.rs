@@ -109,11 +109,7 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Checked<Model> {
     }
     let meshes = objects.iter().filter_map(Object::mesh);
     report.vertices = Some(meshes.map(|mesh| mesh.positions().len() as u64).sum());
-    Ok(Model {
-        cameras,
-        lights,
-        ..Model::of(objects)
-    })
+    Ok(Model { cameras, lights, ..Model::of(objects) })
 }
 
 /// Refuses a document that cannot be read without an extension that is not read.

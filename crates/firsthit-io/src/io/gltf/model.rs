@@ -21,10 +21,9 @@ impl MaterialNumbers<'_, '_> {
             return number;
         }
         let taken = if number < least { least } else { most };
-        self.report
-            .warn("material range", &self.entry.at(name), || {
-                format!("must be from {least} to {most}, got {number}: {taken} is taken")
-            });
+        self.report.warn("material range", &self.entry.at(name), || {
+            format!("must be from {least} to {most}, got {number}: {taken} is taken")
+        });
         taken
     }
 
@@ -55,11 +54,7 @@ impl MaterialNumbers<'_, '_> {
     pub(super) fn emission(&mut self, material: &MaterialEntry<'_>) -> Color {
         let strength = material.extensions.emissive_strength.as_ref();
         let strength = strength.and_then(|entry| entry.emissive_strength);
-        let strength = self.within(
-            (0.0, BRIGHTEST),
-            strength.unwrap_or(1.0),
-            "emissiveStrength",
-        );
+        let strength = self.within((0.0, BRIGHTEST), strength.unwrap_or(1.0), "emissiveStrength");
         let factor = self.reflectance(material.emissive_factor, "emissiveFactor");
         (strength * factor).min(Color::splat(BRIGHTEST))
     }
@@ -131,9 +126,7 @@ impl MaterialNumbers<'_, '_> {
             return;
         };
         // How thick it is tells the way of the rays.
-        model.solid = entry
-            .thickness_factor
-            .is_some_and(|thickness| thickness > 0.0);
+        model.solid = entry.thickness_factor.is_some_and(|thickness| thickness > 0.0);
         let color = entry.attenuation_color.unwrap_or([1.0; 3]);
         model.attenuation_color = self.reflectance(color, "attenuationColor");
         if let Some(distance) = entry.attenuation_distance {
@@ -146,11 +139,8 @@ impl MaterialNumbers<'_, '_> {
         if let Some(entry) = &material.extensions.clearcoat {
             let scale = entry.clearcoat_normal_texture.as_ref();
             model.clearcoat = self.share(entry.clearcoat_factor, 0.0, "clearcoatFactor");
-            model.clearcoat_roughness = self.share(
-                entry.clearcoat_roughness_factor,
-                0.0,
-                "clearcoatRoughnessFactor",
-            );
+            model.clearcoat_roughness =
+                self.share(entry.clearcoat_roughness_factor, 0.0, "clearcoatRoughnessFactor");
             model.clearcoat_normal_scale = self.scale(scale.and_then(|info| info.scale));
         }
         if let Some(entry) = &material.extensions.sheen {

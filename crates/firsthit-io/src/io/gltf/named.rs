@@ -68,11 +68,7 @@ fn property(
     let is_whole = component != Component::Float32 && !is_share;
     Ok(Some(Property {
         components: shape.components,
-        between: if is_whole {
-            Between::NearestCorner
-        } else {
-            Between::Interpolated
-        },
+        between: if is_whole { Between::NearestCorner } else { Between::Interpolated },
         ..Property::new(escape_controls(name), PropertyOf::Vertices, numbers)
     }))
 }

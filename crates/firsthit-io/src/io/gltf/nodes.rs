@@ -53,10 +53,7 @@ pub(super) fn label(placed: &[Placed<'_>], place: usize) -> Label {
     }
     names.reverse();
     let number = placed.get(place).map_or(0, |node| node.index as u64);
-    Label {
-        number,
-        name: names.join("/").into(),
-    }
+    Label { number, name: names.join("/").into() }
 }
 
 /// The nodes of the scene that the document shows: its default scene, else its first, else all nodes that are
@@ -77,11 +74,7 @@ pub(super) fn walk<'a>(
         if let Some(reached) = reached.get_mut(index)
             && std::mem::replace(reached, true)
         {
-            let list = if from.list == "nodes" {
-                "children"
-            } else {
-                "nodes"
-            };
+            let list = if from.list == "nodes" { "children" } else { "nodes" };
             let what = format!("node {index} is reached twice: nodes must form trees");
             return Err(from.fault(format!("{list}/{place}"), what));
         }
@@ -91,12 +84,7 @@ pub(super) fn walk<'a>(
         let this = found.len();
         let child = |(k, &child)| ((child, world_from_node, entry, k), Some(this));
         stack.extend(children.map(child));
-        found.push(Placed {
-            index,
-            node,
-            parent,
-            world_from_node,
-        });
+        found.push(Placed { index, node, parent, world_from_node });
     }
     Ok(found)
 }
@@ -109,9 +97,7 @@ fn roots(document: &Document<'_>) -> Vec<Root> {
     if let Some(scene) = document.scenes.get(default) {
         let nodes = scene.nodes.iter().enumerate();
         let entry = Entry::new("scenes", default);
-        return nodes
-            .map(|(k, &node)| (node, DAffine3::IDENTITY, entry, k))
-            .collect();
+        return nodes.map(|(k, &node)| (node, DAffine3::IDENTITY, entry, k)).collect();
     }
     let mut is_child = vec![false; document.nodes.len()];
     for &Index(child) in document.nodes.iter().flat_map(|node| &node.children) {
@@ -119,13 +105,8 @@ fn roots(document: &Document<'_>) -> Vec<Root> {
             *is_child = true;
         }
     }
-    let roots = is_child
-        .iter()
-        .enumerate()
-        .filter(|(_, is_child)| !**is_child);
-    roots
-        .map(|(k, _)| (Index(k), DAffine3::IDENTITY, Entry::new("nodes", k), 0))
-        .collect()
+    let roots = is_child.iter().enumerate().filter(|(_, is_child)| !**is_child);
+    roots.map(|(k, _)| (Index(k), DAffine3::IDENTITY, Entry::new("nodes", k), 0)).collect()
 }
 
 /// A node's own transform.
@@ -169,11 +150,7 @@ pub(super) fn of_length_one(
     }
     let is_usable = largest > 0.0 && largest.is_finite();
     if off > 1e-2 || !is_usable {
-        let taken = if is_usable {
-            "is made so"
-        } else {
-            "is taken for no rotation"
-        };
+        let taken = if is_usable { "is made so" } else { "is taken for no rotation" };
         report.warn("rotation", &place(), || {
             format!("the quaternion {quaternion:?} is not of length one, and {taken}")
         });
@@ -187,21 +164,9 @@ pub(super) fn of_length_one(
 /// The map that scales, then turns by a quaternion (x, y, z, w), then moves.
 pub(super) fn affine(translation: [f64; 3], [x, y, z, w]: [f64; 4], scale: [f64; 3]) -> DAffine3 {
     let rotation = DMat3::from_cols(
-        DVec3::new(
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y + z * w),
-            2.0 * (x * z - y * w),
-        ),
-        DVec3::new(
-            2.0 * (x * y - z * w),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z + x * w),
-        ),
-        DVec3::new(
-            2.0 * (x * z + y * w),
-            2.0 * (y * z - x * w),
-            1.0 - 2.0 * (x * x + y * y),
-        ),
+        DVec3::new(1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)),
+        DVec3::new(2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)),
+        DVec3::new(2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)),
     );
     DAffine3 {
         matrix3: rotation * DMat3::from_diagonal(scale.into()),
@@ -219,9 +184,6 @@ mod tests {
         // A quarter turn about z takes x to y.
         let map = affine([1.0, 2.0, 3.0], [0.0, 0.0, half, half], [2.0, 3.0, 4.0]);
         let image = map.transform_point3(DVec3::new(1.0, 1.0, 1.0));
-        assert!(
-            (image - DVec3::new(1.0 - 3.0, 2.0 + 2.0, 3.0 + 4.0)).length() < 1e-14,
-            "{image}"
-        );
+        assert!((image - DVec3::new(1.0 - 3.0, 2.0 + 2.0, 3.0 + 4.0)).length() < 1e-14, "{image}");
     }
 }

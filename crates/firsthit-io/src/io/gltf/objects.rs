@@ -119,10 +119,7 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
         let name = entry.and_then(|entry| entry.name.as_deref());
         let name = escape_controls(name.unwrap_or_default());
         budget.charge(name.len() as u64, "a mesh's name")?;
-        let label = Label {
-            number: mesh as u64,
-            name: name.into(),
-        };
+        let label = Label { number: mesh as u64, name: name.into() };
         self.labels.insert(mesh, label.clone());
         Ok([node, label])
     }
@@ -152,8 +149,7 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
             flattened: None,
         };
         let look = described.material.map(|material| {
-            self.looks
-                .look(self.document, material, &mut self.buffers, self.report)
+            self.looks.look(self.document, material, &mut self.buffers, self.report)
         });
         let look = look.transpose()?;
         let is_shared = palette.is_none() && own_weights.is_none();
@@ -171,9 +167,7 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
             return Ok(false);
         };
         // Joints are in the world already.
-        let world = palette
-            .as_ref()
-            .map_or(place.world_from_node, |_| DAffine3::IDENTITY);
+        let world = palette.as_ref().map_or(place.world_from_node, |_| DAffine3::IDENTITY);
         let is_painted = described.attributes.contains_key("COLOR_0");
         for &instance in instances {
             let placed = self.placed(
@@ -224,10 +218,7 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
             "the transform has no inverse in float64 (it flattens space, or is out of range): its surfaces are flat"
                 .to_owned()
         });
-        let deformation = Deformation {
-            flattened: Some(world_from_mesh),
-            ..*deformation
-        };
+        let deformation = Deformation { flattened: Some(world_from_mesh), ..*deformation };
         let flat = self.mesh(primitive, &deformation, look, name)?;
         Ok(flat.map(|flat| (flat, Transform::IDENTITY)))
     }
@@ -249,9 +240,7 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
             return Ok(Rc::clone(known));
         }
         let (document, placed) = (self.document, self.placed);
-        let worlds = self
-            .worlds
-            .get_or_insert_with(|| skin::worlds(document, placed));
+        let worlds = self.worlds.get_or_insert_with(|| skin::worlds(document, placed));
         let palette = skin::palette(document, skin, worlds, &mut self.buffers, self.report)?;
         let palette = Rc::new(palette);
         self.palettes.insert(skin, Rc::clone(&palette));
@@ -329,7 +318,5 @@ impl<'a, 'b, 'w> Objects<'a, 'b, 'w> {
 
 /// One of some values, if there are any.
 fn at<T: Copy>(values: Option<&Vec<T>>, k: usize, missing: T) -> T {
-    values
-        .and_then(|values| values.get(k).copied())
-        .unwrap_or(missing)
+    values.and_then(|values| values.get(k).copied()).unwrap_or(missing)
 }

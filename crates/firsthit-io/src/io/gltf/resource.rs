@@ -25,10 +25,7 @@ pub(super) struct Bytes<'a> {
 impl<'a> Bytes<'a> {
     pub(super) fn new(bytes: impl Into<Cow<'a, [u8]>>) -> Self {
         let whole = bytes.into();
-        Self {
-            range: 0..whole.len(),
-            whole: Arc::new(whole),
-        }
+        Self { range: 0..whole.len(), whole: Arc::new(whole) }
     }
 
     pub(super) fn get(&self) -> &[u8] {
@@ -39,10 +36,8 @@ impl<'a> Bytes<'a> {
     pub(super) fn part(&self, offset: usize, length: usize) -> Option<Self> {
         let end = offset.checked_add(length)?;
         let start = self.range.start.checked_add(offset)?;
-        (end <= self.range.len()).then(|| Self {
-            whole: Arc::clone(&self.whole),
-            range: start..start + length,
-        })
+        (end <= self.range.len())
+            .then(|| Self { whole: Arc::clone(&self.whole), range: start..start + length })
     }
 }
 
@@ -87,13 +82,9 @@ fn data(uri: &str, report: &mut Report) -> Result<Vec<u8>, Problem> {
             .with_decode_allow_trailing_bits(true),
     );
     let (header, content) = uri.split_once(',').ok_or("the data uri has no comma")?;
-    let is_base64 = header
-        .rsplit(';')
-        .next()
-        .is_some_and(|word| word.eq_ignore_ascii_case("base64"));
-    report
-        .budget
-        .charge_content(content.len() as u64, "a data uri")?;
+    let is_base64 =
+        header.rsplit(';').next().is_some_and(|word| word.eq_ignore_ascii_case("base64"));
+    report.budget.charge_content(content.len() as u64, "a data uri")?;
     let content: Cow<'_, [u8]> = if content.contains('%') {
         percent_decode_str(content).into()
     } else {

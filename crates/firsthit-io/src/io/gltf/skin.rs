@@ -87,9 +87,7 @@ pub(super) fn maps(
         if !component(values.document, index)?.is_unsigned() {
             return Err(values.attribute_fault(&joints, "must be unsigned"));
         }
-        let indices = values
-            .read::<u32, 4>(&joints, &Shape::VEC4, vertices)?
-            .unwrap_or_default();
+        let indices = values.read::<u32, 4>(&joints, &Shape::VEC4, vertices)?.unwrap_or_default();
         let Some(shares) = values.read::<f64, 4>(&weights, &Shape::VEC4, vertices)? else {
             return Err(values.attribute_fault(&weights, "is missing"));
         };

@@ -34,15 +34,8 @@ impl<'a, 'b, 'w> Values<'a, 'b, 'w> {
         let mesh = document.meshes.get(mesh);
         let primitive = mesh.and_then(|mesh| mesh.primitives.get(number));
         let primitive = primitive.ok_or_else(|| entry.fault("", "there is no such primitive"))?;
-        let mut values = Self {
-            document,
-            primitive,
-            entry,
-            number,
-            unpacked: None,
-            buffers,
-            report,
-        };
+        let mut values =
+            Self { document, primitive, entry, number, unpacked: None, buffers, report };
         if let Some(draco) = &primitive.extensions.draco {
             let bytes = values.buffers.view(draco.buffer_view, values.report)?;
             let unpacked = Unpacked::new(bytes.get(), values.report);
@@ -150,10 +143,7 @@ impl<'a, 'b, 'w> Values<'a, 'b, 'w> {
 }
 
 /// A number that was unpacked as a float.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "whole, where it is a share"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "whole, where it is a share")]
 fn number<T: Number>(value: f32, largest: Option<f64>) -> T {
     match largest {
         None => T::from_single(value),

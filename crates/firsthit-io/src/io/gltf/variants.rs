@@ -10,22 +10,13 @@ pub(super) fn choose(document: &mut Document<'_>, report: &mut Report) {
         return;
     };
     let asked = report.settings.variant.as_deref();
-    let chosen = list
-        .variants
-        .iter()
-        .position(|one| Some(&*one.name) == asked);
-    let names = list
-        .variants
-        .iter()
-        .map(|one| one.name.clone().into_owned());
+    let chosen = list.variants.iter().position(|one| Some(&*one.name) == asked);
+    let names = list.variants.iter().map(|one| one.name.clone().into_owned());
     report.add_variants(names);
     let Some(chosen) = chosen else {
         return;
     };
-    let primitives = document
-        .meshes
-        .iter_mut()
-        .flat_map(|mesh| &mut mesh.primitives);
+    let primitives = document.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives);
     for primitive in primitives {
         let Some(mapped) = &primitive.extensions.variants else {
             continue;

@@ -57,21 +57,15 @@ impl Library {
         report: &mut Report,
     ) -> Result<Option<Material>, UnknownMaterial> {
         let stated = self.materials.get(name).ok_or(UnknownMaterial)?;
-        let (color, emission, model) = (
-            stated.color,
-            stated.emission.unwrap_or(Color::ZERO),
-            stated.model(),
-        );
+        let (color, emission, model) =
+            (stated.color, stated.emission.unwrap_or(Color::ZERO), stated.model());
         let [color_map, alpha_map] = [&stated.color_map, &stated.alpha_map].map(Clone::clone);
         let is_textured = color_map.is_some() || alpha_map.is_some();
         let color_map = color_map.and_then(|map| self.texture(&map, report));
         let alpha_map = alpha_map.and_then(|map| {
             let texture = self.texture(&map, report)?;
             let mask = self.mask(&map, &texture.texture, report)?;
-            Some(TextureMap {
-                texture: mask,
-                ..texture
-            })
+            Some(TextureMap { texture: mask, ..texture })
         });
         let alpha_mode = match alpha_map {
             Some(_) => AlphaMode::Mask { cutoff: 0.5 },
@@ -84,11 +78,7 @@ impl Library {
             return Ok(None);
         }
         // Without its textures it is as neutral as an object without a material.
-        let usual = if maps.is_empty() && is_plain {
-            Object::NEUTRAL
-        } else {
-            Color::ONE
-        };
+        let usual = if maps.is_empty() && is_plain { Object::NEUTRAL } else { Color::ONE };
         Ok(Some(Material {
             name: escape_controls(&String::from_utf8_lossy(name)).into(),
             model,
@@ -197,9 +187,7 @@ impl Library {
             state(material, keyword, words, (path, lines.number), report);
         }
         if let Some(why) = cut(text) {
-            report
-                .warnings
-                .cut_short(path, Place::Line(lines.number), &why);
+            report.warnings.cut_short(path, Place::Line(lines.number), &why);
         }
     }
 }
@@ -238,10 +226,7 @@ mod tests {
             newmtl a b\nKd 1 1 1\nd 0.5\n",
         );
         let mut look = |name: &[u8]| library.look(name, &mut report);
-        let named = Material {
-            name: "a b".into(),
-            ..Material::colored(Color::splat(0.5))
-        };
+        let named = Material { name: "a b".into(), ..Material::colored(Color::splat(0.5)) };
         assert_eq!(look(b"a b"), Ok(Some(named)));
         assert_eq!(look(b"c"), Ok(None));
         assert_eq!(look(b"d"), Err(UnknownMaterial));
@@ -260,20 +245,10 @@ mod tests {
     fn physically_based_numbers_and_emission_are_read() {
         let (mut library, mut report) = parsed(b"newmtl a\nPr 0.25\nPm 1\nKe 2 4 8\nPr 7\n");
         let look = library.look(b"a", &mut report).unwrap().unwrap();
-        let expected = MetalRough {
-            roughness: 0.25,
-            metallic: 1.0,
-            ..MetalRough::default()
-        };
+        let expected = MetalRough { roughness: 0.25, metallic: 1.0, ..MetalRough::default() };
         assert_eq!(look.model, Model::from(expected));
-        assert_eq!(
-            (look.color, look.emission),
-            (Color::ONE, Color::new(2.0, 4.0, 8.0))
-        );
-        assert_eq!(
-            report.take_lines(),
-            ["x.mtl:5: Pr must be from 0 to 1, got 7"]
-        );
+        assert_eq!((look.color, look.emission), (Color::ONE, Color::new(2.0, 4.0, 8.0)));
+        assert_eq!(report.take_lines(), ["x.mtl:5: Pr must be from 0 to 1, got 7"]);
     }
 
     #[test]

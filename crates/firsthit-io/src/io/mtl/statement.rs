@@ -282,9 +282,7 @@ fn parse_color(name: &str, mut words: Words) -> Result<Color, String> {
     if color.is_finite() && color.min_element() >= 0.0 {
         Ok(color)
     } else {
-        Err(format!(
-            "{name} must be finite and not negative, got {color}"
-        ))
+        Err(format!("{name} must be finite and not negative, got {color}"))
     }
 }
 

@@ -10,9 +10,7 @@ use crate::io::text::{Words, unended, unended_line};
 /// only if its last line has no line break and makes no sense as the last: an incomplete statement, or one that only
 /// later statements would use.
 pub(super) fn cut(text: &[u8], indices: &[Indices; 3]) -> Option<String> {
-    let last = text
-        .trim_ascii_end()
-        .rsplit(|&byte| byte == b'\n' || byte == b'\r');
+    let last = text.trim_ascii_end().rsplit(|&byte| byte == b'\n' || byte == b'\r');
     if last.into_iter().next().is_some_and(is_continued) {
         return Some("the last line goes on, by its backslash".to_owned());
     }
@@ -41,9 +39,8 @@ fn last_statement(text: &[u8]) -> Vec<u8> {
     // CR and LF are two breaks with nothing between them.
     let before = lines.filter(|line| !line.is_empty());
     let continued = before.take_while(|line| is_continued(line));
-    let mut pieces: Vec<&[u8]> = continued
-        .filter_map(|line| line.trim_ascii_end().strip_suffix(b"\\"))
-        .collect();
+    let mut pieces: Vec<&[u8]> =
+        continued.filter_map(|line| line.trim_ascii_end().strip_suffix(b"\\")).collect();
     pieces.reverse();
     pieces.push(last);
     pieces.join(&b' ')

@@ -17,11 +17,7 @@ pub(super) struct Indices {
 
 impl Indices {
     pub(super) fn new(kind: &'static str) -> Self {
-        Self {
-            kind,
-            count: 0,
-            largest: None,
-        }
+        Self { kind, count: 0, largest: None }
     }
 
     /// Another value has come.
@@ -64,8 +60,7 @@ impl Indices {
 
     /// Whether nothing names the value that came last.
     pub(super) fn last_is_unused(&self) -> bool {
-        self.largest
-            .is_none_or(|(largest, _)| largest.saturating_add(1) < self.count)
+        self.largest.is_none_or(|(largest, _)| largest.saturating_add(1) < self.count)
     }
 
     /// Whether all indices have a value, now that all values have come.

@@ -101,9 +101,7 @@ impl<'a, 'w> Reader<'a, 'w> {
     fn check_memory(&mut self) -> Checked<()> {
         let positions = size_of_val(self.positions.as_slice());
         let objects: usize = self.objects.iter().map(Object::bytes).sum();
-        self.report
-            .budget
-            .charge_growth(self.values.bytes() + positions + objects)
+        self.report.budget.charge_growth(self.values.bytes() + positions + objects)
     }
 
     /// Reads the next line if it is one of the plain ones, of which files mostly consist.
@@ -251,9 +249,7 @@ impl<'a, 'w> Reader<'a, 'w> {
     /// Adds the face whose corners have come.
     fn end_face(&mut self, line: u64) {
         if self.face.vertices.len() < 3 {
-            self.warn("face", line, || {
-                "a face of fewer than 3 corners is not read".to_owned()
-            });
+            self.warn("face", line, || "a face of fewer than 3 corners is not read".to_owned());
             return;
         }
         let object = self.object.unwrap_or_else(|| {

@@ -38,12 +38,7 @@ pub(super) struct Object {
 
 impl Object {
     pub(super) fn new(name: String) -> Self {
-        Self {
-            name,
-            surface: Surface::default(),
-            has: [true; 2],
-            materials: Vec::new(),
-        }
+        Self { name, surface: Surface::default(), has: [true; 2], materials: Vec::new() }
     }
 
     /// The object's size in bytes so far.
@@ -52,11 +47,7 @@ impl Object {
     }
 
     pub(super) fn push(&mut self, face: &Face, material: Option<u32>) {
-        if self
-            .materials
-            .last()
-            .is_none_or(|&(_, last)| last != material)
-        {
+        if self.materials.last().is_none_or(|&(_, last)| last != material) {
             self.materials.push((self.surface.face_count(), material));
         }
         self.surface.push(&face.vertices);
@@ -79,12 +70,7 @@ impl Object {
         gather: &mut Gather,
         report: &mut Report,
     ) -> Checked<scene::Object> {
-        let Self {
-            name,
-            surface,
-            has,
-            materials: runs,
-        } = self;
+        let Self { name, surface, has, materials: runs } = self;
         let face_count = surface.face_count();
         let (mut mesh, [uvs, normals]) = surface.finish(vertices, &name, report)?;
         if let ([true, _], Some(uvs)) = (has, gather.attribute(&values.uvs, uvs)) {
@@ -102,11 +88,7 @@ impl Object {
             _ => dress(mesh, face_count, &runs, materials)?,
         };
         let object = scene::Object::new(Arc::new(mesh)).named(name);
-        Ok(if looks.is_empty() {
-            object
-        } else {
-            object.with_materials(looks)
-        })
+        Ok(if looks.is_empty() { object } else { object.with_materials(looks) })
     }
 }
 
@@ -185,9 +167,6 @@ impl Gather {
                 *place = NONE;
             }
         }
-        is_complete.then_some(Attribute {
-            values: taken.into(),
-            corners: Some(corners.into()),
-        })
+        is_complete.then_some(Attribute { values: taken.into(), corners: Some(corners.into()) })
     }
 }

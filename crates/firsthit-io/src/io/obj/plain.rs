@@ -92,34 +92,14 @@ mod tests {
 
     #[test]
     fn plain_lines_are_read_and_others_are_left() {
-        assert_eq!(
-            numbers(b" 1 -2.5\t3 \r\nv"),
-            Some(([1.0, -2.5, 3.0], &b"v"[..]))
-        );
-        for line in [
-            &b" 1 2"[..],
-            b" 1 2 3 4",
-            b" 1 2 3 # x",
-            b" 1 2 nan",
-            b" 1 2 \\\n3",
-        ] {
+        assert_eq!(numbers(b" 1 -2.5\t3 \r\nv"), Some(([1.0, -2.5, 3.0], &b"v"[..])));
+        for line in [&b" 1 2"[..], b" 1 2 3 4", b" 1 2 3 # x", b" 1 2 nan", b" 1 2 \\\n3"] {
             assert_eq!(numbers::<3>(line), None);
         }
         let mut corners = Vec::new();
-        assert_eq!(
-            face(b" 1 2/3 -1//4 5/6/7\rf", &mut corners),
-            Some(&b"f"[..])
-        );
+        assert_eq!(face(b" 1 2/3 -1//4 5/6/7\rf", &mut corners), Some(&b"f"[..]));
         assert_eq!(corners, [[1, 0, 0], [2, 3, 0], [-1, 0, 4], [5, 6, 7]]);
-        for line in [
-            &b""[..],
-            b" ",
-            b" 1 0 2",
-            b" 1/ 2 3",
-            b" 1 2 3 x",
-            b" 1/2/3/4",
-            b" 1//",
-        ] {
+        for line in [&b""[..], b" ", b" 1 0 2", b" 1/ 2 3", b" 1 2 3 x", b" 1/2/3/4", b" 1//"] {
             assert_eq!(face(line, &mut corners), None);
         }
     }

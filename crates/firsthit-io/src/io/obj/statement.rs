@@ -48,12 +48,9 @@ pub(super) fn joined(line: &[u8], lines: &mut Lines) -> Vec<u8> {
 
 /// Whether a word begins a statement of the format.
 pub(super) fn is_known(word: &[u8]) -> bool {
-    const READ: &[&[u8]] = &[
-        b"v", b"vt", b"vn", b"f", b"fo", b"o", b"g", b"p", b"l", b"usemtl", b"mtllib",
-    ];
-    [READ, HARMLESS, CURVES]
-        .iter()
-        .any(|words| words.contains(&word))
+    const READ: &[&[u8]] =
+        &[b"v", b"vt", b"vn", b"f", b"fo", b"o", b"g", b"p", b"l", b"usemtl", b"mtllib"];
+    [READ, HARMLESS, CURVES].iter().any(|words| words.contains(&word))
 }
 
 /// The rest of a line as a name, which may have blanks, and a `#` that follows none.
@@ -61,9 +58,7 @@ pub(super) fn name_of(line: &[u8]) -> &[u8] {
     let mut words = Words::new(line);
     words.next();
     let rest = words.rest();
-    let comment = rest
-        .windows(2)
-        .position(|pair| matches!(pair, [b' ' | b'\t', b'#']));
+    let comment = rest.windows(2).position(|pair| matches!(pair, [b' ' | b'\t', b'#']));
     match comment.and_then(|end| rest.get(..end)) {
         Some(name) => name.trim_ascii_end(),
         None if rest.starts_with(b"#") => b"",

@@ -30,8 +30,7 @@ impl Values {
         if color.is_some() || !self.colors.is_empty() {
             // Vertices without a colour are white.
             self.colors.resize(count, [1.0; 3]);
-            self.colors
-                .push(color.map_or([1.0; 3], |color| color.map(linear)));
+            self.colors.push(color.map_or([1.0; 3], |color| color.map(linear)));
         }
         if let Some(seventh) = seventh {
             self.sevenths.resize(count, f32::NAN);

@@ -4,10 +4,7 @@ use crate::io::fault::{Checked, Fault};
 use crate::io::text::{Lines, Words, shown};
 
 /// The values of vertices that a keyword names, in this order after their coordinates.
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "the letters of a keyword, each there or not"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "the letters of a keyword, each there or not")]
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) struct VertexLayout {
     /// A fourth coordinate, that the others are divided by.
@@ -110,11 +107,7 @@ pub(super) fn parse(lines: &mut Lines) -> Checked<Header> {
         }
     }
     match *counts.as_slice() {
-        [vertices, faces] | [vertices, faces, _] => Ok(Header {
-            kind,
-            vertices,
-            faces,
-        }),
+        [vertices, faces] | [vertices, faces, _] => Ok(Header { kind, vertices, faces }),
         _ => {
             let what = "expected the counts of vertices, faces and edges, and nothing else";
             Err(Fault::line(lines.number, what))
@@ -145,10 +138,7 @@ mod tests {
             b"nOFF\n3\n8 6 12\n",
         ] {
             let found = read(text).map(|(kind, vertices, faces)| {
-                let kind = VertexLayout {
-                    has_dimensions: false,
-                    ..kind
-                };
+                let kind = VertexLayout { has_dimensions: false, ..kind };
                 (kind, vertices, faces)
             });
             assert_eq!(found, plain, "{}", String::from_utf8_lossy(text));

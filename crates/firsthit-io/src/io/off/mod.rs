@@ -94,15 +94,10 @@ impl Contents {
         if !row.is_multiple_of(CHECK_EVERY) {
             return Ok(());
         }
-        let colors = self
-            .colors
-            .iter()
-            .map(|colors| size_of_val(&*colors.values));
+        let colors = self.colors.iter().map(|colors| size_of_val(&*colors.values));
         let vertices = size_of_val(&*self.points) + size_of_val(&*self.normals);
         let vertices = vertices + size_of_val(&*self.uvs) + colors.sum::<usize>();
-        report
-            .budget
-            .charge_growth(vertices + self.surface.bytes())?;
+        report.budget.charge_growth(vertices + self.surface.bytes())?;
         report.advance_until(rows.left())
     }
 
@@ -127,10 +122,7 @@ impl Contents {
             self.uvs.push(rows.numbers()?.map(single));
         }
         self.points.push(point);
-        rows.end(
-            "values of vertices that the first line does not declare are not read",
-            report,
-        );
+        rows.end("values of vertices that the first line does not declare are not read", report);
         Ok(())
     }
 
@@ -185,8 +177,6 @@ impl Contents {
         };
         let object = Object::new(Arc::new(mesh.with_colors(colors)?)).named(name);
         // White leaves the mesh's own colours as they are.
-        Ok(Model::of(vec![
-            object.with_materials([Material::default()]),
-        ]))
+        Ok(Model::of(vec![object.with_materials([Material::default()])]))
     }
 }

@@ -37,11 +37,7 @@ impl<'a> Rows<'a> {
         let rows = header.vertices.saturating_add(header.faces);
         let mut ahead = lines.clone();
         let filled = std::iter::from_fn(|| next_line(&mut ahead)).count() as u64;
-        Ok(Self {
-            by_line: filled >= rows,
-            lines,
-            words: Words::default(),
-        })
+        Ok(Self { by_line: filled >= rows, lines, words: Words::default() })
     }
 
     /// The number of bytes that follow.
@@ -105,23 +101,16 @@ impl<'a> Rows<'a> {
     pub(super) fn count(&mut self) -> Checked<u64> {
         let word = self.word()?;
         let count = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-        let what = || {
-            format!(
-                "a face begins with the count of its corners, got '{}'",
-                shown(word)
-            )
-        };
+        let what = || format!("a face begins with the count of its corners, got '{}'", shown(word));
         let count: u64 = count.ok_or_else(|| self.fault(what()))?;
         let mut room = self.words.rest().len();
         if !self.by_line {
-            room = room
-                .saturating_add(self.lines.rest().len())
-                .saturating_add(1);
+            room = room.saturating_add(self.lines.rest().len()).saturating_add(1);
         }
         if count > (room as u64).div_ceil(2) {
-            return Err(self.fault(format!(
-                "truncated: a face of {count} corners, which do not follow"
-            )));
+            return Err(
+                self.fault(format!("truncated: a face of {count} corners, which do not follow"))
+            );
         }
         Ok(count)
     }
@@ -129,28 +118,21 @@ impl<'a> Rows<'a> {
     /// Reads the index of a vertex from a word, here alone.
     pub(super) fn vertex(&mut self, count: u64) -> Checked<u32> {
         let word = self.word()?;
-        let index = str::from_utf8(word)
-            .ok()
-            .and_then(|word| word.parse::<i64>().ok());
+        let index = str::from_utf8(word).ok().and_then(|word| word.parse::<i64>().ok());
         let vertex = index.and_then(|index| u32::try_from(index).ok());
-        vertex
-            .filter(|&vertex| u64::from(vertex) < count)
-            .ok_or_else(|| {
-                let got = shown(word);
-                self.fault(format!(
-                    "a vertex index must be whole and from 0 to below {count}, got '{got}'"
-                ))
-            })
+        vertex.filter(|&vertex| u64::from(vertex) < count).ok_or_else(|| {
+            let got = shown(word);
+            self.fault(format!(
+                "a vertex index must be whole and from 0 to below {count}, got '{got}'"
+            ))
+        })
     }
 
     /// The colour of a vertex, before `behind` further values: three numbers, or four with an alpha.
     pub(super) fn color(&mut self, behind: usize, report: &mut Report) -> Checked<Option<Color>> {
         // Without lines only the specification tells how many there are.
-        let count = if self.by_line {
-            self.words.clone().count().saturating_sub(behind)
-        } else {
-            4
-        };
+        let count =
+            if self.by_line { self.words.clone().count().saturating_sub(behind) } else { 4 };
         match count {
             0 => Ok(None),
             1 | 2 => Err(self.fault("a colour must have 3 or 4 numbers")),
@@ -193,10 +175,7 @@ impl<'a> Rows<'a> {
                 });
             }
         }
-        Ok(Color {
-            levels,
-            has_fractions,
-        })
+        Ok(Color { levels, has_fractions })
     }
 
     /// Warns of what is left of a row.

@@ -102,11 +102,7 @@ impl Table<'_> {
 
 #[inline]
 fn word(bytes: [u8; 4], is_big: bool) -> u32 {
-    if is_big {
-        u32::from_be_bytes(bytes)
-    } else {
-        u32::from_le_bytes(bytes)
-    }
+    if is_big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
 }
 
 /// The value that some bytes begin with.
@@ -142,12 +138,7 @@ pub(super) struct Binary<'a> {
 
 impl<'a> Binary<'a> {
     pub(super) fn new(header: &Header<'a>, size: usize, is_big: bool) -> Self {
-        Self {
-            rest: header.body,
-            size,
-            is_big,
-            last: 0,
-        }
+        Self { rest: header.body, size, is_big, last: 0 }
     }
 }
 
@@ -194,10 +185,8 @@ impl Rows for Binary<'_> {
         let [property] = element.properties.as_slice() else {
             return 0;
         };
-        let PropertyKind::List {
-            count: Type::Uint8,
-            item: Type::Int32 | Type::Uint32,
-        } = property.kind
+        let PropertyKind::List { count: Type::Uint8, item: Type::Int32 | Type::Uint32 } =
+            property.kind
         else {
             return 0;
         };
@@ -237,9 +226,7 @@ impl Rows for Binary<'_> {
             }
             _ => return false,
         };
-        let words = length
-            .checked_mul(4)
-            .and_then(|size| rest.split_at_checked(size));
+        let words = length.checked_mul(4).and_then(|size| rest.split_at_checked(size));
         let (Some((words, rest)), Type::Int32 | Type::Uint32) = (words, item) else {
             return false;
         };
@@ -247,9 +234,7 @@ impl Rows for Binary<'_> {
         let (words, _) = words.as_chunks::<4>();
         list.extend(words.iter().map(|&bytes| word(bytes, self.is_big)));
         // Negative ones are large here, and more than there can be vertices.
-        let is_plain = list
-            .iter()
-            .all(|&index| u64::from(index) < limit.min(1 << 31));
+        let is_plain = list.iter().all(|&index| u64::from(index) < limit.min(1 << 31));
         if is_plain {
             self.rest = rest;
         }

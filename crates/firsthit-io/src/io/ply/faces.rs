@@ -184,11 +184,7 @@ impl Faces {
             }
             let vertex = self.vertex(index, rows)?;
             if let [Some(a), Some(b)] = last {
-                let corners = if is_odd {
-                    [b, a, vertex]
-                } else {
-                    [a, b, vertex]
-                };
+                let corners = if is_odd { [b, a, vertex] } else { [a, b, vertex] };
                 self.surface.push_triangle(corners);
                 is_odd = !is_odd;
             }
@@ -213,17 +209,11 @@ impl ColorColumns {
             [Some((red, _)), Some((green, _)), Some((blue, _))] => Some([red, green, blue]),
             _ => None,
         };
-        Self {
-            columns,
-            levels: Levels::new(kind.unwrap_or(Type::Uint8)),
-        }
+        Self { columns, levels: Levels::new(kind.unwrap_or(Type::Uint8)) }
     }
 
     fn has(&self, property: usize) -> bool {
-        self.columns
-            .iter()
-            .flatten()
-            .any(|&column| column == property)
+        self.columns.iter().flatten().any(|&column| column == property)
     }
 }
 

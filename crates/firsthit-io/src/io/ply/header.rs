@@ -190,10 +190,8 @@ fn comment(mut words: Words, line: u64) -> Checked<Option<Texture>> {
         return Err(Fault::line(line, what));
     }
     let is_texture = words.next() == Some(b"TextureFile");
-    Ok(is_texture.then(|| Texture {
-        name: String::from_utf8_lossy(words.rest()).into_owned(),
-        line,
-    }))
+    Ok(is_texture
+        .then(|| Texture { name: String::from_utf8_lossy(words.rest()).into_owned(), line }))
 }
 
 fn parse_format(mut words: Words, line: u64) -> Checked<Format> {
@@ -221,13 +219,7 @@ fn parse_element(mut words: Words, line: u64) -> Checked<Element> {
         let what = format!("element '{name}' must have a count from 0, got '{count}'");
         Fault::line(line, what)
     })?;
-    Ok(Element {
-        name,
-        count,
-        properties: Vec::new(),
-        names: HashSet::new(),
-        line,
-    })
+    Ok(Element { name, count, properties: Vec::new(), names: HashSet::new(), line })
 }
 
 fn parse_property(mut words: Words, line: u64) -> Checked<Property> {
@@ -237,17 +229,13 @@ fn parse_property(mut words: Words, line: u64) -> Checked<Property> {
         Type::parse(word).ok_or_else(wrong)
     };
     let kind = match words.next() {
-        Some(b"list") => PropertyKind::List {
-            count: type_of(words.next())?,
-            item: type_of(words.next())?,
-        },
+        Some(b"list") => {
+            PropertyKind::List { count: type_of(words.next())?, item: type_of(words.next())? }
+        }
         word => PropertyKind::Scalar(type_of(word)?),
     };
     match words.next() {
-        Some(name) => Ok(Property {
-            name: shown(name),
-            kind,
-        }),
+        Some(name) => Ok(Property { name: shown(name), kind }),
         None => Err(Fault::line(line, "a property without a name")),
     }
 }

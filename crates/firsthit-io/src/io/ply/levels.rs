@@ -23,9 +23,7 @@ impl Levels {
             Type::Float32 | Type::Float64 => 1.0,
         };
         let table = match kind {
-            Type::Uint8 => (0..=u8::MAX)
-                .map(|k| linear(f64::from(k) / largest))
-                .collect(),
+            Type::Uint8 => (0..=u8::MAX).map(|k| linear(f64::from(k) / largest)).collect(),
             _ => Vec::new(),
         };
         Self { largest, table }

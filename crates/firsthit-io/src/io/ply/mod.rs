@@ -116,21 +116,11 @@ fn model(
     let count = surface.face_count();
     let (mut mesh, _) = surface.finish(&shared, &name, report)?;
     if let Some(mut normals) = vertices.normals {
-        sanitize(
-            &mut normals,
-            sanitize::ValueKind::Normals,
-            &Place::File,
-            report,
-        );
+        sanitize(&mut normals, sanitize::ValueKind::Normals, &Place::File, report);
         mesh = mesh.with_normals(Attribute::per_vertex(normals))?;
     }
     if let Some(mut uvs) = vertices.uvs {
-        sanitize(
-            &mut uvs,
-            sanitize::ValueKind::Coordinates,
-            &Place::File,
-            report,
-        );
+        sanitize(&mut uvs, sanitize::ValueKind::Coordinates, &Place::File, report);
         mesh = mesh.with_uvs(Attribute::per_vertex(uvs))?;
     }
     let colors = match (vertices.colors, faces.colors) {

@@ -38,10 +38,7 @@ impl NamedRows {
                 Type::Float32 | Type::Float64 => Between::Interpolated,
                 _ => Between::NearestCorner,
             };
-            rows.named.push(Property {
-                between,
-                ..Property::new(name, of, values)
-            });
+            rows.named.push(Property { between, ..Property::new(name, of, values) });
         }
         rows
     }
@@ -79,9 +76,7 @@ impl NamedRows {
             let (PropertyKind::Scalar(kind) | PropertyKind::List { count: kind, .. }) =
                 property.kind;
             if let Some(named) = place.and_then(|place| self.named.get_mut(place)) {
-                table
-                    .columns([(offset, kind)])
-                    .for_each(|[value]| named.values.push(value));
+                table.columns([(offset, kind)]).for_each(|[value]| named.values.push(value));
             }
             offset += usize::try_from(kind.size()).unwrap_or(0);
         }

@@ -84,9 +84,7 @@ impl VertexRows {
         report: &mut Report,
     ) -> Checked<()> {
         let capacity = rows.capacity(element);
-        report
-            .budget
-            .charge_growth(capacity.saturating_mul(self.row_bytes()))?;
+        report.budget.charge_growth(capacity.saturating_mul(self.row_bytes()))?;
         self.reserve(capacity);
         if let Some(table) = rows.table(element)? {
             self.read_table(element, &table);
@@ -168,9 +166,7 @@ impl VertexRows {
         }
         let vectors = self.normals.iter_mut().chain(&mut self.colors);
         vectors.for_each(|values| values.reserve_exact(count));
-        self.uvs
-            .iter_mut()
-            .for_each(|values| values.reserve_exact(count));
+        self.uvs.iter_mut().for_each(|values| values.reserve_exact(count));
     }
 
     fn push(&mut self, [x, y, z, nx, ny, nz, u, v, r, g, b]: [f64; NAMES.len()]) {

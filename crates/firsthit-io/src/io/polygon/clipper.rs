@@ -59,14 +59,8 @@ impl<'a> Clipper<'a> {
         let last = corners.end - 1;
         let mut clipper = Self {
             points,
-            next: corners
-                .clone()
-                .map(|k| if k == last { 0 } else { k + 1 })
-                .collect(),
-            previous: corners
-                .clone()
-                .map(|k| if k == 0 { last } else { k - 1 })
-                .collect(),
+            next: corners.clone().map(|k| if k == last { 0 } else { k + 1 }).collect(),
+            previous: corners.clone().map(|k| if k == 0 { last } else { k - 1 }).collect(),
             left: count,
             is_left: vec![true; count],
             blocks: vec![false; count],
@@ -161,10 +155,8 @@ impl<'a> Clipper<'a> {
         }
         let triangle = self.triangle(corner);
         let [a, b, c] = triangle.map(|k| self.points[k as usize]);
-        let end = |of: fn(f64, f64) -> f64| Point {
-            x: of(of(a.x, b.x), c.x),
-            y: of(of(a.y, b.y), c.y),
-        };
+        let end =
+            |of: fn(f64, f64) -> f64| Point { x: of(of(a.x, b.x), c.x), y: of(of(a.y, b.y), c.y) };
         let (low, high) = (end(f64::min), end(f64::max));
         let mut seen = 1;
         let blocker = self.columns.within(self.points, low, high).find(|&k| {

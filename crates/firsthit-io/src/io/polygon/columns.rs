@@ -26,16 +26,9 @@ impl Columns {
         let column = |chunk: &[u32]| {
             let mut upwards = chunk.to_vec();
             upwards.sort_unstable_by(|a, b| at(a).y.total_cmp(&at(b).y));
-            Column {
-                low: at(&chunk[0]).x,
-                high: at(&chunk[chunk.len() - 1]).x,
-                upwards,
-            }
+            Column { low: at(&chunk[0]).x, high: at(&chunk[chunk.len() - 1]).x, upwards }
         };
-        Self {
-            columns: members.chunks(height).map(column).collect(),
-            len: members.len(),
-        }
+        Self { columns: members.chunks(height).map(column).collect(), len: members.len() }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -50,16 +43,13 @@ impl Columns {
         high: Point,
     ) -> impl Iterator<Item = u32> {
         let first = self.columns.partition_point(|column| column.high < low.x);
-        self.columns[first..]
-            .iter()
-            .take_while(move |column| column.low <= high.x)
-            .flat_map(move |column| {
+        self.columns[first..].iter().take_while(move |column| column.low <= high.x).flat_map(
+            move |column| {
                 let y = |&member: &u32| points[member as usize].y;
                 let bottom = column.upwards.partition_point(|member| y(member) < low.y);
                 let upwards = column.upwards[bottom..].iter();
-                upwards
-                    .take_while(move |&member| y(member) <= high.y)
-                    .copied()
-            })
+                upwards.take_while(move |&member| y(member) <= high.y).copied()
+            },
+        )
     }
 }

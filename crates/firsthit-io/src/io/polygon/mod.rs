@@ -50,10 +50,7 @@ pub(super) fn is_plainly_convex([a, b, c, d]: [DVec3; 4]) -> bool {
     let axis = nearest_axis(first + second);
     let (first, second) = (first[axis], second[axis]);
     // A component of a cross product is wrong by some 1e-16 of this at most.
-    let size = ab
-        .length_squared()
-        .max(ac.length_squared())
-        .max(ad.length_squared());
+    let size = ab.length_squared().max(ac.length_squared()).max(ad.length_squared());
     let clear = 1e-12 * size;
     (first > clear && second > clear) || (first < -clear && second < -clear)
 }
@@ -87,10 +84,7 @@ fn project(corners: &[DVec3], normal: DVec3) -> Vec<Point> {
     let axis = nearest_axis(normal);
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let (u, v) = if normal[axis] < 0.0 { (v, u) } else { (u, v) };
-    let flat = |corner: &DVec3| Coord {
-        x: corner[u],
-        y: corner[v],
-    };
+    let flat = |corner: &DVec3| Coord { x: corner[u], y: corner[v] };
     corners.iter().map(flat).collect()
 }
 
@@ -99,9 +93,7 @@ fn project(corners: &[DVec3], normal: DVec3) -> Vec<Point> {
 fn newell_normal(corners: &[DVec3]) -> Option<DVec3> {
     let (&first, rest) = corners.split_first()?;
     let offset = |corner: &DVec3| *corner - first;
-    let largest = rest
-        .iter()
-        .fold(0.0, |size: f64, c| size.max(offset(c).abs().max_element()));
+    let largest = rest.iter().fold(0.0, |size: f64, c| size.max(offset(c).abs().max_element()));
     // Of size one first: products of tiny edges would vanish, those of huge ones overflow.
     let mut spokes = rest.iter().map(|corner| offset(corner) / largest);
     let mut last = spokes.next()?;
@@ -134,16 +126,11 @@ mod tests {
     /// The triangles' areas along z, and how many there are.
     fn areas(corners: &[DVec3]) -> Vec<f64> {
         let triangles = triangulate(corners).unwrap_or_else(|| {
-            (1..u32::try_from(corners.len()).unwrap() - 1)
-                .map(|k| [0, k, k + 1])
-                .collect()
+            (1..u32::try_from(corners.len()).unwrap() - 1).map(|k| [0, k, k + 1]).collect()
         });
         assert_eq!(triangles.len(), corners.len() - 2);
         let mut used = vec![false; corners.len()];
-        triangles
-            .iter()
-            .flatten()
-            .for_each(|&k| used[k as usize] = true);
+        triangles.iter().flatten().for_each(|&k| used[k as usize] = true);
         assert!(used.iter().all(|&used| used));
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|k| corners[k as usize]);
@@ -196,20 +183,7 @@ mod tests {
     #[test]
     fn what_makes_no_sense_still_gives_its_triangles() {
         areas(&flat(&[[0.0, 0.0]; 6]));
-        areas(&flat(&[
-            [0.0, 0.0],
-            [1.0, 0.0],
-            [2.0, 0.0],
-            [3.0, 0.0],
-            [1.5, 0.0],
-        ]));
-        areas(&flat(&[
-            [0.0, 0.0],
-            [2.0, 2.0],
-            [2.0, 0.0],
-            [0.0, 2.0],
-            [-1.0, 1.0],
-            [0.0, 0.0],
-        ]));
+        areas(&flat(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [1.5, 0.0]]));
+        areas(&flat(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0], [-1.0, 1.0], [0.0, 0.0]]));
     }
 }

@@ -47,11 +47,9 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Pattern> {
         let values = values_in(line, &places).map_err(|what| wrong(Some(number), what))?;
         let [azimuth, elevation, time, ring] = values;
         let full = |_| memory::no_room_for("beams");
-        for (list, value) in [
-            (&mut azimuths, azimuth),
-            (&mut elevations, elevation),
-            (&mut times, time),
-        ] {
+        for (list, value) in
+            [(&mut azimuths, azimuth), (&mut elevations, elevation), (&mut times, time)]
+        {
             list.try_reserve(1).map_err(full)?;
             list.push(value);
         }
@@ -135,26 +133,14 @@ mod tests {
         for (text, said) in [
             ("", "beams.csv: there are no beams in it"),
             ("azimuth,elevation\n", "beams.csv: there are no beams in it"),
-            (
-                "azimuth\n1\n",
-                "beams.csv:1: expected a column elevation, in degrees",
-            ),
-            (
-                "azimuth,elevation\n1,2\n1\n",
-                "beams.csv:3: elevation must be a number, got nothing",
-            ),
-            (
-                "azimuth,elevation\n1,nan\n",
-                "beams.csv:2: elevation must be a number, got \"nan\"",
-            ),
+            ("azimuth\n1\n", "beams.csv:1: expected a column elevation, in degrees"),
+            ("azimuth,elevation\n1,2\n1\n", "beams.csv:3: elevation must be a number, got nothing"),
+            ("azimuth,elevation\n1,nan\n", "beams.csv:2: elevation must be a number, got \"nan\""),
             (
                 "azimuth,elevation,ring\n1,2,0.5\n",
                 "beams.csv:2: ring must be a whole number from 0 on, got 0.5",
             ),
-            (
-                "azimuth,azimuth,elevation\n1,2,3\n",
-                "beams.csv:1: two columns are called azimuth",
-            ),
+            ("azimuth,azimuth,elevation\n1,2,3\n", "beams.csv:1: two columns are called azimuth"),
         ] {
             assert_eq!(pattern(text).unwrap_err().to_string(), said);
         }

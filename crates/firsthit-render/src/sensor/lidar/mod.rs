@@ -77,12 +77,7 @@ impl Lidar {
     /// The errors of [`Pose::new`].
     pub fn new(pattern: Pattern, pose: Pose) -> Result<Self> {
         let pose = Pose::new(pose.position, pose.rotation)?;
-        Ok(Self {
-            pattern,
-            mount: pose,
-            poses: vec![pose],
-            trajectory: None,
-        })
+        Ok(Self { pattern, mount: pose, poses: vec![pose], trajectory: None })
     }
 
     /// The scanner carried by a body: `mount` takes its coordinates to the body's.
@@ -99,12 +94,7 @@ impl Lidar {
             *pose = body.at(time)?.then(&mount);
         }
         let trajectory = Some(trajectory_record(body, times)?);
-        Ok(Self {
-            pattern,
-            mount,
-            poses,
-            trajectory,
-        })
+        Ok(Self { pattern, mount, poses, trajectory })
     }
 
     /// The pattern of beams.

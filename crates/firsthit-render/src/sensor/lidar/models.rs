@@ -111,10 +111,9 @@ impl LidarModel {
                 cycle: Some(55.296e-6),
                 ..Lasers::default()
             },
-            Self::Vlp16HiRes => Lasers {
-                elevations: VLP_16_HI_RES.to_vec(),
-                ..Self::Vlp16.lasers()
-            },
+            Self::Vlp16HiRes => {
+                Lasers { elevations: VLP_16_HI_RES.to_vec(), ..Self::Vlp16.lasers() }
+            }
             Self::Hdl32e => Lasers {
                 elevations: HDL_32E.to_vec(),
                 firing_offsets: every(1.152e-6, 32, 1),
@@ -151,10 +150,7 @@ impl LidarModel {
 fn uniform(degrees: f64, lasers: u32) -> Lasers {
     let step = degrees / f64::from(lasers - 1);
     let elevations = (0..lasers).map(|laser| degrees / 2.0 - step * f64::from(laser));
-    Lasers {
-        elevations: elevations.collect(),
-        ..Lasers::default()
-    }
+    Lasers { elevations: elevations.collect(), ..Lasers::default() }
 }
 
 /// Lasers by elevation, azimuth offset to the right, and microseconds before the end of the firing.
@@ -163,10 +159,7 @@ fn pandar(table: &[[f64; 3]]) -> Lasers {
     Lasers {
         elevations: table.iter().map(|&[elevation, ..]| elevation).collect(),
         azimuth_offsets: table.iter().map(|&[_, offset, _]| -offset).collect(),
-        firing_offsets: table
-            .iter()
-            .map(|&[.., before]| 1e-6 * (first - before))
-            .collect(),
+        firing_offsets: table.iter().map(|&[.., before]| 1e-6 * (first - before)).collect(),
         cycle: Some(PANDAR_CYCLE),
     }
 }
@@ -206,13 +199,10 @@ mod tests {
                 LidarModel::Os0x128 | LidarModel::Os1x128 | LidarModel::Os2x128 => 128,
             };
             assert_eq!(rows, lasers, "{}", model.name());
-            let first: Vec<f64> = (0..rows)
-                .map(|row| pattern.elevations()[row * columns])
-                .collect();
+            let first: Vec<f64> =
+                (0..rows).map(|row| pattern.elevations()[row * columns]).collect();
             assert!(first.windows(2).all(|pair| pair[0] > pair[1]), "{first:?}");
-            let mut rings: Vec<i32> = (0..rows)
-                .map(|row| pattern.rings()[row * columns])
-                .collect();
+            let mut rings: Vec<i32> = (0..rows).map(|row| pattern.rings()[row * columns]).collect();
             rings.sort_unstable();
             assert!((0..).zip(&rings).all(|(k, &ring)| k == ring));
         }
@@ -288,26 +278,17 @@ mod tests {
     fn the_gen_1_os1_64_has_the_design_values_of_the_maker() {
         let pattern = LidarModel::Os1x64Gen1.pattern(10.0, Some(1), 0.0).unwrap();
         // The first, some in the middle and the last of the maker's list, which has three decimals.
-        for (row, elevation) in [
-            (0, 16.611),
-            (1, 16.084),
-            (17, 7.646),
-            (31, 0.264),
-            (63, -16.611),
-        ] {
-            assert!(
-                (pattern.elevations()[row] - elevation).abs() < 6e-4,
-                "{row}"
-            );
+        for (row, elevation) in [(0, 16.611), (1, 16.084), (17, 7.646), (31, 0.264), (63, -16.611)]
+        {
+            assert!((pattern.elevations()[row] - elevation).abs() < 6e-4, "{row}");
         }
     }
 
     #[test]
     fn a_turn_of_a_pandar_has_1800_columns_and_fires_within_one() {
-        for (model, [first, last]) in [
-            (LidarModel::Pandar40P, [8, 4]),
-            (LidarModel::Pandar64, [12, 51]),
-        ] {
+        for (model, [first, last]) in
+            [(LidarModel::Pandar40P, [8, 4]), (LidarModel::Pandar64, [12, 51])]
+        {
             let pattern = model.pattern(10.0, None, 0.0).unwrap();
             let [_, columns] = pattern.shape();
             assert_eq!(columns, 1800);

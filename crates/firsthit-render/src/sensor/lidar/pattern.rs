@@ -53,10 +53,7 @@ impl Pattern {
         require("beams", "at most 2^26", count <= MOST, count)?;
         let mut made = Self {
             name: name.to_owned(),
-            parameters: parameters
-                .iter()
-                .map(|&(name, value)| (name.to_owned(), value))
-                .collect(),
+            parameters: parameters.iter().map(|&(name, value)| (name.to_owned(), value)).collect(),
             shape: [rows, columns],
             azimuths: memory::filled(count, 0.0)?,
             elevations: memory::filled(count, 0.0)?,
@@ -66,11 +63,8 @@ impl Pattern {
         };
         for pixel in 0..count {
             let beam = beam(pixel / columns, pixel % columns);
-            let numbers = [
-                ("azimuth", beam.azimuth),
-                ("elevation", beam.elevation),
-                ("time", beam.time),
-            ];
+            let numbers =
+                [("azimuth", beam.azimuth), ("elevation", beam.elevation), ("time", beam.time)];
             for (name, number) in numbers {
                 // Beyond this, degrees and seconds have no digits left after the point.
                 require(name, "finite, within 1e12", number.abs() <= 1e12, number)?;

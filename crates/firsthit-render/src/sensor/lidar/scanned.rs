@@ -96,17 +96,9 @@ impl Pattern {
         let size = [scan.rows, scan.columns];
         Self::of("raster", size, &parameters, |row, column| {
             let is_back = scan.is_serpentine && row % 2 == 1;
-            let place = if is_back {
-                scan.columns - 1 - column
-            } else {
-                column
-            };
+            let place = if is_back { scan.columns - 1 - column } else { column };
             let share = (row as f64 * columns + place as f64) / (rows * columns);
-            let later = if scan.rate > 0.0 {
-                share / scan.rate
-            } else {
-                0.0
-            };
+            let later = if scan.rate > 0.0 { share / scan.rate } else { 0.0 };
             Beam {
                 azimuth: scan.horizontal_fov * (0.5 - (column as f64 + 0.5) / columns),
                 elevation: scan.vertical_fov * (0.5 - (row as f64 + 0.5) / rows),
@@ -129,10 +121,7 @@ impl Pattern {
         require("share", "from 0 to 1", fine, scan.share)?;
         check_points(scan.points, scan.point_rate, scan.frequencies)?;
         let [f1, f2] = scan.frequencies;
-        let amplitudes = [
-            0.5 * scan.fov * scan.share,
-            0.5 * scan.fov * (1.0 - scan.share),
-        ];
+        let amplitudes = [0.5 * scan.fov * scan.share, 0.5 * scan.fov * (1.0 - scan.share)];
         let parameters = [
             ("fov", scan.fov),
             ("frequency_1", f1),
@@ -151,12 +140,7 @@ impl Pattern {
                 up += amplitude * sine;
             }
             let (azimuth, elevation) = toward(left, up);
-            Beam {
-                azimuth,
-                elevation,
-                time,
-                ring: 0,
-            }
+            Beam { azimuth, elevation, time, ring: 0 }
         })
     }
 
@@ -196,12 +180,7 @@ impl Pattern {
 
 fn check_fields(horizontal: f64, vertical: f64) -> Result<()> {
     let fine = horizontal > 0.0 && horizontal <= 360.0;
-    require(
-        "horizontal_fov",
-        "above 0, up to 360 degrees",
-        fine,
-        horizontal,
-    )?;
+    require("horizontal_fov", "above 0, up to 360 degrees", fine, horizontal)?;
     let fine = vertical > 0.0 && vertical <= 180.0;
     require("vertical_fov", "above 0, up to 180 degrees", fine, vertical)
 }
@@ -224,10 +203,7 @@ fn toward(left: f64, up: f64) -> (f64, f64) {
     let (sine, cosine) = libm::sincos(angle.to_radians());
     let (y, z) = (sine * left / angle, sine * up / angle);
     let level = (cosine * cosine + y * y).sqrt();
-    (
-        libm::atan2(y, cosine).to_degrees(),
-        libm::atan2(z, level).to_degrees(),
-    )
+    (libm::atan2(y, cosine).to_degrees(), libm::atan2(z, level).to_degrees())
 }
 
 #[cfg(test)]
@@ -245,10 +221,8 @@ mod tests {
             start: 0.0,
         };
         let pattern = Pattern::rosette(&scan).unwrap();
-        let angles = pattern
-            .directions()
-            .iter()
-            .map(|d| libm::acos(d.x.clamp(-1.0, 1.0)).to_degrees());
+        let angles =
+            pattern.directions().iter().map(|d| libm::acos(d.x.clamp(-1.0, 1.0)).to_degrees());
         let widest = angles.fold(0.0, f64::max);
         assert!((widest - 20.0).abs() < 1e-9, "{widest}");
     }

@@ -114,11 +114,7 @@ impl Pattern {
             Turn::Counterclockwise => 1.0,
         };
         let of = |list: &[f64], laser: usize| list.get(laser).copied().unwrap_or(0.0);
-        let duration = if head.rate > 0.0 {
-            turned / 360.0 / head.rate
-        } else {
-            0.0
-        };
+        let duration = if head.rate > 0.0 { turned / 360.0 / head.rate } else { 0.0 };
         let parameters = [
             ("azimuth_start", head.azimuth_start),
             ("azimuth_turned", sign * turned),
@@ -158,16 +154,10 @@ mod tests {
         assert_eq!(right.azimuths(), [60.0, 30.0, 0.0, -30.0]);
         // A third of half a second.
         assert!((right.times()[2] - 1.0 - 1.0 / 12.0).abs() < 1e-15);
-        let left = Spinning {
-            direction: Turn::Counterclockwise,
-            ..head.clone()
-        };
+        let left = Spinning { direction: Turn::Counterclockwise, ..head.clone() };
         let left = Pattern::spinning(&left).unwrap();
         assert_eq!(left.azimuths(), [60.0, 120.0, 180.0, 240.0]);
-        let once = Spinning {
-            azimuth_end: 60.0,
-            ..head
-        };
+        let once = Spinning { azimuth_end: 60.0, ..head };
         let once = Pattern::spinning(&once).unwrap();
         assert_eq!(once.azimuths(), [60.0, -30.0, -120.0, -210.0]);
     }

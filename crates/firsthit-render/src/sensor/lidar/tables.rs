@@ -3,9 +3,8 @@
 //! Velodyne's agree with the calibrations of ROS's `velodyne_pointcloud`, whose `rot_correction` has the opposite sign.
 
 /// The elevation of each laser of the VLP-16: the even numbers are the lower half. VLP-16 User Manual, 63-9243 rev. D, table 9-1.
-pub(super) const VLP_16: [f64; 16] = [
-    -15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0,
-];
+pub(super) const VLP_16: [f64; 16] =
+    [-15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0];
 
 /// The elevations of the Puck Hi-Res, from the same table.
 pub(super) const VLP_16_HI_RES: [f64; 16] = [

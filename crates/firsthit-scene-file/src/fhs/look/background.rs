@@ -11,11 +11,7 @@ use crate::scene::Background;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum BackgroundRecord {
     Uniform(Triple),
-    Gradient {
-        horizon: Triple,
-        zenith: Triple,
-        up: Triple,
-    },
+    Gradient { horizon: Triple, zenith: Triple, up: Triple },
     Transparent,
 }
 
@@ -23,15 +19,9 @@ impl BackgroundRecord {
     pub(super) fn new(background: Background) -> Self {
         match background {
             Background::Uniform(color) => Self::Uniform(color.into()),
-            Background::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => Self::Gradient {
-                horizon: horizon.into(),
-                zenith: zenith.into(),
-                up: up.into(),
-            },
+            Background::Gradient { horizon, zenith, up } => {
+                Self::Gradient { horizon: horizon.into(), zenith: zenith.into(), up: up.into() }
+            }
             Background::Transparent => Self::Transparent,
         }
     }
@@ -39,11 +29,7 @@ impl BackgroundRecord {
     pub(super) fn background(&self) -> Result<Background> {
         Ok(match *self {
             Self::Uniform(color) => Background::Uniform(color.into()),
-            Self::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => Background::Gradient {
+            Self::Gradient { horizon, zenith, up } => Background::Gradient {
                 horizon: horizon.into(),
                 zenith: zenith.into(),
                 up: direction_of(up)?,

@@ -87,19 +87,12 @@ impl EnvironmentKindRecord {
                 below: (*below).into(),
                 up: (*up).into(),
             },
-            EnvironmentKind::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => Self::Gradient {
+            EnvironmentKind::Gradient { horizon, zenith, up } => Self::Gradient {
                 horizon: (*horizon).into(),
                 zenith: (*zenith).into(),
                 up: (*up).into(),
             },
-            EnvironmentKind::Map {
-                map,
-                world_from_map,
-            } => Self::Map {
+            EnvironmentKind::Map { map, world_from_map } => Self::Map {
                 columns: map.columns(),
                 rows: map.rows(),
                 texels: add(map.texels()),
@@ -126,21 +119,12 @@ impl EnvironmentKindRecord {
                 below: below.into(),
                 up: up.into(),
             },
-            Self::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => EnvironmentKind::Gradient {
+            Self::Gradient { horizon, zenith, up } => EnvironmentKind::Gradient {
                 horizon: horizon.into(),
                 zenith: zenith.into(),
                 up: up.into(),
             },
-            Self::Map {
-                columns,
-                rows,
-                texels,
-                world_from_map,
-            } => {
+            Self::Map { columns, rows, texels, world_from_map } => {
                 let map = of_record(EnvironmentMap::new(columns, rows, take(texels)?))?;
                 let [x, y, z] = world_from_map.map(DVec3::from);
                 EnvironmentKind::Map {

@@ -32,10 +32,7 @@ impl KindRecord {
     pub(super) fn new(kind: &str, settings: Vec<(&'static str, Value)>) -> Self {
         let settings = settings.into_iter();
         let settings = settings.map(|(name, value)| (name.to_owned(), ValueRecord::new(value)));
-        Self {
-            kind: kind.to_owned(),
-            settings: settings.collect(),
-        }
+        Self { kind: kind.to_owned(), settings: settings.collect() }
     }
 
     /// The light, whose numbers make sense.

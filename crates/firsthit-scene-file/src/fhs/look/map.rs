@@ -42,14 +42,8 @@ impl MapRecord {
             texture: Arc::clone(texture),
             wrap: [named(across, &Wrap::NAMES)?, named(down, &Wrap::NAMES)?],
             filter: named(&self.filter, &Filter::NAMES)?,
-            uv_set: if self.second_uvs {
-                UvSet::Second
-            } else {
-                UvSet::First
-            },
-            picture_from_uv: self
-                .picture_from_uv
-                .map(|row| row.map(|Number(number)| number)),
+            uv_set: if self.second_uvs { UvSet::Second } else { UvSet::First },
+            picture_from_uv: self.picture_from_uv.map(|row| row.map(|Number(number)| number)),
         })
     }
 }

@@ -97,10 +97,7 @@ impl MaterialRecord {
             color: self.color.into(),
             alpha: self.alpha.0,
             maps: all,
-            model: self
-                .model
-                .as_ref()
-                .map_or(Ok(Model::default()), KindRecord::model)?,
+            model: self.model.as_ref().map_or(Ok(Model::default()), KindRecord::model)?,
             emission: self.emission.map_or(DVec3::ZERO, Into::into),
             normal_scale: or_one(self.normal_scale),
             occlusion_strength: or_one(self.occlusion_strength),

@@ -23,11 +23,7 @@ pub(super) fn direction_of(direction: Triple) -> Result<DVec3> {
     if direction.is_finite() && direction != DVec3::ZERO {
         Ok(direction)
     } else {
-        Err(Error::argument(
-            "direction",
-            "finite and not zero",
-            direction,
-        ))
+        Err(Error::argument("direction", "finite and not zero", direction))
     }
 }
 

@@ -83,10 +83,7 @@ impl ShadingRecord {
     }
 
     pub(in crate::fhs) fn coloring(&self) -> Result<Option<Coloring>> {
-        self.colors
-            .as_ref()
-            .map(ColoringRecord::coloring)
-            .transpose()
+        self.colors.as_ref().map(ColoringRecord::coloring).transpose()
     }
 
     pub(in crate::fhs) fn ground(&self) -> Option<bool> {
@@ -106,11 +103,9 @@ impl ShadingRecord {
     /// The number of samples, which is one that pictures can have.
     pub(in crate::fhs) fn samples(&self) -> Result<Option<u32>> {
         match self.samples {
-            Some(samples) if !(1..=MOST_SAMPLES).contains(&samples) => Err(Error::argument(
-                "samples",
-                "from 1 to 65536 in a file",
-                samples,
-            )),
+            Some(samples) if !(1..=MOST_SAMPLES).contains(&samples) => {
+                Err(Error::argument("samples", "from 1 to 65536 in a file", samples))
+            }
             samples => Ok(samples),
         }
     }

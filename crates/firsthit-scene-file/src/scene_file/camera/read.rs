@@ -28,11 +28,7 @@ pub(in crate::scene_file) fn read<'v, 't>(
     let unnamed = unnamed.into_iter().map(|section| ("camera", section));
     let named = scene.named("cameras", &CAMERA)?;
     let cameras = unnamed.chain(named).map(|(name, section)| {
-        Ok(Read {
-            name: name.to_owned(),
-            section,
-            description: description(&section, report)?,
-        })
+        Ok(Read { name: name.to_owned(), section, description: description(&section, report)? })
     });
     cameras.collect()
 }
@@ -90,13 +86,7 @@ fn opening(
 ) -> Checked<Option<Opening>> {
     let size = [section.whole("rows"), section.whole("columns")];
     let [fx, fy, cx, cy, skew] = MATRIX.map(|name| section.number(name).unwrap_or(0.0));
-    let matrix = PixelMatrix {
-        fx,
-        fy,
-        cx,
-        cy,
-        skew,
-    };
+    let matrix = PixelMatrix { fx, fy, cx, cy, skew };
     if let (true, Some(convention), [Some(rows), Some(columns)]) =
         (section.has("fx"), convention, size)
     {
@@ -112,11 +102,7 @@ fn opening(
     }
     let focal_length = section.number("focal_length");
     let sides = section.number("width").zip(section.number("height"));
-    let viewplane = sides.map(|(width, height)| Opening::Viewplane {
-        width,
-        height,
-        focal_length,
-    });
+    let viewplane = sides.map(|(width, height)| Opening::Viewplane { width, height, focal_length });
     let numbers = numbers(section, projection);
     if numbers.iter().all(|(name, _)| LENGTHS.contains(name)) {
         return Ok(viewplane);
@@ -139,13 +125,9 @@ const LENGTHS: [&str; 3] = ["focal_length", "width", "height"];
 
 /// The numbers of a lens that its table gives, without those of a thin one.
 fn numbers(section: &Section<'_, '_>, projection: Projection) -> Vec<(&'static str, f64)> {
-    let all = projection
-        .settings()
-        .into_iter()
-        .map(|setting| setting.name);
+    let all = projection.settings().into_iter().map(|setting| setting.name);
     let all = all.filter(|name| !matches!(*name, "aperture" | "focus"));
-    all.filter_map(|name| Some((name, section.number(name)?)))
-        .collect()
+    all.filter_map(|name| Some((name, section.number(name)?))).collect()
 }
 
 /// The cameras with what they leave open decided by the objects.

@@ -71,9 +71,7 @@ impl FromStr for ColorBy {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let attribute = text
-            .strip_prefix(Self::ATTRIBUTE)
-            .filter(|name| !name.is_empty());
+        let attribute = text.strip_prefix(Self::ATTRIBUTE).filter(|name| !name.is_empty());
         Ok(match (text, attribute) {
             (_, Some(name)) => Self::Attribute(name.into()),
             ("object", _) => Self::Object,

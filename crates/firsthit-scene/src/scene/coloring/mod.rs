@@ -47,14 +47,7 @@ pub struct Coloring {
 impl Coloring {
     /// A colouring with the default map, over the range of all numbers.
     pub fn new(by: ColorBy) -> Self {
-        Self {
-            by,
-            map: ColorMap::default(),
-            range: None,
-            below: None,
-            above: None,
-            missing: None,
-        }
+        Self { by, map: ColorMap::default(), range: None, below: None, above: None, missing: None }
     }
 }
 
@@ -79,10 +72,7 @@ impl Scene {
     /// and there is no number, and for a range whose numbers do not rise.
     pub fn with_coloring(self, coloring: Option<Coloring>) -> Result<Self> {
         let colored = coloring.map(|coloring| Colored::new(coloring, &self));
-        Ok(Self {
-            colored: colored.transpose()?.map(Arc::new),
-            ..self
-        })
+        Ok(Self { colored: colored.transpose()?.map(Arc::new), ..self })
     }
 
     /// The colouring by numbers, if there is one.
@@ -106,11 +96,7 @@ impl Colored {
                 return Err(Error::argument("range", expected, coloring.by.text()));
             }
         };
-        Ok(Self {
-            up: unit(scene.up()),
-            range,
-            coloring,
-        })
+        Ok(Self { up: unit(scene.up()), range, coloring })
     }
 
     /// The settings that it was made from.
@@ -125,14 +111,7 @@ impl Colored {
 
     /// The colour of a surface; `None` for its own.
     pub(super) fn color(&self, surface: &SurfaceInteraction<'_>) -> Option<Color> {
-        let Coloring {
-            map,
-            range: given,
-            below,
-            above,
-            missing,
-            ..
-        } = self.coloring;
+        let Coloring { map, range: given, below, above, missing, .. } = self.coloring;
         let number = self.coloring.by.number(surface, self.up);
         if number.is_nan() {
             return missing;

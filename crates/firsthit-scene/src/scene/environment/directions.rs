@@ -73,20 +73,12 @@ impl DirectionTable {
             }
         }
         let cells = Distribution2d::new(columns, luminances)?;
-        Some(Self {
-            columns,
-            heights,
-            cells,
-        })
+        Some(Self { columns, heights, cells })
     }
 
     /// The direction that a point of the unit square stands for, of length one, and how dense such are, per steradian.
     pub(super) fn draw(&self, u: DVec2) -> (DVec3, f64) {
-        let Cell {
-            column,
-            row,
-            inside,
-        } = self.cells.choose(u);
+        let Cell { column, row, inside } = self.cells.choose(u);
         let across = (column as f64 + inside.x) / self.columns as f64;
         let [top, bottom] = [self.heights[row], self.heights[row + 1]];
         let direction = direction_of(across, top + inside.y * (bottom - top));
@@ -189,10 +181,7 @@ mod tests {
         let covered = inverse.sum::<f64>() / f64::from(count);
         let black = 6.0 / 16.0 * 0.5 * (table.heights[6] - table.heights[7]);
         let expected = 4.0 * PI * (1.0 - black);
-        assert!(
-            (covered / expected - 1.0).abs() < 0.01,
-            "{covered} {expected}"
-        );
+        assert!((covered / expected - 1.0).abs() < 0.01, "{covered} {expected}");
     }
 
     #[test]

@@ -28,11 +28,7 @@ impl PartialEq for IrradianceCache {
 impl IrradianceCache {
     fn get(&self, normal: DVec3, compute: impl Fn(DVec3) -> Color) -> Color {
         let &(known, irradiance) = parallel::once(&self.0, || (normal, compute(normal)));
-        if known == normal {
-            irradiance
-        } else {
-            compute(normal)
-        }
+        if known == normal { irradiance } else { compute(normal) }
     }
 }
 
@@ -50,23 +46,17 @@ impl Environment {
             EnvironmentKind::Hemispheres { above, below, up } => {
                 below.lerp(*above, normal.dot(unit(*up)).midpoint(1.0))
             }
-            EnvironmentKind::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => horizon.lerp(*zenith, both_cosines(normal.dot(unit(*up)))),
-            EnvironmentKind::Map {
-                map,
-                world_from_map,
-            } => {
+            EnvironmentKind::Gradient { horizon, zenith, up } => {
+                horizon.lerp(*zenith, both_cosines(normal.dot(unit(*up))))
+            }
+            EnvironmentKind::Map { map, world_from_map } => {
                 // In the map's own frame: environments that turn it differently share what is kept.
                 let own = Self::new(EnvironmentKind::Map {
                     map: Arc::clone(map),
                     world_from_map: DMat3::IDENTITY,
                 });
                 let normal = world_from_map.transpose() * normal;
-                map.irradiance_cache()
-                    .get(normal, |normal| own.summed(normal))
+                map.irradiance_cache().get(normal, |normal| own.summed(normal))
             }
             EnvironmentKind::Daylight(daylight) => daylight
                 .irradiance_cache()
@@ -82,11 +72,7 @@ impl Environment {
         let brought = |towards: DVec3| {
             let cosine = towards.dot(normal).max(0.0);
             let pdf = cosine / PI + self.pdf(towards);
-            if pdf > 0.0 {
-                (cosine / (PI * pdf)) * self.radiance(towards)
-            } else {
-                Color::ZERO
-            }
+            if pdf > 0.0 { (cosine / (PI * pdf)) * self.radiance(towards) } else { Color::ZERO }
         };
         let mut sum = Color::ZERO;
         let frame = TangentFrame::around(normal);
@@ -142,14 +128,9 @@ mod tests {
             let turn = crate::geometry::rotation(DVec3::X, degrees);
             let kind = EnvironmentKind::of_map(Arc::clone(&map), DVec3::Z, &turn);
             let environment = Environment::new(kind);
-            let (got, expected) = (
-                environment.irradiance(DVec3::Z),
-                by_cells(&environment, DVec3::Z),
-            );
-            assert!(
-                (got / expected - 1.0).length() < 0.02,
-                "{degrees}: {got} {expected}"
-            );
+            let (got, expected) =
+                (environment.irradiance(DVec3::Z), by_cells(&environment, DVec3::Z));
+            assert!((got / expected - 1.0).length() < 0.02, "{degrees}: {got} {expected}");
         }
     }
 
@@ -160,28 +141,15 @@ mod tests {
         let map = EnvironmentMap::new(8, 4, texels.collect::<Vec<_>>()).unwrap();
         let kinds = [
             EnvironmentKind::Uniform(Color::new(0.2, 0.4, 0.9)),
-            EnvironmentKind::Hemispheres {
-                above: white,
-                below: 0.2 * white,
-                up,
-            },
-            EnvironmentKind::Gradient {
-                horizon: 0.3 * white,
-                zenith: white,
-                up,
-            },
+            EnvironmentKind::Hemispheres { above: white, below: 0.2 * white, up },
+            EnvironmentKind::Gradient { horizon: 0.3 * white, zenith: white, up },
             EnvironmentKind::of_map(Arc::new(map), up, &DMat3::IDENTITY),
         ];
         for kind in kinds {
-            let environment = Environment {
-                strength: 1.5,
-                ..Environment::new(kind)
-            };
+            let environment = Environment { strength: 1.5, ..Environment::new(kind) };
             for normal in [unit(up), DVec3::X, DVec3::NEG_Y] {
-                let (got, expected) = (
-                    environment.irradiance(normal),
-                    by_cells(&environment, normal),
-                );
+                let (got, expected) =
+                    (environment.irradiance(normal), by_cells(&environment, normal));
                 assert!(
                     (got - expected).abs().max_element() < 0.003 * expected.max_element(),
                     "{environment:?} {normal}: {got} {expected}"

@@ -67,13 +67,8 @@ impl EnvironmentMap {
             let got = format!("[{red}, {green}, {blue}] in row {}", wrong / columns);
             return Err(Error::argument("texels", "finite and not negative", got));
         }
-        let mut map = Self {
-            columns,
-            rows,
-            texels,
-            table: None,
-            irradiance: IrradianceCache::default(),
-        };
+        let mut map =
+            Self { columns, rows, texels, table: None, irradiance: IrradianceCache::default() };
         map.table = map.tabulated(MOST_CELLS)?;
         Ok(map)
     }
@@ -216,13 +211,7 @@ mod tests {
     use crate::sampling::Draws;
 
     fn map() -> EnvironmentMap {
-        let texel = |k: usize| {
-            [
-                0.5 + k as f32,
-                if k == 9 { 400.0 } else { 0.25 },
-                (k % 3) as f32,
-            ]
-        };
+        let texel = |k: usize| [0.5 + k as f32, if k == 9 { 400.0 } else { 0.25 }, (k % 3) as f32];
         EnvironmentMap::new(6, 4, (0..24).map(texel).collect::<Vec<_>>()).unwrap()
     }
 
@@ -239,10 +228,7 @@ mod tests {
         for (k, &texel) in map.texels().iter().enumerate() {
             let (across, down) = (((k % 6) as f64 + 0.5) / 6.0, ((k / 6) as f64 + 0.5) / 4.0);
             let got = map.radiance(7.0 * towards(across, down));
-            assert!(
-                (got - color(texel)).abs().max_element() < 1e-9,
-                "{k}: {got}"
-            );
+            assert!((got - color(texel)).abs().max_element() < 1e-9, "{k}: {got}");
         }
     }
 
@@ -277,10 +263,8 @@ mod tests {
         let error = ((squares / count - mean * mean) / count).sqrt();
         let mut whole = 0.0;
         for k in 0..600 * 400 {
-            let (across, down) = (
-                (f64::from(k % 600) + 0.5) / 600.0,
-                (f64::from(k / 600) + 0.5) / 400.0,
-            );
+            let (across, down) =
+                ((f64::from(k % 600) + 0.5) / 600.0, (f64::from(k / 600) + 0.5) / 400.0);
             let solid_angle = TAU / 600.0 * PI / 400.0 * libm::sin(PI * down);
             whole += solid_angle * luminance(map.radiance(towards(across, down)));
         }

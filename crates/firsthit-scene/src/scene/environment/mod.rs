@@ -74,11 +74,7 @@ pub enum EnvironmentKind {
 impl Environment {
     /// The environment at strength 1, seen by the camera.
     pub fn new(kind: EnvironmentKind) -> Self {
-        Self {
-            kind,
-            strength: 1.0,
-            is_seen: true,
-        }
+        Self { kind, strength: 1.0, is_seen: true }
     }
 
     /// The radiance from a direction in the world, of any length; black where there is none.
@@ -100,14 +96,12 @@ impl Environment {
     #[doc(hidden)]
     pub fn hemispheres(&self) -> Option<Hemispheres> {
         match self.kind {
-            EnvironmentKind::Hemispheres { above, below, up } => Some(Hemispheres {
-                colors: [above, below].map(|color| self.strength * color),
-                up,
-            }),
-            EnvironmentKind::Uniform(color) => Some(Hemispheres {
-                colors: [self.strength * color; 2],
-                up: DVec3::Y,
-            }),
+            EnvironmentKind::Hemispheres { above, below, up } => {
+                Some(Hemispheres { colors: [above, below].map(|color| self.strength * color), up })
+            }
+            EnvironmentKind::Uniform(color) => {
+                Some(Hemispheres { colors: [self.strength * color; 2], up: DVec3::Y })
+            }
             _ => None,
         }
     }
@@ -133,9 +127,7 @@ impl Environment {
     /// world and of length one, per steradian; 0 if it draws none.
     pub fn pdf(&self, towards: DVec3) -> f64 {
         let table = self.kind.table();
-        table.map_or(0.0, |(table, world_from_own)| {
-            table.pdf(world_from_own.transpose() * towards)
-        })
+        table.map_or(0.0, |(table, world_from_own)| table.pdf(world_from_own.transpose() * towards))
     }
 
     /// Whether [`sample`](Self::sample) draws directions.
@@ -169,10 +161,7 @@ impl Hemispheres {
     /// See [`Environment::radiance`].
     #[inline(always)]
     pub fn radiance(&self, direction: DVec3) -> Color {
-        let Self {
-            colors: [above, below],
-            up,
-        } = *self;
+        let Self { colors: [above, below], up } = *self;
         // The sign alone counts: lengths do not.
         let height = (moderation(direction) * direction).dot(moderation(up) * up);
         if height > 0.0 {
@@ -194,21 +183,16 @@ impl EnvironmentKind {
                 let colors = [above, below];
                 Hemispheres { colors, up }.radiance(direction)
             }
-            Self::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => {
+            Self::Gradient { horizon, zenith, up } => {
                 let height = height(up);
                 if height.is_nan() {
                     return Color::ZERO;
                 }
                 horizon.lerp(zenith, height.clamp(0.0, 1.0))
             }
-            Self::Map {
-                ref map,
-                ref world_from_map,
-            } => map.radiance(world_from_map.transpose() * direction),
+            Self::Map { ref map, ref world_from_map } => {
+                map.radiance(world_from_map.transpose() * direction)
+            }
             Self::Daylight(ref daylight) => daylight.radiance(direction),
         }
     }
@@ -216,10 +200,7 @@ impl EnvironmentKind {
     /// The table to draw directions from, and its frame in the world; `None` where that is not worth it.
     fn table(&self) -> Option<(&DirectionTable, &DMat3)> {
         match self {
-            Self::Map {
-                map,
-                world_from_map,
-            } => Some((map.table()?, world_from_map)),
+            Self::Map { map, world_from_map } => Some((map.table()?, world_from_map)),
             Self::Daylight(daylight) => daylight.table(),
             Self::Uniform(_) | Self::Hemispheres { .. } | Self::Gradient { .. } => None,
         }
@@ -247,10 +228,7 @@ impl EnvironmentKind {
     /// ```
     pub fn of_map(map: Arc<EnvironmentMap>, up: DVec3, turn: &DMat3) -> Self {
         let world_from_map = *turn * upright(up);
-        Self::Map {
-            map,
-            world_from_map,
-        }
+        Self::Map { map, world_from_map }
     }
 
     fn check(&self) -> Result<()> {
@@ -264,11 +242,7 @@ impl EnvironmentKind {
         match *self {
             Self::Uniform(color) => colors([color; 2], DVec3::Y),
             Self::Hemispheres { above, below, up } => colors([above, below], up),
-            Self::Gradient {
-                horizon,
-                zenith,
-                up,
-            } => colors([horizon, zenith], up),
+            Self::Gradient { horizon, zenith, up } => colors([horizon, zenith], up),
             Self::Map { world_from_map, .. } => {
                 let off = world_from_map * world_from_map.transpose() - DMat3::IDENTITY;
                 let fine = off.to_cols_array().iter().all(|x| x.abs() < 1e-9);
@@ -296,11 +270,7 @@ mod tests {
         let up = DVec3::new(0.2, 1.0, -0.4);
         let turn = rotation(DVec3::new(1.0, 2.0, -0.5), 77.0);
         let turned = seen(&turn, up);
-        for direction in [
-            DVec3::X,
-            DVec3::new(-0.3, 0.2, 0.9),
-            DVec3::new(0.1, -0.9, -0.3),
-        ] {
+        for direction in [DVec3::X, DVec3::new(-0.3, 0.2, 0.9), DVec3::new(0.1, -0.9, -0.3)] {
             let moved = turn * (upright(up) * direction);
             let (got, expected) = (turned.radiance(moved), plain.radiance(direction));
             assert!((got - expected).length() < 1e-9, "{got} {expected}");

@@ -46,9 +46,7 @@ impl SurfaceInteraction<'_> {
         let Some(material) = self.material() else {
             return 1.0;
         };
-        let own = self
-            .mesh
-            .and_then(|(mesh, triangle)| mesh.alpha(triangle, self.hit.barycentric));
+        let own = self.mesh.and_then(|(mesh, triangle)| mesh.alpha(triangle, self.hit.barycentric));
         let [color, alpha] = [MapRole::Color, MapRole::Alpha].map(|role| material.maps.get(role));
         let uv = alpha.or(color).and_then(|map| self.uv_of(map));
         material.alpha_at(uv, own.unwrap_or(1.0))
@@ -57,11 +55,7 @@ impl SurfaceInteraction<'_> {
     /// The opacity: the alpha, where the material's mode is [`AlphaMode::Blend`], and otherwise 1.
     pub fn opacity(&self) -> f64 {
         let mode = self.material().map(|material| material.alpha_mode);
-        if mode == Some(AlphaMode::Blend) {
-            self.alpha().clamp(0.0, 1.0)
-        } else {
-            1.0
-        }
+        if mode == Some(AlphaMode::Blend) { self.alpha().clamp(0.0, 1.0) } else { 1.0 }
     }
 
     /// The share of light from all directions that reaches the surface by the occlusion map; 1
@@ -70,23 +64,19 @@ impl SurfaceInteraction<'_> {
         let Some([red, ..]) = self.mapped(MapRole::Occlusion) else {
             return 1.0;
         };
-        let strength = self
-            .material()
-            .map_or(1.0, |material| material.occlusion_strength);
+        let strength = self.material().map_or(1.0, |material| material.occlusion_strength);
         1.0 + strength * (red - 1.0)
     }
 
     /// The normal that the normal map makes of the shading normal, in the world. `side` is -1 for that of the back. `None` without a map.
     pub(in crate::scene) fn mapped_normal(&self, side: f64) -> Option<DVec3> {
         let scale = self.material()?.normal_scale;
-        self.turned(MapRole::Normal, scale)
-            .map(|normal| side * normal)
+        self.turned(MapRole::Normal, scale).map(|normal| side * normal)
     }
 
     /// The shading normal by the clear coat's map, with a scale, on a side.
     pub(in crate::scene) fn mapped_coat_normal(&self, scale: f64, side: f64) -> Option<DVec3> {
-        self.turned(MapRole::ClearcoatNormal, scale)
-            .map(|normal| side * normal)
+        self.turned(MapRole::ClearcoatNormal, scale).map(|normal| side * normal)
     }
 
     fn turned(&self, role: MapRole, scale: f64) -> Option<DVec3> {
@@ -102,18 +92,15 @@ impl SurfaceInteraction<'_> {
     /// The directions in which a normal map's columns and, upwards, its rows run: across the normal, in the world.
     fn tangents(&self, map: &TextureMap, normal: DVec3) -> Option<(DVec3, DVec3)> {
         let (mesh, triangle) = self.mesh?;
-        let (tangent, is_flipped) = mesh
-            .tangent(triangle, self.hit.barycentric)
-            .or_else(|| self.along(map))?;
+        let (tangent, is_flipped) =
+            mesh.tangent(triangle, self.hit.barycentric).or_else(|| self.along(map))?;
         let to_world = self.object.transform().world_from_object().matrix3;
         let tangent = to_world * tangent;
         let tangent = unit(tangent - tangent.dot(normal) * normal);
         // What a mirror does to normal and tangent it does not to their product.
         let is_mirrored = to_world.determinant() < 0.0;
         let sign = if is_flipped == is_mirrored { 1.0 } else { -1.0 };
-        tangent
-            .is_finite()
-            .then(|| (tangent, sign * normal.cross(tangent)))
+        tangent.is_finite().then(|| (tangent, sign * normal.cross(tangent)))
     }
 
     /// The direction in which the map's columns run, in object space, from texture coordinates, for

@@ -63,10 +63,7 @@ fn compute_of_shape(set: InstructionSet, surfaces: &[&SurfaceInteraction<'_>]) {
         return;
     };
     for (k, surface) in surfaces.iter().enumerate() {
-        surface.know(Geometry {
-            position: points.get(k),
-            normal: normals.get(k),
-        });
+        surface.know(Geometry { position: points.get(k), normal: normals.get(k) });
     }
 }
 
@@ -84,11 +81,8 @@ struct Triangles {
 }
 
 impl Triangles {
-    const NONE: Self = Self {
-        count: 0,
-        corners: [const { Vectors::ZERO }; 3],
-        weights: Vectors::ZERO,
-    };
+    const NONE: Self =
+        Self { count: 0, corners: [const { Vectors::ZERO }; 3], weights: Vectors::ZERO };
 
     #[inline]
     fn push(&mut self, corners: [DVec3; 3], weights: DVec2) {
@@ -159,14 +153,7 @@ impl ShapeHits {
         let (hits, transform) = (self, object.transform());
         macro_rules! on {
             ($shape:expr) => {
-                simd::run_here(
-                    set,
-                    OnShape {
-                        shape: $shape,
-                        transform,
-                        hits,
-                    },
-                )
+                simd::run_here(set, OnShape { shape: $shape, transform, hits })
             };
         }
         Some(match object.shape() {
@@ -193,11 +180,7 @@ impl<S: Surface> Kernel for OnShape<'_, S> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> (Vectors, Vectors) {
-        let Self {
-            shape,
-            transform,
-            hits,
-        } = self;
+        let Self { shape, transform, hits } = self;
         let (mut points, mut normals) = (Vectors::ZERO, Vectors::ZERO);
         let count = hits.count.min(ROW);
         for k in 0..count {
@@ -237,33 +220,17 @@ mod tests {
         let shapes = vec![
             Shape::from(Sphere::new(DVec3::ZERO, 1.0).unwrap()),
             Sphere::new(v(0.5, -2.0, 3.0), 0.25).unwrap().into(),
-            Plane::new(v(1.0, -2.0, 0.5), v(1.0, 2.0, -0.5))
-                .unwrap()
-                .into(),
-            Disc::new(v(1.0, 0.0, -1.0), v(3.0, -1.0, 2.0), 2.0)
-                .unwrap()
-                .into(),
-            Cuboid::new(v(0.25, -3.0, 1.0), v(0.5, 4.0, 1.1))
-                .unwrap()
-                .into(),
+            Plane::new(v(1.0, -2.0, 0.5), v(1.0, 2.0, -0.5)).unwrap().into(),
+            Disc::new(v(1.0, 0.0, -1.0), v(3.0, -1.0, 2.0), 2.0).unwrap().into(),
+            Cuboid::new(v(0.25, -3.0, 1.0), v(0.5, 4.0, 1.1)).unwrap().into(),
             Cylinder::new(DVec3::NEG_Z, DVec3::Z, 1.0).unwrap().into(),
-            Cylinder::new(v(1.0, 1.0, 0.0), v(-1.0, 2.0, 3.0), 0.4)
-                .unwrap()
-                .into(),
+            Cylinder::new(v(1.0, 1.0, 0.0), v(-1.0, 2.0, 3.0), 0.4).unwrap().into(),
             Cone::new(DVec3::NEG_Z, DVec3::Z, 1.0, 0.0).unwrap().into(),
-            Cone::new(DVec3::Y, v(2.0, 2.0, -1.0), 0.2, 0.9)
-                .unwrap()
-                .into(),
-            Cone::new(DVec3::ZERO, v(0.1, 0.0, 0.0), 3.0, 2.0)
-                .unwrap()
-                .into(),
+            Cone::new(DVec3::Y, v(2.0, 2.0, -1.0), 0.2, 0.9).unwrap().into(),
+            Cone::new(DVec3::ZERO, v(0.1, 0.0, 0.0), 3.0, 2.0).unwrap().into(),
         ];
         let is_there = |name| shapes.iter().any(|shape| shape.name() == name);
-        assert!(
-            Shape::NAMES
-                .iter()
-                .all(|&name| name == "mesh" || is_there(name))
-        );
+        assert!(Shape::NAMES.iter().all(|&name| name == "mesh" || is_there(name)));
         shapes
     }
 
@@ -286,17 +253,13 @@ mod tests {
             DVec3::new(0.1, 0.2, -0.3),
         );
         let placed = Transform::new(placed).unwrap();
-        let moved: Vec<Object> = (objects.iter().cloned())
-            .map(|object| object.placed(placed))
-            .collect();
+        let moved: Vec<Object> =
+            (objects.iter().cloned()).map(|object| object.placed(placed)).collect();
         objects.extend(moved);
         let mut hits = Vec::new();
         let scene = Scene::new(objects.clone()).unwrap();
         let objects: Vec<(usize, Object)> = objects.into_iter().enumerate().collect();
-        for (some, k) in objects
-            .chunks(3)
-            .flat_map(|some| (0..400).map(move |k| (some, k)))
-        {
+        for (some, k) in objects.chunks(3).flat_map(|some| (0..400).map(move |k| (some, k))) {
             for (number, object) in some {
                 // Of each object alone: in the scene most are hidden.
                 let from = 4.0 * vector(&mut draws);
@@ -323,10 +286,7 @@ mod tests {
         assert!(hits.len() > 1000, "{}", hits.len());
         let surfaces = || {
             let surface = |(ray, hit)| scene.interaction(ray, hit).unwrap();
-            hits.iter()
-                .map(|(ray, hit)| (ray, hit))
-                .map(surface)
-                .collect::<Vec<_>>()
+            hits.iter().map(|(ray, hit)| (ray, hit)).map(surface).collect::<Vec<_>>()
         };
         let bits = |surface: &SurfaceInteraction<'_>| {
             let numbers = [surface.position(), surface.normal()];

@@ -25,13 +25,8 @@ pub(super) fn key(object: &Object) -> Option<Key> {
     let is_sound = object.slack() <= LARGEST_SLACK;
     let transform = object.transform().world_from_object();
     let are_single = matches!(mesh.positions().as_ref(), Positions::Single(_));
-    (is_plain && has_triangles && is_sound).then(|| {
-        (
-            transform.to_cols_array().map(f64::to_bits),
-            object.mask(),
-            are_single,
-        )
-    })
+    (is_plain && has_triangles && is_sound)
+        .then(|| (transform.to_cols_array().map(f64::to_bits), object.mask(), are_single))
 }
 
 /// The number of uses of each mesh in the scene, and an object that has it.
@@ -102,10 +97,7 @@ pub(in crate::scene) fn kept(
             let (object, key) = found(object)?;
             (*key == common).then_some(*object)
         };
-        if group
-            .members()
-            .all(|(object, _)| new(object) == Some(object))
-        {
+        if group.members().all(|(object, _)| new(object) == Some(object)) {
             return Some(Arc::clone(group));
         }
         let kept = Group::clone(group).keeping(new);
@@ -131,9 +123,7 @@ pub(in crate::scene) fn found(
     }
     let mut all: Vec<Vec<u32>> = by_key.into_values().collect();
     all.sort_unstable();
-    let alike = all
-        .into_iter()
-        .flat_map(|members| in_sizes(objects, members));
+    let alike = all.into_iter().flat_map(|members| in_sizes(objects, members));
     let groups = alike.filter_map(|members| Group::build(members, objects, build));
     groups.map(|group| group.map(Arc::new)).collect()
 }
@@ -158,10 +148,7 @@ fn in_sizes(objects: &[Object], mut members: Vec<u32>) -> Vec<Vec<u32>> {
     let mut parts = Vec::new();
     while members.len() > 1 {
         let around = |&member: &u32| mesh(member).map_or(Bounds::EMPTY, |mesh| mesh.bounds());
-        let whole = members
-            .iter()
-            .map(around)
-            .fold(Bounds::EMPTY, Bounds::union);
+        let whole = members.iter().map(around).fold(Bounds::EMPTY, Bounds::union);
         let least = FINEST * whole.size().max_element();
         let is_coarse = |&member: &u32| {
             mesh(member).is_some_and(|mesh| {

@@ -52,12 +52,7 @@ impl Sun {
     pub fn sample(&self, u: DVec2) -> LightSample {
         let distance = f64::INFINITY;
         if self.height <= 0.0 {
-            return LightSample {
-                towards: self.parallel,
-                distance,
-                light: self.light,
-                pdf: None,
-            };
+            return LightSample { towards: self.parallel, distance, light: self.light, pdf: None };
         }
         LightSample {
             towards: self.frame.world(warp::cap(u, self.height)),

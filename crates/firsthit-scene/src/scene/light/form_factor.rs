@@ -58,11 +58,7 @@ pub(crate) fn of_triangle(corners: [DVec3; 3], normal: DVec3) -> f64 {
         let (from, to) = (above[k], above[(k + 1) % count]);
         let across = from.cross(to);
         let sine = across.length();
-        if sine > 0.0 {
-            libm::atan2(sine, from.dot(to)) * across.z / sine
-        } else {
-            0.0
-        }
+        if sine > 0.0 { libm::atan2(sine, from.dot(to)) * across.z / sine } else { 0.0 }
     };
     let sum: f64 = (0..count).map(edge).sum();
     // NaN where the point is a corner: there is no light then.
@@ -119,10 +115,7 @@ mod tests {
             if across.dot(a).abs() < 0.4 * across.length() {
                 continue;
             }
-            let above = corners
-                .iter()
-                .filter(|corner| corner.dot(normal) > 0.0)
-                .count();
+            let above = corners.iter().filter(|corner| corner.dot(normal) > 0.0).count();
             cut += usize::from(above == 1 || above == 2);
             let brought = |sample| {
                 let u = warp::triangle(Draws::new(k, sample).two());
@@ -133,10 +126,7 @@ mod tests {
             };
             let mean = (0..1 << 14).map(brought).sum::<f64>() / f64::from(1 << 14);
             let got = of_triangle(corners, normal);
-            assert!(
-                (got - mean).abs() < 0.003 + 0.01 * mean,
-                "{k}: {got} {mean}"
-            );
+            assert!((got - mean).abs() < 0.003 + 0.01 * mean, "{k}: {got} {mean}");
             let back = of_triangle([a, c, b], normal);
             assert!((got - back).abs() < 1e-15);
         }

@@ -271,11 +271,7 @@ fn met_flat(
     let cosine = -towards.dot(normal);
     let distance = (at - center).dot(normal) / cosine;
     let is_met = cosine > 0.0 && distance > 0.0 && is_within(at + distance * towards);
-    is_met.then(|| LightHit {
-        distance,
-        radiance,
-        pdf: distance * distance / (area * cosine),
-    })
+    is_met.then(|| LightHit { distance, radiance, pdf: distance * distance / (area * cosine) })
 }
 
 #[cfg(test)]
@@ -321,9 +317,7 @@ mod tests {
                     };
                     seen += 1;
                     let length = arriving.towards.length();
-                    let met = light
-                        .intersect(at, arriving.towards / length)
-                        .expect("it is met");
+                    let met = light.intersect(at, arriving.towards / length).expect("it is met");
                     let distance = arriving.distance * length;
                     assert!(
                         distance == met.distance || (distance / met.distance - 1.0).abs() < 1e-9,

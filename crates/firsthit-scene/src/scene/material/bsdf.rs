@@ -62,11 +62,7 @@ pub struct BsdfSample {
 impl BsdfSample {
     /// The only direction of its kind; `None` without light.
     fn single(towards: DVec3, weight: Color) -> Option<Self> {
-        is_light(weight).then_some(Self {
-            towards,
-            weight,
-            pdf: None,
-        })
+        is_light(weight).then_some(Self { towards, weight, pdf: None })
     }
 
     /// The sample, weighted for a draw with the probability `share`.
@@ -86,11 +82,7 @@ impl SurfaceInteraction<'_> {
             return None;
         }
         let [normal, geometric] = self.seen_normals();
-        Some(Lambertian {
-            normal,
-            geometric,
-            albedo: self.color(),
-        })
+        Some(Lambertian { normal, geometric, albedo: self.color() })
     }
 
     /// The shading normal, of length one, and that of the face, both on the side that is seen.
@@ -108,41 +100,23 @@ impl SurfaceInteraction<'_> {
         }
         let side = self.side();
         let [normal, geometric] = self.seen_normals();
-        let frame = Frame {
-            normal,
-            geometric,
-            out: -unit(self.ray().direction),
-        };
+        let frame = Frame { normal, geometric, out: -unit(self.ray().direction) };
         let bsdf = match self.material() {
             None => Bsdf::even(frame, self.color()),
             Some(material) => material.model.bsdf(self, frame, side),
         };
-        Some(Bsdf {
-            is_front: side > 0.0,
-            occlusion: self.occlusion(),
-            ..bsdf
-        })
+        Some(Bsdf { is_front: side > 0.0, occlusion: self.occlusion(), ..bsdf })
     }
 }
 
 impl Bsdf {
     fn new(frame: Frame, kind: BsdfKind) -> Self {
-        Self {
-            frame,
-            kind,
-            inside: None,
-            is_front: true,
-            occlusion: 1.0,
-        }
+        Self { frame, kind, inside: None, is_front: true, occlusion: 1.0 }
     }
 
     /// The scattering of a matte surface.
     pub fn matte(normal: DVec3, color: Color) -> Self {
-        let frame = Frame {
-            normal,
-            geometric: normal,
-            out: normal,
-        };
+        let frame = Frame { normal, geometric: normal, out: normal };
         Self::even(frame, color)
     }
 
@@ -248,10 +222,6 @@ impl Bsdf {
     pub fn beyond(&self, towards: DVec3) -> Option<Color> {
         let absorption = self.inside?;
         let goes_through = towards.dot(self.frame.geometric) < 0.0;
-        goes_through.then_some(if self.is_front {
-            absorption
-        } else {
-            Color::ZERO
-        })
+        goes_through.then_some(if self.is_front { absorption } else { Color::ZERO })
     }
 }

@@ -67,9 +67,7 @@ impl MetalRough {
     pub(super) fn bsdf(&self, surface: &SurfaceInteraction<'_>, frame: Frame, side: f64) -> Bsdf {
         let number = |role, channel, factor| number(surface, role, channel, factor);
         let color = |role, factor: Color| {
-            surface
-                .mapped(role)
-                .map_or(factor, |[r, g, b, _]| factor * Color::new(r, g, b))
+            surface.mapped(role).map_or(factor, |[r, g, b, _]| factor * Color::new(r, g, b))
         };
         let metal = surface.mapped(MapRole::MetallicRoughness);
         let [rough, metal] = [G, B].map(|channel| metal.map_or(1.0, |value| value[channel]));

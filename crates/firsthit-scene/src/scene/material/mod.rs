@@ -133,25 +133,11 @@ impl Material {
     ///
     /// [`Error::Argument`](crate::error::Error::Argument), with the number's name.
     pub fn check_numbers(&self) -> Result<()> {
-        let Self {
-            normal_scale,
-            occlusion_strength,
-            ..
-        } = *self;
+        let Self { normal_scale, occlusion_strength, .. } = *self;
         self.check_emission()?;
-        require(
-            "normal_scale",
-            "finite",
-            normal_scale.is_finite(),
-            normal_scale,
-        )?;
+        require("normal_scale", "finite", normal_scale.is_finite(), normal_scale)?;
         let is_share = (0.0..=1.0).contains(&occlusion_strength);
-        require(
-            "occlusion_strength",
-            "from 0 to 1",
-            is_share,
-            occlusion_strength,
-        )?;
+        require("occlusion_strength", "from 0 to 1", is_share, occlusion_strength)?;
         self.model.check()
     }
 
@@ -201,10 +187,7 @@ mod tests {
 
     #[test]
     fn alpha_cuts_out_only_where_it_is_a_mask() {
-        let mut material = Material {
-            alpha: 0.5,
-            ..Material::default()
-        };
+        let mut material = Material { alpha: 0.5, ..Material::default() };
         assert!(!material.is_cut_out(None, 0.1));
         material.alpha_mode = AlphaMode::Mask { cutoff: 0.4 };
         assert!(!material.is_cut_out(None, 1.0));

@@ -14,10 +14,7 @@ impl TopTree {
         stack: &mut WalkStack,
     ) -> Option<PacketCandidates<'_>> {
         (self.outside.len() < self.boxes.len()).then_some(())?;
-        Some(PacketCandidates {
-            outside: &self.outside,
-            walk: self.tree.packet_walk(rays, stack)?,
-        })
+        Some(PacketCandidates { outside: &self.outside, walk: self.tree.packet_walk(rays, stack)? })
     }
 }
 

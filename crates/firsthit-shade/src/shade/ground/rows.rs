@@ -27,10 +27,7 @@ pub(super) fn rows(
         if !is_wanted(point) {
             continue;
         }
-        if rows
-            .last()
-            .is_none_or(|(row, _): &(ShadingPoints, _)| row.is_full())
-        {
+        if rows.last().is_none_or(|(row, _): &(ShadingPoints, _)| row.is_full()) {
             rows.push((ShadingPoints::NONE, Vec::with_capacity(ROW)));
         }
         if let Some((row, indices)) = rows.last_mut() {
@@ -103,20 +100,11 @@ impl<S: DrawnLight> Kernel for DrawLight<'_, S> {
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) -> Arriving {
         let Self(ground, row, light, stream) = self;
-        let LightSamples {
-            towards,
-            end,
-            mut light,
-            ..
-        } = row.draw_light(light, stream);
+        let LightSamples { towards, end, mut light, .. } = row.draw_light(light, stream);
         for k in 0..row.len() {
             light.set(k, cosine(towards.get(k), ground.up) * light.get(k));
         }
-        let mut arriving = Arriving {
-            towards,
-            end,
-            light,
-        };
+        let mut arriving = Arriving { towards, end, light };
         ground.blacken_unblocked(row, &mut arriving);
         arriving
     }

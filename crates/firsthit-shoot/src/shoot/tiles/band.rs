@@ -33,17 +33,9 @@ impl Kernel for Band<'_> {
             rays: None,
             displacements: Displacements::NONE,
         });
-        let TileMemory {
-            scratch,
-            square,
-            rays,
-            displacements,
-        } = &mut tiles;
+        let TileMemory { scratch, square, rays, displacements } = &mut tiles;
         let first = self.index * plan.tiles_down;
-        let [down, across] = [
-            plan.grid.rows.div_ceil(TILE),
-            plan.grid.columns.div_ceil(TILE),
-        ];
+        let [down, across] = [plan.grid.rows.div_ceil(TILE), plan.grid.columns.div_ceil(TILE)];
         let mut near = Vec::new();
         for left in (0..across).step_by(TALL) {
             plan.list_near(first, left, &mut near);
@@ -71,16 +63,10 @@ impl Kernel for Band<'_> {
                     let rays = rays.map(|rays| rays.tile((dy, dx)));
                     let at = Square::index_of(dy * TILE, dx * TILE);
                     let mut task = TileTask::new(l, plan, ([row, column], at), rays, displacements);
-                    task.run(
-                        l,
-                        (&mut memory, scratch, displacements),
-                        &near,
-                        &mut square.out(),
-                    );
+                    task.run(l, (&mut memory, scratch, displacements), &near, &mut square.out());
                 }
             }
-            self.out
-                .take(l, square, left * TILE, plan.grid.columns, plan.is_large);
+            self.out.take(l, square, left * TILE, plan.grid.columns, plan.is_large);
         }
         l.end_streams();
         TILES.set(Some(tiles));

@@ -63,10 +63,7 @@ impl CurvedView {
         let axis = toward(last_row / 2, last_column / 2);
         let samples = (0..SAMPLES * SAMPLES).map(|k| {
             let [row, column] = [k / SAMPLES, k % SAMPLES];
-            toward(
-                row * last_row / (SAMPLES - 1),
-                column * last_column / (SAMPLES - 1),
-            )
+            toward(row * last_row / (SAMPLES - 1), column * last_column / (SAMPLES - 1))
         });
         let half = samples.fold(0.0, |half: f64, at| half.max(angle(axis, at)));
         let [down, across] = [last_row, last_column].map(|last| TILE.min(last));

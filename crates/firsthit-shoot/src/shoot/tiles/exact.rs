@@ -25,18 +25,14 @@ impl Kernel for Decision<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> Option<Hit> {
-        let TriangleId {
-            object: index,
-            leaf_lane,
-        } = self.triangle;
+        let TriangleId { object: index, leaf_lane } = self.triangle;
         let (mesh, tree) = self.scene.plain_mesh(index)?;
         let scaled = ScaledRay::new(&self.ray)?;
         let object = &self.scene.objects()[index as usize];
         let ray = scaled.in_object(object, scaled.ray.t_max)?;
         let corners = tree.corners_at(mesh, leaf_lane);
-        let hit = Shear::new(&ray).intersect_by(EdgeRule::Closed, corners, |doubtful| {
-            l.call(SettleExactly(doubtful))
-        })?;
+        let hit = Shear::new(&ray)
+            .intersect_by(EdgeRule::Closed, corners, |doubtful| l.call(SettleExactly(doubtful)))?;
         let primitive = tree.triangle_at(leaf_lane).cast_signed();
         let crossing = hit.crossing(primitive);
         ray.holds(hit.t)
@@ -57,11 +53,7 @@ impl TileTask<'_> {
     ) -> Option<Hit> {
         let ray = self.ray(row, column);
         let scene = self.plan.scene;
-        l.call(Decision {
-            scene,
-            ray,
-            triangle,
-        })
+        l.call(Decision { scene, ray, triangle })
     }
 
     /// The order of two triangles along the ray of a pixel, which meets the old one, if it is known: in one plane the lower one is the
@@ -77,10 +69,7 @@ impl TileTask<'_> {
         }
         let index = old.object;
         let (mesh, tree) = self.plan.scene.plain_mesh(old.object)?;
-        let (old, new) = (
-            tree.triangle_at(old.leaf_lane),
-            tree.triangle_at(new.leaf_lane),
-        );
+        let (old, new) = (tree.triangle_at(old.leaf_lane), tree.triangle_at(new.leaf_lane));
         if mesh.are_in_one_plane(old, new) {
             return Some(old.cmp(&new));
         }

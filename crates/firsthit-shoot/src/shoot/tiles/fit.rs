@@ -43,11 +43,7 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
         columns,
         first: [0, 0],
         whole: [rows, columns],
-        position: if is_parallel {
-            middle - first.direction
-        } else {
-            first.origin
-        },
+        position: if is_parallel { middle - first.direction } else { first.origin },
         toward: if is_parallel { first.direction } else { middle },
         right: across.normalize(),
         upwards: -down.normalize(),
@@ -59,12 +55,7 @@ pub(super) fn grid(rays: &dyn Rays) -> Option<(usize, PixelGrid)> {
     };
     let on_grid = |k: usize| {
         let (row, column) = (k % 5 * (rows - 1) / 4, k / 5 * (columns - 1) / 4);
-        is_near(
-            &grid,
-            row,
-            column,
-            &rays.ray(start + row * columns + column),
-        )
+        is_near(&grid, row, column, &rays.ray(start + row * columns + column))
     };
     (is_sound(&grid, 0.5) && (0..25).all(on_grid)).then_some((start, grid))
 }
@@ -133,11 +124,7 @@ fn columns(rays: &dyn Rays) -> Option<(usize, usize)> {
     let (first, second) = (rays.ray(0), rays.ray(1));
     let is_parallel = first.direction == second.direction;
     let point = |ray: Ray| {
-        if is_parallel {
-            ray.origin
-        } else {
-            ray.direction.normalize()
-        }
+        if is_parallel { ray.origin } else { ray.direction.normalize() }
     };
     let mut leap = None;
     let mut last = point(second);
@@ -236,9 +223,6 @@ mod tests {
         let beginning = rays.iter().map(|ray| ray.beyond(0.1));
         assert_eq!(grid(&beginning.collect::<Vec<_>>()), None);
         let scattered = |k: usize| rays[k * 37 % rays.len()];
-        assert_eq!(
-            grid(&(0..rays.len()).map(scattered).collect::<Vec<_>>()),
-            None
-        );
+        assert_eq!(grid(&(0..rays.len()).map(scattered).collect::<Vec<_>>()), None);
     }
 }

@@ -24,10 +24,7 @@ impl Pixels {
         [row, column]: [usize; 2],
         [rows, columns]: [usize; 2],
     ) -> Self {
-        let mut pixels = Self {
-            x: [[0.0; WIDE]; BLOCK],
-            y: [[0.0; WIDE]; 2 * BLOCK],
-        };
+        let mut pixels = Self { x: [[0.0; WIDE]; BLOCK], y: [[0.0; WIDE]; 2 * BLOCK] };
         for (block, x) in pixels.x.iter_mut().enumerate() {
             for (lane, x) in x.iter_mut().enumerate() {
                 let (_, across) = row_and_column(block, lane);

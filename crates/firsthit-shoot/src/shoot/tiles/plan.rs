@@ -118,11 +118,7 @@ impl<'a> Plan<'a> {
         meshes.sort_by(|a: &Placed, b| a.entry.total_cmp(&b.entry));
         // Enough bands for all threads; fewer, and one of them would be waited for.
         let many = 8 * rayon::current_num_threads();
-        let tiles_down = if grid.rows >= many * TALL * TILE {
-            TALL
-        } else {
-            1
-        };
+        let tiles_down = if grid.rows >= many * TALL * TILE { TALL } else { 1 };
         let is_of_use = is_tiled.contains(&true) || matches!(rest, Rest::Shapes(_));
         is_of_use.then_some(Self {
             scene,
@@ -184,9 +180,7 @@ fn is_unscaled(grid: &PixelGrid) -> bool {
 fn has_digits(grid: &PixelGrid) -> bool {
     let is_sound = |x: f64| x == 0.0 || x.abs() >= 1e-60;
     let vectors = [grid.toward, grid.right, grid.upwards];
-    vectors
-        .iter()
-        .all(|v| v.to_array().into_iter().all(is_sound))
+    vectors.iter().all(|v| v.to_array().into_iter().all(is_sound))
         && is_sound(grid.width)
         && is_sound(grid.height)
 }
@@ -245,20 +239,13 @@ fn placed(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> 
     let aside = low.abs().max(high.abs());
     let columns = tiles(low.x, high.x, blur(slack.x, aside.x), width, 1);
     let rows = tiles(-high.y, -low.y, blur(slack.y, aside.y), height, 0);
-    (!columns.is_empty() && !rows.is_empty()).then_some(Placed {
-        rows,
-        columns,
-        ..whole
-    })
+    (!columns.is_empty() && !rows.is_empty()).then_some(Placed { rows, columns, ..whole })
 }
 
 /// An object in a box in its space, as curved rays may see it: anywhere, from a distance on.
 fn around(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> Placed {
     let corners = arrays::map(bounds.corners(), |corner| {
-        let world = object
-            .transform()
-            .world_from_object()
-            .transform_point3(corner);
+        let world = object.transform().world_from_object().transform_point3(corner);
         world - grid.position
     });
     let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
@@ -274,11 +261,7 @@ fn around(grid: &PixelGrid, (index, object): (u32, &Object), bounds: Bounds) -> 
         rows: 0..grid.rows.div_ceil(TILE),
         columns: 0..grid.columns.div_ceil(TILE),
         entry: if is_known { entry } else { f64::NEG_INFINITY },
-        sphere: if is_known {
-            (centre, radius)
-        } else {
-            (DVec3::ZERO, f64::INFINITY)
-        },
+        sphere: if is_known { (centre, radius) } else { (DVec3::ZERO, f64::INFINITY) },
     }
 }
 
@@ -294,17 +277,13 @@ struct Axes {
 
 impl Axes {
     fn of(grid: &PixelGrid) -> Self {
-        let toward = grid.parallel.map_or(grid.toward, |direction| {
-            grid.toward.length() * direction.normalize()
-        });
+        let toward = grid
+            .parallel
+            .map_or(grid.toward, |direction| grid.toward.length() * direction.normalize());
         let axes = DMat3::from_cols(grid.right, grid.upwards, toward);
         let inverse = axes.inverse();
         let growth = DVec3::from_array(arrays::from_fn(|k| inverse.row(k).abs().element_sum()));
-        let longest = axes
-            .x_axis
-            .length()
-            .max(axes.y_axis.length())
-            .max(toward.length());
+        let longest = axes.x_axis.length().max(axes.y_axis.length()).max(toward.length());
         Self {
             inverse,
             growth,
@@ -322,10 +301,7 @@ fn seen(grid: &PixelGrid, object: &Object, bounds: Bounds, axes: &Axes) -> (DVec
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     let mut farthest: f64 = 0.0;
     for corner in bounds.corners() {
-        let world = object
-            .transform()
-            .world_from_object()
-            .transform_point3(corner);
+        let world = object.transform().world_from_object().transform_point3(corner);
         let relative = world - grid.position;
         let along = axes.inverse * relative;
         if !along.is_finite() {
@@ -366,9 +342,8 @@ pub(super) fn camera_of_tile(
         (grid.position, grid.toward + aside)
     };
     let matrix = map.matrix3;
-    let largest = arrays::map([matrix.x_axis, matrix.y_axis, matrix.z_axis], |axis| {
-        axis.abs().max_element()
-    });
+    let largest =
+        arrays::map([matrix.x_axis, matrix.y_axis, matrix.z_axis], |axis| axis.abs().max_element());
     let growth: f64 = largest.iter().sum();
     TileCamera {
         eye: turned(start - translation),

@@ -30,9 +30,7 @@ impl SeenObject<'_> {
             return Some(self.index.cast_signed());
         }
         let object = scene.surface_at(self.index, primitives[0]).object;
-        let [start, end] = scene
-            .numbers_of(object.cast_unsigned())?
-            .map(u32::cast_signed);
+        let [start, end] = scene.numbers_of(object.cast_unsigned())?.map(u32::cast_signed);
         let mut is_same = true;
         for primitive in primitives {
             is_same &= start <= *primitive && *primitive < end;
@@ -65,12 +63,7 @@ impl TileTask<'_> {
     fn seen(&self, index: u32) -> Option<SeenObject<'_>> {
         let (mesh, tree) = self.plan.scene.plain_mesh(index)?;
         let object = &self.plan.scene.objects()[index as usize];
-        Some(SeenObject {
-            index,
-            object,
-            mesh,
-            tree,
-        })
+        Some(SeenObject { index, object, mesh, tree })
     }
 
     /// Writes the hits.
@@ -138,12 +131,8 @@ impl TileTask<'_> {
             );
         }
         let mut primitives = [0.0; LANES];
-        let corners = Corners::new(
-            l,
-            (seen.tree, seen.mesh),
-            (leaf_lanes, u16::MAX),
-            &mut primitives,
-        );
+        let corners =
+            Corners::new(l, (seen.tree, seen.mesh), (leaf_lanes, u16::MAX), &mut primitives);
         macro_rules! half {
             ($half:literal) => {{
                 let rays = self.rays_in_object(l, seen, 2 * block + $half);
@@ -167,12 +156,7 @@ impl TileTask<'_> {
     ) -> bool {
         let rays = self.rays_in_object(l, seen, 2 * block);
         if common.as_ref().is_none_or(|common| !common.is(leaf_lane)) {
-            *common = Some(SharedTriangle::new(
-                l,
-                (seen.tree, seen.mesh),
-                leaf_lane,
-                &rays,
-            ));
+            *common = Some(SharedTriangle::new(l, (seen.tree, seen.mesh), leaf_lane, &rays));
         }
         let Some(common) = common else { return false };
         let first = common.eight_crossings(l, &rays);
@@ -267,10 +251,7 @@ impl TileTask<'_> {
             l.add64(l.add64(toward[k], across), upwards)
         });
         let (origin, direction) = if let Some(rays) = &self.rays {
-            (
-                vector!(k => rays.origin(l, half, k)),
-                vector!(k => rays.direction(l, half, k)),
-            )
+            (vector!(k => rays.origin(l, half, k)), vector!(k => rays.direction(l, half, k)))
         } else if let Some(parallel) = grid.parallel {
             let start = if grid.starts_on_viewplane {
                 point
@@ -289,10 +270,7 @@ impl TileTask<'_> {
             };
             let inverse = l.div64(l.splat64(1.0), length);
             // The quotient is that of a division, see `plan.rs`.
-            (
-                origin,
-                vector!(k => quotient_by_inverse(InLanes(l), point[k], length, inverse)),
-            )
+            (origin, vector!(k => quotient_by_inverse(InLanes(l), point[k], length, inverse)))
         };
         let translation = object.transform().world_from_object().translation;
         let matrix = &object.transform().object_from_world().matrix3;

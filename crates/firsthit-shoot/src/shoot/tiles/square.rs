@@ -113,9 +113,7 @@ impl HitSlices<'_> {
                 arrays::copy::<_, BLOCK>(&[object; BLOCK], &mut self.object[at..]);
                 arrays::copy::<_, BLOCK>(&primitives[lane..], &mut self.primitive[at..]);
                 let pairs: &mut [f64] = bytemuck::cast_slice_mut(&mut self.barycentric[at..]);
-                let pairs = pairs
-                    .first_chunk_mut()
-                    .expect("a row's pairs are eight numbers");
+                let pairs = pairs.first_chunk_mut().expect("a row's pairs are eight numbers");
                 l.store64(weights, pairs);
             }
         }

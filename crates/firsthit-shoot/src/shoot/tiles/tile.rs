@@ -66,11 +66,7 @@ impl<'a> TileTask<'a> {
         };
         let is_unfit = own.is_some_and(|own| own.is_none());
         let own = own.flatten();
-        let corner = if own.is_some() {
-            [0, 0]
-        } else {
-            [first_row, first_column]
-        };
+        let corner = if own.is_some() { [0, 0] } else { [first_row, first_column] };
         let grid = own.unwrap_or(*grid);
         let pixels = Pixels::new(&grid, corner, [rows, columns]);
         let off = match &rays {
@@ -139,11 +135,7 @@ impl<'a> TileTask<'a> {
         if count == 0 {
             return;
         }
-        l.call(IntersectShapes {
-            tile: self,
-            objects: &objects[..count],
-            out,
-        });
+        l.call(IntersectShapes { tile: self, objects: &objects[..count], out });
     }
 
     /// Fills the visibility buffer; `false` where float32 cannot.
@@ -249,8 +241,7 @@ impl<'a> TileTask<'a> {
         let unit = if grid.parallel.is_some() {
             grid.toward.length()
         } else {
-            grid.point(self.first_row + row, self.first_column + column)
-                .length()
+            grid.point(self.first_row + row, self.first_column + column).length()
         };
         t / unit + f64::from(u8::from(grid.starts_on_viewplane))
     }
@@ -260,10 +251,8 @@ impl<'a> TileTask<'a> {
 /// side, for rays that are off it.
 fn longest(grid: &PixelGrid) -> f64 {
     let [width, height] = grid.size();
-    let (right, up) = (
-        (0.5 * grid.width + width) * grid.right,
-        (0.5 * grid.height + height) * grid.upwards,
-    );
+    let (right, up) =
+        ((0.5 * grid.width + width) * grid.right, (0.5 * grid.height + height) * grid.upwards);
     let corners = [right + up, right - up, up - right, -right - up];
     let lengths = arrays::map(corners, |corner: DVec3| (grid.toward + corner).length());
     lengths.into_iter().fold(0.0, f64::max)

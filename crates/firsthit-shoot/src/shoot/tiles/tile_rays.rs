@@ -131,11 +131,7 @@ impl SquareRays {
     /// The rays of a tile, by its row and column in the square.
     pub(super) fn tile(&self, (row, column): (usize, usize)) -> TileRays<'_> {
         let tile = row * TILES + column;
-        TileRays {
-            square: self,
-            first: tile * HALVES,
-            has_ends: self.has_ends[tile],
-        }
+        TileRays { square: self, first: tile * HALVES, has_ends: self.has_ends[tile] }
     }
 }
 
@@ -226,10 +222,8 @@ impl TileRays<'_> {
             macro_rules! along {
                 ($k:literal) => {{
                     let row = rows_of_inverse[$k];
-                    let sum = l.add64(
-                        l.mul64(d[0], l.splat64(row.x)),
-                        l.mul64(d[1], l.splat64(row.y)),
-                    );
+                    let sum =
+                        l.add64(l.mul64(d[0], l.splat64(row.x)), l.mul64(d[1], l.splat64(row.y)));
                     l.add64(sum, l.mul64(d[2], l.splat64(row.z)))
                 }};
             }
@@ -313,11 +307,7 @@ impl TileRays<'_> {
     ) -> (u8, L::Doubles) {
         macro_rules! vector {
             ($part:ident) => {
-                [
-                    self.$part(l, half, 0),
-                    self.$part(l, half, 1),
-                    self.$part(l, half, 2),
-                ]
+                [self.$part(l, half, 0), self.$part(l, half, 1), self.$part(l, half, 2)]
             };
         }
         let number = |x: f64| l.splat64(x);
@@ -333,10 +323,7 @@ impl TileRays<'_> {
         let mut is_plain = l.lt64(number(0.0), length);
         for axis in 0..3 {
             let relative = l.sub64(o[axis], number(grid.position[axis]));
-            let across = l.add64(
-                number(grid.toward[axis]),
-                l.mul64(x, number(grid.right[axis])),
-            );
+            let across = l.add64(number(grid.toward[axis]), l.mul64(x, number(grid.right[axis])));
             let point = l.add64(across, l.mul64(y, number(grid.upwards[axis])));
             let crossing = if let Some(parallel) = grid.parallel {
                 // All from where they start, all the same way.
@@ -364,9 +351,7 @@ impl TileRays<'_> {
         let vector = |parts: &[[f64; WIDE]; 3]| {
             DVec3::from_array(arrays::from_fn(|axis| parts[axis][lane % WIDE]))
         };
-        let SquareRays {
-            origin, direction, ..
-        } = self.square;
+        let SquareRays { origin, direction, .. } = self.square;
         Ray::new(vector(&origin[half]), vector(&direction[half]))
     }
 

@@ -9,10 +9,7 @@ use super::{F, LANES, WIDE};
 pub(super) fn largest(a: F) -> f32 {
     x86!({
         let eight = _mm256_max_ps(a[0], a[1]);
-        let four = _mm_max_ps(
-            _mm256_castps256_ps128(eight),
-            _mm256_extractf128_ps::<1>(eight),
-        );
+        let four = _mm_max_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
         let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
         _mm_cvtss_f32(_mm_max_ss(two, _mm_shuffle_ps::<1>(two, two)))
     })
@@ -23,10 +20,7 @@ pub(super) fn largest(a: F) -> f32 {
 pub(super) fn smallest(a: F) -> f32 {
     x86!({
         let eight = _mm256_min_ps(a[0], a[1]);
-        let four = _mm_min_ps(
-            _mm256_castps256_ps128(eight),
-            _mm256_extractf128_ps::<1>(eight),
-        );
+        let four = _mm_min_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
         let two = _mm_min_ps(four, _mm_movehl_ps(four, four));
         _mm_cvtss_f32(_mm_min_ss(two, _mm_shuffle_ps::<1>(two, two)))
     })

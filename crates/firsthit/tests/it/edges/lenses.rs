@@ -46,11 +46,7 @@ fn camera(projection: Projection, size: [usize; 2], numbers: &[(&str, f64)]) -> 
     // Rays that start within an object end its picture where there is no edge.
     let is_parallel = projection == Projection::Orthographic;
     let view = View {
-        position: if is_parallel {
-            -20.0 * aim
-        } else {
-            DVec3::ZERO
-        },
+        position: if is_parallel { -20.0 * aim } else { DVec3::ZERO },
         aim,
         up: DVec3::Z,
         rows: size[0],
@@ -72,11 +68,7 @@ fn cameras() -> Vec<Camera> {
     };
     let flat = [("width", 12.0), ("height", 8.0)];
     vec![
-        camera(
-            Projection::Perspective,
-            [160, 240],
-            &[("width", 1.8), ("height", 1.2)],
-        ),
+        camera(Projection::Perspective, [160, 240], &[("width", 1.8), ("height", 1.2)]),
         camera(Projection::Orthographic, [160, 240], &flat),
         camera(Projection::Equirectangular, [160, 320], &[]),
         camera(Projection::Cylindrical, [120, 320], &[]),
@@ -96,10 +88,7 @@ fn cameras() -> Vec<Camera> {
 
 /// The object that each pixel sees and how much of it lines of a width cover.
 fn seen(scene: &Scene, camera: &Camera, width: f64) -> Vec<[f64; 2]> {
-    let edges = Edges {
-        width,
-        ..only(&[EdgeKind::Object])
-    };
+    let edges = Edges { width, ..only(&[EdgeKind::Object]) };
     let render = Render::new(scene).camera(*camera).edges(edges);
     let frame = render.channels(&["object", "edge"]).frame().unwrap();
     let [object, edge] = ["object", "edge"].map(|name| frame.channel(name).unwrap());
@@ -183,10 +172,7 @@ fn a_long_line_crosses_the_picture_of_a_fisheye() {
         lens,
     };
     let camera = Camera::new(view).unwrap();
-    let edges = Edges {
-        width: 2.0,
-        ..only(&[EdgeKind::Boundary])
-    };
+    let edges = Edges { width: 2.0, ..only(&[EdgeKind::Boundary]) };
     let covered = covered(&wall, &camera, &edges);
     for k in -80..=80 {
         let point = DVec3::new(0.1 * f64::from(k), 5.0, -1.0);
@@ -200,10 +186,7 @@ fn a_long_line_crosses_the_picture_of_a_fisheye() {
 #[test]
 fn lines_continue_across_the_seam_of_a_panorama() {
     let (scene, columns) = (around(), 160);
-    let edges = Edges {
-        width: 7.0,
-        ..only(&[EdgeKind::Silhouette, EdgeKind::Boundary])
-    };
+    let edges = Edges { width: 7.0, ..only(&[EdgeKind::Silhouette, EdgeKind::Boundary]) };
     for projection in [Projection::Equirectangular, Projection::Cylindrical] {
         let turned = |by: usize| {
             let angle = std::f64::consts::TAU * by as f64 / columns as f64;
@@ -224,12 +207,8 @@ fn lines_continue_across_the_seam_of_a_panorama() {
                 // Pieces are cut in other places.
                 assert!((covered - other).abs() < 0.02, "{by} {row} {column}");
             }
-            let subject = Subject {
-                scene: &scene,
-                camera: &camera,
-                engine: Cpu::shared(),
-                cull: None,
-            };
+            let subject =
+                Subject { scene: &scene, camera: &camera, engine: Cpu::shared(), cull: None };
             let lines = Lines::new(&subject, &edges, [0..80, 0..5], &()).unwrap();
             let part = lines.coverage(0..80, 0..5, &()).unwrap();
             for (k, covered) in part.iter().enumerate() {

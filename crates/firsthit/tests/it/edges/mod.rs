@@ -16,22 +16,11 @@ const SIDE: usize = 200;
 /// A cube from -1 to 1, each face of two triangles.
 fn cube() -> Mesh {
     let corner = |k: u32| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 });
-    let quads = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
-    let halves = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let quads =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let halves = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     let faces = (0..12).map(|triangle| triangle / 2).collect();
-    let mesh = Mesh::new(
-        Positions::compact((0..8).map(corner).collect()),
-        halves.collect(),
-    );
+    let mesh = Mesh::new(Positions::compact((0..8).map(corner).collect()), halves.collect());
     mesh.unwrap().with_faces(faces).unwrap()
 }
 
@@ -59,11 +48,7 @@ fn parallel(aim: DVec3) -> Camera {
     let view = View {
         position: -10.0 * aim.normalize(),
         aim,
-        up: if aim.x == 0.0 && aim.y == 0.0 {
-            DVec3::Y
-        } else {
-            DVec3::Z
-        },
+        up: if aim.x == 0.0 && aim.y == 0.0 { DVec3::Y } else { DVec3::Z },
         rows: SIDE,
         columns: SIDE,
         lens: Lens::Flat(viewplane),
@@ -76,21 +61,14 @@ fn perspective(position: DVec3) -> Camera {
 }
 
 fn lines_of(scene: &Scene, camera: &Camera, edges: &Edges) -> Lines {
-    let subject = Subject {
-        scene,
-        camera,
-        engine: Cpu::shared(),
-        cull: None,
-    };
+    let subject = Subject { scene, camera, engine: Cpu::shared(), cull: None };
     let all = [0..camera.rows(), 0..camera.columns()];
     Lines::new(&subject, edges, all, &()).unwrap()
 }
 
 fn covered(scene: &Scene, camera: &Camera, edges: &Edges) -> Vec<f32> {
     let lines = lines_of(scene, camera, edges);
-    lines
-        .coverage(0..camera.rows(), 0..camera.columns(), &())
-        .unwrap()
+    lines.coverage(0..camera.rows(), 0..camera.columns(), &()).unwrap()
 }
 
 /// The length of all pieces.
@@ -99,10 +77,7 @@ fn length(lines: &Lines) -> f64 {
 }
 
 fn only(kinds: &[EdgeKind]) -> Edges {
-    Edges {
-        kinds: EdgeKinds::of(kinds),
-        ..Edges::default()
-    }
+    Edges { kinds: EdgeKinds::of(kinds), ..Edges::default() }
 }
 
 /// The lengths in the picture of the edges of the cube of which a face is seen.
@@ -120,11 +95,7 @@ fn seen_of_cube(camera: &Camera) -> f64 {
                 _ => camera.position(),
             };
             let is_in_front = |axis: usize, side: f64| {
-                let from = if camera.lens().viewplane().unwrap().parallel {
-                    0.0
-                } else {
-                    1.0
-                };
+                let from = if camera.lens().viewplane().unwrap().parallel { 0.0 } else { 1.0 };
                 side * toward[axis] > from
             };
             if is_in_front((axis + 1) % 3, i) || is_in_front((axis + 2) % 3, j) {

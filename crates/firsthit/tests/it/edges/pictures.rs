@@ -19,22 +19,10 @@ fn regions_threads_and_passes_change_no_byte() {
     let scene = example::scene().unwrap();
     let lens = Lens::Equirectangular(Equirectangular::default());
     let camera = example::camera(60, 80).unwrap();
-    let around = Camera::new(View {
-        lens,
-        ..*camera.view()
-    })
-    .unwrap();
-    let kinds = [
-        kind("color").unwrap(),
-        kind("edge").unwrap(),
-        kind("z").unwrap(),
-    ];
+    let around = Camera::new(View { lens, ..*camera.view() }).unwrap();
+    let kinds = [kind("color").unwrap(), kind("edge").unwrap(), kind("z").unwrap()];
     let shade = Shader::default().on(&scene);
-    let edges = Edges {
-        width: 2.5,
-        hidden: Some(Dash::default()),
-        ..Edges::default()
-    };
+    let edges = Edges { width: 2.5, hidden: Some(Dash::default()), ..Edges::default() };
     for camera in [&camera, &around] {
         let picture = Picture {
             edges: Some(edges),
@@ -46,25 +34,14 @@ fn regions_threads_and_passes_change_no_byte() {
             let again = on_threads(threads, || picture.render(&()).unwrap());
             assert!(again.channels() == whole.channels());
         }
-        let region = Region {
-            rows: 17..43,
-            columns: 5..71,
-        };
-        let part = Picture {
-            region: Some(region),
-            ..picture.clone()
-        }
-        .render(&())
-        .unwrap();
+        let region = Region { rows: 17..43, columns: 5..71 };
+        let part = Picture { region: Some(region), ..picture.clone() }.render(&()).unwrap();
         for (part, whole) in part.channels().iter().zip(whole.channels()) {
             let each = part.components;
             for k in 0..part.data.len() {
                 let (pixel, component) = (k / each, k % each);
                 let there = (17 + pixel / 66) * 80 + 5 + pixel % 66;
-                let [a, b] = [
-                    part.data.value(k),
-                    whole.data.value(there * each + component),
-                ];
+                let [a, b] = [part.data.value(k), whole.data.value(there * each + component)];
                 assert_eq!(a.to_bits(), b.to_bits(), "{}", part.name);
             }
         }
@@ -79,11 +56,7 @@ fn regions_threads_and_passes_change_no_byte() {
 fn lines_are_over_the_colours_and_opaque() {
     let scene = of(Arc::new(cube()));
     let camera = parallel(DVec3::new(-3.0, 2.0, -1.5));
-    let edges = Edges {
-        color: Color::new(1.0, 0.5, 0.0),
-        width: 2.0,
-        ..Edges::default()
-    };
+    let edges = Edges { color: Color::new(1.0, 0.5, 0.0), width: 2.0, ..Edges::default() };
     let render = Render::new(&scene)
         .camera(camera)
         .background(firsthit::Background::Transparent)
@@ -97,10 +70,8 @@ fn lines_are_over_the_colours_and_opaque() {
     for pixel in 0..SIDE * SIDE {
         let covered = of(&drawn, "edge", pixel);
         for (k, line) in [1.0, 0.5, 0.0, 1.0].into_iter().enumerate() {
-            let (before, after) = (
-                of(&plain, "color", 4 * pixel + k),
-                of(&drawn, "color", 4 * pixel + k),
-            );
+            let (before, after) =
+                (of(&plain, "color", 4 * pixel + k), of(&drawn, "color", 4 * pixel + k));
             assert!((after - (1.0 - covered) * before - covered * line).abs() < 1e-6);
         }
         outside += usize::from(covered == 1.0 && of(&plain, "color", 4 * pixel + 3) < 0.5);
@@ -118,19 +89,14 @@ fn what_cannot_be_drawn_is_refused() {
     let sensor = RaySensor::new(vec![DVec3::ZERO], vec![DVec3::X], [1, 1]).unwrap();
     let shade = Shader::default().on(&scene);
     let kinds = [kind("edge").unwrap()];
-    let error = Picture::new(&scene, &sensor, &shade, &kinds)
-        .render(&())
-        .unwrap_err();
+    let error = Picture::new(&scene, &sensor, &shade, &kinds).render(&()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "channel must be one that a sensor which is no camera has, got edge"
     );
     let colors = [kind("color").unwrap()];
     let edges = Some(Edges::default());
-    let picture = Picture {
-        edges,
-        ..Picture::new(&scene, &sensor, &shade, &colors)
-    };
+    let picture = Picture { edges, ..Picture::new(&scene, &sensor, &shade, &colors) };
     assert_eq!(
         picture.render(&()).unwrap_err().to_string(),
         "edges must be left out for a sensor that is no camera, got 1"
@@ -138,41 +104,25 @@ fn what_cannot_be_drawn_is_refused() {
     let camera = perspective(DVec3::new(5.0, -4.0, 3.0));
     for (edges, message) in [
         (
-            Edges {
-                width: 0.0,
-                ..Edges::default()
-            },
+            Edges { width: 0.0, ..Edges::default() },
             "edges must be a width above 0 and up to 1000 pixels, got 0",
         ),
         (
-            Edges {
-                angle: 181.0,
-                ..Edges::default()
-            },
+            Edges { angle: 181.0, ..Edges::default() },
             "edge angle must be from 0 to 180 degrees, got 181",
         ),
         (
-            Edges {
-                kinds: EdgeKinds::NONE,
-                ..Edges::default()
-            },
+            Edges { kinds: EdgeKinds::NONE, ..Edges::default() },
             "edge kinds must be at least one, got none",
         ),
     ] {
-        let error = Render::new(&scene)
-            .camera(camera)
-            .edges(edges)
-            .frame()
-            .unwrap_err();
+        let error = Render::new(&scene).camera(camera).edges(edges).frame().unwrap_err();
         assert_eq!(error.to_string(), message);
     }
 }
 
 fn dashed(on: f64, off: f64) -> Edges {
-    Edges {
-        hidden: Some(Dash { on, off }),
-        ..Edges::default()
-    }
+    Edges { hidden: Some(Dash { on, off }), ..Edges::default() }
 }
 
 /// A dash of 1e-12 pixels made a picture take hours.
@@ -214,10 +164,7 @@ impl Watch for StopsAfter {
 #[test]
 fn the_coverage_of_wide_lines_can_be_interrupted() {
     let (scene, camera) = (of(Arc::new(cube())), parallel(DVec3::new(-3.0, 2.0, -1.5)));
-    let edges = Edges {
-        width: Edges::WIDEST,
-        ..Edges::default()
-    };
+    let edges = Edges { width: Edges::WIDEST, ..Edges::default() };
     let lines = lines_of(&scene, &camera, &edges);
     let watch = StopsAfter(AtomicUsize::new(3));
     let made = lines.coverage(0..SIDE, 0..SIDE, &watch);
@@ -234,40 +181,21 @@ fn the_alpha_channel_is_that_of_the_colours_with_their_lines() {
         ..Shader::named("unlit").unwrap().on(&scene)
     };
     let kinds = ["color", "alpha", "object"].map(|name| kind(name).unwrap());
-    let edges = Edges {
-        width: 3.0,
-        ..Edges::default()
-    };
+    let edges = Edges { width: 3.0, ..Edges::default() };
     let of = |edges| {
-        let picture = Picture {
-            edges,
-            ..Picture::new(&scene, &camera, &shade, &kinds)
-        };
+        let picture = Picture { edges, ..Picture::new(&scene, &camera, &shade, &kinds) };
         let frame = picture.render(&()).unwrap();
         let values = |channel: usize, index| frame.channels()[channel].data.value(index);
         let pixels = 0..60 * 80;
         let alphas: Vec<f64> = pixels.clone().map(|pixel| values(1, pixel)).collect();
-        let colors: Vec<f64> = pixels
-            .clone()
-            .map(|pixel| values(0, 4 * pixel + 3))
-            .collect();
+        let colors: Vec<f64> = pixels.clone().map(|pixel| values(0, 4 * pixel + 3)).collect();
         let misses: Vec<bool> = pixels.map(|pixel| values(2, pixel) < 0.0).collect();
         (alphas, colors, misses)
     };
     let (plain, colors, misses) = of(None);
     assert_eq!(plain, colors);
-    assert!(
-        plain
-            .iter()
-            .zip(&misses)
-            .all(|(&alpha, &miss)| !miss || alpha == 0.0)
-    );
+    assert!(plain.iter().zip(&misses).all(|(&alpha, &miss)| !miss || alpha == 0.0));
     let (alphas, colors, misses) = of(Some(edges));
     assert_eq!(alphas, colors);
-    assert!(
-        alphas
-            .iter()
-            .zip(&misses)
-            .any(|(&alpha, &miss)| miss && alpha > 0.5)
-    );
+    assert!(alphas.iter().zip(&misses).any(|(&alpha, &miss)| miss && alpha > 0.5));
 }

@@ -12,10 +12,7 @@ use super::{SIDE, ball, covered, cube, length, lines_of, of, only, parallel, per
 #[test]
 fn the_silhouette_of_a_ball_of_triangles_is_the_circle() {
     let silhouette = only(&[EdgeKind::Silhouette]);
-    for camera in [
-        parallel(DVec3::new(-3.0, 2.0, -1.5)),
-        perspective(DVec3::new(5.0, -4.0, 3.0)),
-    ] {
+    for camera in [parallel(DVec3::new(-3.0, 2.0, -1.5)), perspective(DVec3::new(5.0, -4.0, 3.0))] {
         let exact = of(Sphere::new(DVec3::ZERO, 1.0).unwrap());
         let circle = lines_of(&exact, &camera, &silhouette);
         let radius = circle.pieces()[0][0].distance(DVec2::splat(100.0));
@@ -33,14 +30,7 @@ fn the_silhouette_of_a_ball_of_triangles_is_the_circle() {
                 assert!(off.abs() < 1.0, "{off}");
             }
             // No gap anywhere around it.
-            let covered = covered(
-                &scene,
-                &camera,
-                &Edges {
-                    width: 3.0,
-                    ..silhouette
-                },
-            );
+            let covered = covered(&scene, &camera, &Edges { width: 3.0, ..silhouette });
             for k in 0..3600 {
                 let (y, x) = libm::sincos(std::f64::consts::TAU * f64::from(k) / 3600.0);
                 let at = DVec2::splat(100.0) + radius * DVec2::new(x, y);
@@ -70,9 +60,7 @@ fn a_shape_has_the_lines_of_the_mesh_that_is_like_it() {
             let [c, d] = [a + parts, b + parts];
             triangles.extend([[a, b, d], [a, d, c], [0, b, a], [1, c, d]]);
         }
-        of(Arc::new(
-            Mesh::new(Positions::Double(points.into()), triangles).unwrap(),
-        ))
+        of(Arc::new(Mesh::new(Positions::Double(points.into()), triangles).unwrap()))
     };
     let cylinder = of(Cylinder::new(bottom, top, 0.8).unwrap());
     let cone = of(Cone::new(bottom, top, 1.0, 0.3).unwrap());
@@ -88,11 +76,7 @@ fn a_shape_has_the_lines_of_the_mesh_that_is_like_it() {
         }
     }
     let disc = of(Disc::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap());
-    let rim = length(&lines_of(
-        &disc,
-        &parallel(DVec3::NEG_Z),
-        &only(&[EdgeKind::Boundary]),
-    ));
+    let rim = length(&lines_of(&disc, &parallel(DVec3::NEG_Z), &only(&[EdgeKind::Boundary])));
     assert!((rim - 100.0 * std::f64::consts::PI).abs() < 0.1, "{rim}");
 }
 
@@ -107,10 +91,7 @@ fn instances_and_mirrored_ones_have_lines_of_their_own() {
     let object = |x, mirror| Object::new(Arc::clone(&cube)).placed(place(x, mirror));
     let cover = |objects| covered(&scene(objects), &camera, &Edges::default());
     let both = cover(vec![object(-1.5, 1.0), object(1.5, -1.0)]);
-    let apart = [
-        cover(vec![object(-1.5, 1.0)]),
-        cover(vec![object(1.5, 1.0)]),
-    ];
+    let apart = [cover(vec![object(-1.5, 1.0)]), cover(vec![object(1.5, 1.0)])];
     let sum: f32 = apart[1].iter().sum();
     assert!(sum > 100.0);
     for (k, &both) in both.iter().enumerate() {

@@ -19,10 +19,7 @@ use crate::support::{Ask, Numbers, bumpy_sphere, mesh};
 
 /// Reads a file that may be anything. If it is not refused, it can be shot at and looked at.
 fn attack(bytes: &[u8], verify: bool) -> Result<(), String> {
-    let settings = LoadSettings {
-        verify,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { verify, ..LoadSettings::default() };
     let loaded =
         load_bytes(Path::new("a.fhs"), bytes, &settings).map_err(|error| error.to_string())?;
     let Ok(mut scene) = loaded.into_scene() else {
@@ -38,25 +35,13 @@ fn attack(bytes: &[u8], verify: bool) -> Result<(), String> {
         }
         trace_with(&engine, &scene, &[ray; 3][..], Count, &()).unwrap();
     }
-    let camera = Camera::look_at(
-        DVec3::new(5.0, 6.0, 7.0),
-        DVec3::ZERO,
-        DVec3::Z,
-        30.0,
-        16,
-        16,
-    );
+    let camera = Camera::look_at(DVec3::new(5.0, 6.0, 7.0), DVec3::ZERO, DVec3::Z, 30.0, 16, 16);
     trace_with(&Cpu::default(), &scene, &camera.unwrap(), First, &()).unwrap();
     for object in 0..scene.objects().len() {
         scene.move_object(object, turned(1.0, DVec3::ONE)).unwrap();
     }
     // The others take longer.
-    if bytes
-        .iter()
-        .fold(0, |sum: u8, byte| sum.wrapping_add(*byte))
-        % 8
-        == 0
-    {
+    if bytes.iter().fold(0, |sum: u8, byte| sum.wrapping_add(*byte)) % 8 == 0 {
         ask_everything(&scene);
     }
     Ok(())
@@ -67,13 +52,8 @@ fn ask_everything(scene: &Scene) {
     let mut numbers = Numbers::new(3);
     let vectors: Vec<DVec3> = (0..5).map(|_| 2.0 * numbers.point()).collect();
     let points: Vec<[f64; 3]> = vectors.iter().map(DVec3::to_array).collect();
-    let rays: Vec<Ray> = (vectors.iter())
-        .map(|&point| Ray::new(point, -point))
-        .collect();
-    let culls = RayFilter {
-        cull: Some(Side::Back),
-        ..RayFilter::NONE
-    };
+    let rays: Vec<Ray> = (vectors.iter()).map(|&point| Ray::new(point, -point)).collect();
+    let culls = RayFilter { cull: Some(Side::Back), ..RayFilter::NONE };
     for set in InstructionSet::available() {
         let engine = Cpu::with(set);
         trace_with(&engine, scene, &rays, All::default(), &()).unwrap();
@@ -116,9 +96,7 @@ fn small() -> Vec<u8> {
     let plain = mesh(&points, triangles);
     let looks: Arc<[Material]> = materials().into();
     let uvs = Attribute::per_vertex(vec![[0.5, 0.5]; points.len()]);
-    let cut = Arc::unwrap_or_clone(Arc::clone(&plain))
-        .with_uvs(uvs)
-        .unwrap();
+    let cut = Arc::unwrap_or_clone(Arc::clone(&plain)).with_uvs(uvs).unwrap();
     let objects = vec![
         Object::new(Arc::new(cut)).with_materials(looks),
         Object::new(Arc::clone(&plain)).placed(turned(0.3, DVec3::X)),
@@ -143,11 +121,7 @@ fn a_truncated_file_is_refused_at_every_length() {
         assert!(!why.contains('\n') && why.starts_with("a.fhs"), "{why}");
     }
     let longer = [&bytes[..], &[0; 64]].concat();
-    assert!(
-        attack(&longer, false)
-            .unwrap_err()
-            .contains("truncated, or has grown")
-    );
+    assert!(attack(&longer, false).unwrap_err().contains("truncated, or has grown"));
 }
 
 /// Of three ways to change a byte: the checksums find each, and without them nothing bad happens.
@@ -198,10 +172,7 @@ fn a_camera_of_impossible_numbers_is_a_fault_of_the_file() {
     let error = load_bytes(Path::new("a.fhs"), &changed, &LoadSettings::default()).unwrap_err();
     assert!(matches!(error, firsthit::Error::Parse { .. }), "{error}");
     let said = error.to_string();
-    assert!(
-        said.starts_with("a.fhs: the record: rows must be"),
-        "{said}"
-    );
+    assert!(said.starts_with("a.fhs: the record: rows must be"), "{said}");
 }
 
 /// With the checksums of the header and the record made right again, so that the reader sees what is there.
@@ -229,10 +200,7 @@ fn a_record_of_anything_does_no_harm() {
         tried += 1;
         refused += usize::from(attack(&changed, false).is_err());
     }
-    assert!(
-        refused > tried / 4 && refused < tried,
-        "{refused} of {tried}"
-    );
+    assert!(refused > tried / 4 && refused < tried, "{refused} of {tried}");
 }
 
 #[test]
@@ -246,23 +214,13 @@ fn what_is_no_built_scene_is_refused_in_a_line() {
         (b"\x89fhs\n\x1a\n", "does not begin as one"),
     ] {
         fs::write(&path, content).unwrap();
-        let error = load(&path, &LoadSettings::default())
-            .unwrap_err()
-            .to_string();
+        let error = load(&path, &LoadSettings::default()).unwrap_err().to_string();
         assert!(error.contains(why), "{error}");
     }
     let mut other = small();
     other[8] = 1;
     let error = attack(&other, false).unwrap_err();
-    assert!(
-        error.contains("version 1, where this firsthit reads version 5"),
-        "{error}"
-    );
+    assert!(error.contains("version 1, where this firsthit reads version 5"), "{error}");
     assert!(fhs::open(&folder.path("missing.fhs"), false).is_err());
-    assert!(
-        fhs::open(&folder.0, false)
-            .unwrap_err()
-            .to_string()
-            .ends_with("a folder, not a file")
-    );
+    assert!(fhs::open(&folder.0, false).unwrap_err().to_string().ends_with("a folder, not a file"));
 }

@@ -78,25 +78,16 @@ fn rich_mesh() -> Arc<Mesh> {
         ..Property::new("Größe", PropertyOf::Faces, sizes)
     };
     let pairs = PropertyValues::Single((0..6 * count).map(|k| 0.5 * k as f32).collect());
-    let of_corners = Property {
-        components: 2,
-        ..Property::new("pairs", PropertyOf::Corners, pairs)
-    };
+    let of_corners =
+        Property { components: 2, ..Property::new("pairs", PropertyOf::Corners, pairs) };
     let mesh = Arc::unwrap_or_clone(mesh(&points, triangles));
     let mesh = mesh.with_normals(Attribute::per_vertex(normals)).unwrap();
     let mesh = mesh.with_uvs(Attribute::per_vertex(uvs.collect())).unwrap();
     let mesh = mesh.with_colors(colors).unwrap();
     let mesh = mesh.with_alphas(Attribute::per_vertex(alphas)).unwrap();
-    let mesh = mesh
-        .with_faces((0..count).map(|k| k / 2).collect())
-        .unwrap();
-    let mesh = mesh
-        .with_slots((0..count).map(|k| k % 3).collect())
-        .unwrap();
-    Arc::new(
-        mesh.with_properties(vec![of_vertices, of_faces, of_corners])
-            .unwrap(),
-    )
+    let mesh = mesh.with_faces((0..count).map(|k| k / 2).collect()).unwrap();
+    let mesh = mesh.with_slots((0..count).map(|k| k % 3).collect()).unwrap();
+    Arc::new(mesh.with_properties(vec![of_vertices, of_faces, of_corners]).unwrap())
 }
 
 fn materials() -> Vec<Material> {
@@ -128,10 +119,7 @@ fn materials() -> Vec<Material> {
 fn objects() -> Vec<Object> {
     let rich = rich_mesh();
     let (points, triangles) = bumpy_sphere(12, 4);
-    let far: Vec<DVec3> = points
-        .iter()
-        .map(|p| *p * 0.3 + DVec3::splat(1e5 + 0.1))
-        .collect();
+    let far: Vec<DVec3> = points.iter().map(|p| *p * 0.3 + DVec3::splat(1e5 + 0.1)).collect();
     let plain = mesh(&points, triangles.clone());
     // A second mesh over the same vertices.
     let half = triangles[..triangles.len() / 2].to_vec();
@@ -141,18 +129,10 @@ fn objects() -> Vec<Object> {
     let back = Transform::translation(DVec3::splat(-1e5)).unwrap();
     let looks: Arc<[Material]> = materials().into();
     let mut all = vec![
-        Object::new(Arc::clone(&rich))
-            .named("rich")
-            .with_materials(Arc::clone(&looks)),
-        Object::new(rich)
-            .placed(turned(0.4, DVec3::X))
-            .with_materials(looks),
-        Object::new(Arc::clone(&plain))
-            .placed(turned(1.0, 2.0 * DVec3::Y))
-            .named("turned"),
-        Object::new(Arc::clone(&plain))
-            .placed(turned(1.0, 2.0 * DVec3::Y))
-            .named("again"),
+        Object::new(Arc::clone(&rich)).named("rich").with_materials(Arc::clone(&looks)),
+        Object::new(rich).placed(turned(0.4, DVec3::X)).with_materials(looks),
+        Object::new(Arc::clone(&plain)).placed(turned(1.0, 2.0 * DVec3::Y)).named("turned"),
+        Object::new(Arc::clone(&plain)).placed(turned(1.0, 2.0 * DVec3::Y)).named("again"),
         Object::new(half).colored(Color::new(0.2, 0.3, 0.4)),
         Object::new(mesh(&far, triangles)).placed(back),
         Object::new(mesh(&points, twice)).placed(turned(2.0, DVec3::Z)),
@@ -203,11 +183,7 @@ fn world() -> World {
         position: DVec3::new(3.0, -9.0, 1.0 / 3.0),
         aim: DVec3::new(-0.3, 1.0, 0.0),
         up: DVec3::Z,
-        lens: Lens::Flat(Viewplane {
-            aperture: 0.1,
-            focus: 1.0 / 3.0,
-            ..Viewplane::default()
-        }),
+        lens: Lens::Flat(Viewplane { aperture: 0.1, focus: 1.0 / 3.0, ..Viewplane::default() }),
         ..View::default()
     };
     let camera = |name: &str, view: View, description: Option<Description>| NamedCamera {
@@ -219,11 +195,7 @@ fn world() -> World {
     };
     let described = Description {
         aim: Some(Aim::View(StandardView::ALL[2])),
-        opening: Some(Opening::Viewplane {
-            width: 3.0,
-            height: 2.0,
-            focal_length: None,
-        }),
+        opening: Some(Opening::Viewplane { width: 3.0, height: 2.0, focal_length: None }),
         rows: Some(48),
         aperture: Some(0.3),
         focus: Some(Focus::At(DVec3::new(1.0, 2.0, -3.0))),
@@ -234,10 +206,7 @@ fn world() -> World {
         fov_axis: Some(FovAxis::Horizontal),
         ..Description::default()
     };
-    let panorama = View {
-        lens: Lens::Equirectangular(Equirectangular::default()),
-        ..view
-    };
+    let panorama = View { lens: Lens::Equirectangular(Equirectangular::default()), ..view };
     World {
         cameras: vec![
             camera("first", view, None),
@@ -259,10 +228,7 @@ fn world() -> World {
         samples: Some(7),
         rig: Some(LightRig::Studio),
         ground: Some(false),
-        display: DisplayTransform {
-            exposure: -1.0 / 3.0,
-            tone_map: ToneMap::Agx,
-        },
+        display: DisplayTransform { exposure: -1.0 / 3.0, tone_map: ToneMap::Agx },
         edges: Some(Edges {
             width: 1.0 / 3.0,
             angle: 12.5,
@@ -282,10 +248,7 @@ fn all_of_a_scene_is_in_its_file() {
     let path = folder.path("a.fhs");
     let (scene, world) = (Scene::new(objects()).unwrap(), world());
     fhs::save(&path, &scene, &world, &()).unwrap();
-    let settings = LoadSettings {
-        verify: true,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { verify: true, ..LoadSettings::default() };
     let loaded = load(&path, &settings).unwrap();
     let opened = loaded.scene.as_ref().unwrap();
     assert_eq!(loaded.world.objects, scene.objects());
@@ -294,11 +257,7 @@ fn all_of_a_scene_is_in_its_file() {
     assert_eq!(opened.tree_bytes(), scene.tree_bytes());
     let positions =
         |scene: &Scene, k: usize| Arc::as_ptr(scene.objects()[k].mesh().unwrap().positions());
-    assert_eq!(
-        positions(opened, 2),
-        positions(opened, 4),
-        "vertices are shared as before"
-    );
+    assert_eq!(positions(opened, 2), positions(opened, 4), "vertices are shared as before");
     let (read, written) = (&loaded.world, &world);
     assert_eq!(read.cameras, written.cameras);
     assert_eq!(read.lights, written.lights);

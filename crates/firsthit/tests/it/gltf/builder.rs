@@ -36,11 +36,7 @@ impl Builder {
     /// A right-angled triangle in the plane z = 0.
     pub(crate) fn triangle() -> Self {
         let mut builder = Self::new();
-        builder.attribute(
-            "POSITION",
-            &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
-            "VEC3",
-        );
+        builder.attribute("POSITION", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0], "VEC3");
         builder
     }
 
@@ -119,10 +115,7 @@ pub(crate) fn push(list: &mut Value, entry: Value) -> usize {
 }
 
 pub(crate) fn bytes_of(values: &[f32]) -> Vec<u8> {
-    values
-        .iter()
-        .flat_map(|value| value.to_le_bytes())
-        .collect()
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 /// The positions of an object's mesh, where they are in the world.
@@ -130,9 +123,7 @@ pub(crate) fn points(model: &Loaded, object: usize) -> Vec<firsthit::DVec3> {
     let object = &model.world.objects[object];
     let positions = object.mesh().unwrap().positions();
     let place = object.transform().world_from_object();
-    (0..positions.len() as u32)
-        .map(|k| place.transform_point3(positions.get(k)))
-        .collect()
+    (0..positions.len() as u32).map(|k| place.transform_point3(positions.get(k))).collect()
 }
 
 /// A file of the reference data. Tests that use it are ignored unless `make test` finds it.

@@ -15,9 +15,7 @@ fn triangles(builder: &Builder) -> Vec<[u32; 3]> {
 /// Five vertices of a strip.
 fn five() -> Builder {
     let mut builder = Builder::new();
-    let zigzag = [
-        0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 2.0, 0.0,
-    ];
+    let zigzag = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 2.0, 0.0];
     builder.attribute("POSITION", &zigzag, "VEC3");
     builder
 }
@@ -32,20 +30,12 @@ fn strips_turn_every_other_triangle_and_fans_share_their_first_corner() {
     builder.primitive()["mode"] = json!(4);
     assert_eq!(triangles(&builder), [[0, 1, 2]]);
     let warnings = builder.load().unwrap().warnings;
-    assert!(
-        warnings[0].contains("2 indices after the last triangle"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].contains("2 indices after the last triangle"), "{warnings:?}");
 }
 
 #[test]
 fn points_and_lines_are_one_warning_each_kind_that_names_them() {
-    for (mode, name) in [
-        (0, "points"),
-        (1, "lines"),
-        (2, "line loops"),
-        (3, "line strips"),
-    ] {
+    for (mode, name) in [(0, "points"), (1, "lines"), (2, "line loops"), (3, "line strips")] {
         let mut builder = five();
         builder.primitive()["mode"] = json!(mode);
         let model = builder.load().unwrap();
@@ -73,11 +63,7 @@ fn normalised_numbers_are_shares_of_their_types_largest() {
         .flat_map(|k| k.to_le_bytes())
         .collect();
     for (bytes, component, expected) in [
-        (
-            signed.clone(),
-            5122,
-            [[1.0, -1.0, -1.0], [0.0, 16384.0 / 32767.0, 1.0 / 32767.0]],
-        ),
+        (signed.clone(), 5122, [[1.0, -1.0, -1.0], [0.0, 16384.0 / 32767.0, 1.0 / 32767.0]]),
         (
             vec![255, 0, 51, 102, 1, 2, 0, 0, 0],
             5121,
@@ -93,10 +79,7 @@ fn normalised_numbers_are_shares_of_their_types_largest() {
         let accessor = builder.accessor(&bytes, component, 3, "VEC3");
         builder.json["accessors"][accessor]["normalized"] = json!(true);
         builder.primitive()["attributes"]["POSITION"] = json!(accessor);
-        assert_eq!(
-            points(&builder.load().unwrap(), 0)[..2],
-            expected.map(DVec3::from)
-        );
+        assert_eq!(points(&builder.load().unwrap(), 0)[..2], expected.map(DVec3::from));
         // As they are, they are whole numbers.
         builder.json["accessors"][accessor]["normalized"] = json!(false);
         let whole = points(&builder.load().unwrap(), 0)[0];
@@ -117,10 +100,7 @@ fn sparse_values_replace_those_that_are_there_or_zeros() {
     builder.json["accessors"][0]["sparse"] = sparse;
     let replaced = [[7.0, 8.0, 9.0], [1.0, 0.0, 0.0], [-1.0, -2.0, -3.0]].map(DVec3::from);
     assert_eq!(points(&builder.load().unwrap(), 0), replaced);
-    builder.json["accessors"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("bufferView");
+    builder.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     let replaced = [[7.0, 8.0, 9.0], [0.0; 3], [-1.0, -2.0, -3.0]].map(DVec3::from);
     assert_eq!(points(&builder.load().unwrap(), 0), replaced);
 }
@@ -128,20 +108,13 @@ fn sparse_values_replace_those_that_are_there_or_zeros() {
 #[test]
 fn interleaved_views_are_read_step_by_step() {
     let mut builder = Builder::new();
-    let rows = [
-        [0.0, 0.0, 0.0, 9.0],
-        [1.0, 0.0, 0.0, 9.0],
-        [0.0, 1.0, 0.5, 9.0],
-    ];
+    let rows = [[0.0, 0.0, 0.0, 9.0], [1.0, 0.0, 0.0, 9.0], [0.0, 1.0, 0.5, 9.0]];
     let position = builder.accessor(&bytes_of(rows.as_flattened()), FLOAT, 3, "VEC3");
     builder.json["bufferViews"][0]["byteStride"] = json!(16);
     // The last step ends with the element, not with the stride.
     builder.json["bufferViews"][0]["byteLength"] = json!(44);
     builder.primitive()["attributes"]["POSITION"] = json!(position);
-    assert_eq!(
-        points(&builder.load().unwrap(), 0)[2],
-        DVec3::new(0.0, 1.0, 0.5)
-    );
+    assert_eq!(points(&builder.load().unwrap(), 0)[2], DVec3::new(0.0, 1.0, 0.5));
 }
 
 #[test]
@@ -173,11 +146,7 @@ fn skins_are_at_rest_and_their_nodes_do_not_count() {
     builder.primitive()["attributes"]["JOINTS_0"] = json!(joints);
     let weights = [0.5, 0.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
     builder.attribute("WEIGHTS_0", &weights, "VEC4");
-    builder.attribute(
-        "NORMAL",
-        &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0],
-        "VEC3",
-    );
+    builder.attribute("NORMAL", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0], "VEC3");
     builder.json["nodes"] = json!([
         {"mesh": 0, "skin": 0, "translation": [100, 0, 0], "children": [1]},
         {"translation": [-100, 0, 0], "children": [2]},
@@ -203,9 +172,7 @@ fn nodes_that_name_one_mesh_share_it() {
     builder.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "translation": [0, 0, 5]}]);
     builder.json["scenes"][0]["nodes"] = json!([1, 0]);
     let model = builder.load().unwrap();
-    let [first, second] = &model.world.objects[..] else {
-        panic!("two objects")
-    };
+    let [first, second] = &model.world.objects[..] else { panic!("two objects") };
     assert!(Arc::ptr_eq(first.mesh().unwrap(), second.mesh().unwrap()));
     // In the order of the scene.
     assert_eq!(points(&model, 0)[0].z, 5.0);
@@ -266,24 +233,13 @@ fn a_mirrored_node_keeps_its_outside() {
 #[test]
 fn a_flattened_node_is_flat_with_a_warning() {
     let mut builder = Builder::new();
-    builder.attribute(
-        "POSITION",
-        &[0.0, 0.0, 1.0, 2.0, 0.0, 5.0, 0.0, 2.0, 9.0],
-        "VEC3",
-    );
+    builder.attribute("POSITION", &[0.0, 0.0, 1.0, 2.0, 0.0, 5.0, 0.0, 2.0, 9.0], "VEC3");
     builder.json["nodes"][0]["scale"] = json!([1, 1, 0]);
     builder.json["nodes"][0]["translation"] = json!([0, 0, 4]);
     let model = builder.load().unwrap();
-    assert!(
-        model.warnings[0].starts_with("a.gltf#/nodes/0: "),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].starts_with("a.gltf#/nodes/0: "), "{:?}", model.warnings);
     let scene = firsthit::Scene::new(model.world.objects).unwrap();
-    assert_eq!(
-        shoot(&scene, DVec3::new(0.5, 0.5, 10.0), DVec3::NEG_Z).t,
-        6.0
-    );
+    assert_eq!(shoot(&scene, DVec3::new(0.5, 0.5, 10.0), DVec3::NEG_Z).t, 6.0);
 }
 
 #[test]
@@ -301,15 +257,8 @@ fn corners_that_are_not_finite_cost_their_triangles() {
     builder.buffer[12..16].copy_from_slice(&f32::NAN.to_le_bytes());
     builder.primitive()["mode"] = json!(6);
     let model = builder.load().unwrap();
-    assert_eq!(
-        model.world.objects[0].mesh().unwrap().triangles(),
-        [[0, 2, 3], [0, 3, 4]]
-    );
-    assert!(
-        model.warnings[0].contains("1 triangle has a corner"),
-        "{:?}",
-        model.warnings
-    );
+    assert_eq!(model.world.objects[0].mesh().unwrap().triangles(), [[0, 2, 3], [0, 3, 4]]);
+    assert!(model.warnings[0].contains("1 triangle has a corner"), "{:?}", model.warnings);
 }
 
 #[test]
@@ -396,22 +345,13 @@ fn a_rotation_of_few_digits_does_not_change_the_size() {
         let mut builder = Builder::triangle();
         builder.json["nodes"][0]["rotation"] = turn;
         let model = builder.load().unwrap();
-        assert_eq!(
-            model.warnings.len(),
-            usize::from(warned),
-            "{:?}",
-            model.warnings
-        );
+        assert_eq!(model.warnings.len(), usize::from(warned), "{:?}", model.warnings);
         assert!(points(&model, 0)[1].abs_diff_eq(DVec3::Y, 1e-15));
     }
     let mut builder = Builder::triangle();
     builder.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
     let model = builder.load().unwrap();
-    assert!(
-        model.warnings[0].contains("no rotation"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("no rotation"), "{:?}", model.warnings);
     assert_eq!(points(&model, 0)[1], DVec3::X);
 }
 
@@ -443,9 +383,5 @@ fn attributes_of_instances_that_are_not_read_are_told() {
     builder.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing":
         {"attributes": {"_ID": ids, "TRANSLATION": moved}}});
     let model = builder.load().unwrap();
-    assert!(
-        model.warnings[0].contains("attributes/_ID: this attribute"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("attributes/_ID: this attribute"), "{:?}", model.warnings);
 }

@@ -62,11 +62,7 @@ fn wrong_values() -> impl Iterator<Item = (&'static str, Value, &'static str)> {
         ("/accessors/0/count", json!(4_294_967_295_u64), ""),
         ("/accessors/0/count", json!(9_007_199_254_740_992_u64), ""),
         ("/accessors/0/byteOffset", json!(4), "!/accessors/0/count"),
-        (
-            "/accessors/0/byteOffset",
-            json!(9_007_199_254_740_992_u64),
-            "!/accessors/0/count",
-        ),
+        ("/accessors/0/byteOffset", json!(9_007_199_254_740_992_u64), "!/accessors/0/count"),
         ("/accessors/0/componentType", json!(5124), ""),
         ("/accessors/0/type", json!("VEC5"), ""),
         ("/accessors/0/type", json!("VEC2"), ""),
@@ -74,23 +70,11 @@ fn wrong_values() -> impl Iterator<Item = (&'static str, Value, &'static str)> {
         ("/accessors/1/componentType", json!(5120), ""),
         ("/bufferViews/0/buffer", json!(1), ""),
         ("/bufferViews/0/byteLength", json!(999), ""),
-        (
-            "/bufferViews/0/byteOffset",
-            json!(999),
-            "!/bufferViews/0/byteLength",
-        ),
+        ("/bufferViews/0/byteOffset", json!(999), "!/bufferViews/0/byteLength"),
         ("/bufferViews/0/byteStride", json!(8), "!/accessors/0/count"),
-        (
-            "/bufferViews/0/byteStride",
-            json!(16),
-            "!/accessors/0/count",
-        ),
+        ("/bufferViews/0/byteStride", json!(16), "!/accessors/0/count"),
         ("/materials/0/alphaMode", json!("GLASS"), ""),
-        (
-            "/materials/0/pbrMetallicRoughness/baseColorTexture/index",
-            json!(1),
-            "",
-        ),
+        ("/materials/0/pbrMetallicRoughness/baseColorTexture/index", json!(1), ""),
         ("/textures/0/source", json!(1), ""),
         ("/textures/0/sampler", json!(0), ""),
         ("/images/0/bufferView", json!(8), ""),
@@ -108,10 +92,7 @@ fn what_is_wrong_is_told_by_its_pointer() {
             None => format!("#{pointer}{place}: "),
         };
         let refused = refusal(pointer, value.clone());
-        assert!(
-            refused.starts_with(&expected),
-            "{pointer} {value}: {refused}"
-        );
+        assert!(refused.starts_with(&expected), "{pointer} {value}: {refused}");
     }
 }
 
@@ -120,10 +101,7 @@ fn indices_of_what_is_not_there_are_refused() {
     let mut builder = full();
     let place = builder.buffer.len() - 1;
     builder.buffer[place] = 3;
-    assert_eq!(
-        builder.refusal(),
-        "#/accessors/1: element 2 is index 3, of 3 vertices"
-    );
+    assert_eq!(builder.refusal(), "#/accessors/1: element 2 is index 3, of 3 vertices");
 }
 
 #[test]
@@ -131,14 +109,8 @@ fn cameras_that_see_nothing_are_refused() {
     for (camera, place) in [
         (json!({"type": "fisheye"}), "/type"),
         (json!({"type": "perspective"}), "/perspective"),
-        (
-            json!({"type": "perspective", "perspective": {"yfov": 0}}),
-            "/perspective/yfov",
-        ),
-        (
-            json!({"type": "perspective", "perspective": {"yfov": 4}}),
-            "/perspective/yfov",
-        ),
+        (json!({"type": "perspective", "perspective": {"yfov": 0}}), "/perspective/yfov"),
+        (json!({"type": "perspective", "perspective": {"yfov": 4}}), "/perspective/yfov"),
         (
             json!({"type": "perspective", "perspective": {"yfov": 1, "aspectRatio": -1}}),
             "/perspective/aspectRatio",
@@ -152,10 +124,7 @@ fn cameras_that_see_nothing_are_refused() {
         builder.json["cameras"] = json!([camera]);
         builder.json["nodes"][0]["camera"] = json!(0);
         let refused = builder.refusal();
-        assert!(
-            refused.starts_with(&format!("#/cameras/0{place}: ")),
-            "{refused}"
-        );
+        assert!(refused.starts_with(&format!("#/cameras/0{place}: ")), "{refused}");
     }
 }
 
@@ -176,11 +145,7 @@ fn sparse_accessors_write_nowhere_but_in_themselves() {
             "{refused}"
         );
         builder.json["accessors"][0]["sparse"]["count"] = json!(1_u64 << 40);
-        assert!(
-            builder
-                .refusal()
-                .starts_with("#/accessors/0/sparse/count: ")
-        );
+        assert!(builder.refusal().starts_with("#/accessors/0/sparse/count: "));
     }
 }
 
@@ -204,10 +169,7 @@ fn packed_views_are_checked_before_they_are_unpacked() {
         builder.json["accessors"][0]["bufferView"] = json!(packed);
         let refused = builder.refusal();
         let place = format!("#/bufferViews/{packed}/extensions/EXT_meshopt_compression: ");
-        assert!(
-            refused.starts_with(&place) && refused.contains(word),
-            "{refused}"
-        );
+        assert!(refused.starts_with(&place) && refused.contains(word), "{refused}");
     }
 }
 
@@ -228,9 +190,7 @@ fn draco_bytes_that_are_none_are_refused() {
 fn broken_json_is_told_by_its_line_or_its_byte() {
     let settings = LoadSettings::default();
     let message = |name: &str, bytes: &[u8]| {
-        load_bytes(Path::new(name), bytes, &settings)
-            .unwrap_err()
-            .to_string()
+        load_bytes(Path::new(name), bytes, &settings).unwrap_err().to_string()
     };
     assert!(message("a.gltf", b"{\n\"asset\": }").starts_with("a.gltf:2: "));
     assert!(message("a.gltf", b"").starts_with("a.gltf:1: "));
@@ -239,11 +199,7 @@ fn broken_json_is_told_by_its_line_or_its_byte() {
     assert!(message("a.gltf", b"{\"asset\": {\"version\": \"\xff\"}}").starts_with("a.gltf"));
     let mut glb = b"glTF\x02\0\0\0\x1c\0\0\0\x08\0\0\0JSON{\"a\": ? ".to_vec();
     glb[8] = glb.len() as u8;
-    assert!(
-        message("a.glb", &glb).starts_with("a.glb @ byte 26: "),
-        "{}",
-        message("a.glb", &glb)
-    );
+    assert!(message("a.glb", &glb).starts_with("a.glb @ byte 26: "), "{}", message("a.glb", &glb));
     // Nested beyond all measure, where it is read and where it is passed over.
     for key in ["nodes", "extras"] {
         let mut deep = format!("{{\"asset\": {{\"version\": \"2.0\"}}, \"{key}\": ").into_bytes();
@@ -257,50 +213,20 @@ fn buffers_that_cannot_be_had_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("short.bin"), [0; 4]).unwrap();
     for (buffer, place, word) in [
-        (
-            json!({"uri": "missing.bin", "byteLength": 39}),
-            "/uri",
-            "missing.bin",
-        ),
-        (
-            json!({"uri": "../x.bin", "byteLength": 39}),
-            "/uri",
-            "refused",
-        ),
-        (
-            json!({"uri": "/dev/zero", "byteLength": 39}),
-            "/uri",
-            "refused",
-        ),
-        (
-            json!({"uri": "https://host/x.bin", "byteLength": 39}),
-            "/uri",
-            "refused",
-        ),
-        (
-            json!({"uri": "%2e%2e%2fx.bin", "byteLength": 39}),
-            "/uri",
-            "refused",
-        ),
-        (
-            json!({"uri": "short.bin", "byteLength": 39}),
-            "/byteLength",
-            "39 bytes are stated, 4",
-        ),
-        (
-            json!({"uri": "data:;base64,????", "byteLength": 39}),
-            "/uri",
-            "base64",
-        ),
+        (json!({"uri": "missing.bin", "byteLength": 39}), "/uri", "missing.bin"),
+        (json!({"uri": "../x.bin", "byteLength": 39}), "/uri", "refused"),
+        (json!({"uri": "/dev/zero", "byteLength": 39}), "/uri", "refused"),
+        (json!({"uri": "https://host/x.bin", "byteLength": 39}), "/uri", "refused"),
+        (json!({"uri": "%2e%2e%2fx.bin", "byteLength": 39}), "/uri", "refused"),
+        (json!({"uri": "short.bin", "byteLength": 39}), "/byteLength", "39 bytes are stated, 4"),
+        (json!({"uri": "data:;base64,????", "byteLength": 39}), "/uri", "base64"),
         (json!({"byteLength": 39}), "", "neither a uri nor"),
     ] {
         let mut builder = full();
         builder.json["buffers"] = json!([buffer]);
         let path = folder.path().join("a.gltf");
         fs::write(&path, builder.text()).unwrap();
-        let error = load(&path, &LoadSettings::default())
-            .unwrap_err()
-            .to_string();
+        let error = load(&path, &LoadSettings::default()).unwrap_err().to_string();
         assert!(
             error.contains(&format!("a.gltf#/buffers/0{place}: ")) && error.contains(word),
             "{error}"
@@ -330,11 +256,7 @@ fn strides_are_from_4_to_252() {
 fn values_of_another_kind_are_told_in_the_words_of_json() {
     for (pointer, value, words) in [
         ("/meshes/0", json!(1), "expected an object"),
-        (
-            "/cameras/0/perspective/yfov",
-            json!("1"),
-            "expected a number",
-        ),
+        ("/cameras/0/perspective/yfov", json!("1"), "expected a number"),
         ("/skins/0/joints", json!(1), "expected an array"),
     ] {
         let refused = refusal(pointer, value);

@@ -26,11 +26,7 @@ fn color(scene: &Scene, x: f64, y: f64) -> Option<Color> {
 /// The curve of IEC 61966-2-1, as the standard has it.
 fn decode(level: u8) -> f64 {
     let value = f64::from(level) / 255.0;
-    if value <= 0.04045 {
-        value / 12.92
-    } else {
-        ((value + 0.055) / 1.055).powf(2.4)
-    }
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Which of four texels a place shows, by the wrap modes as glTF numbers them.
@@ -63,32 +59,14 @@ fn texels_are_seen_where_the_reference_has_them() {
     for square in 0..12_usize {
         let corner = [1.1 * (square % 3) as f64, 1.1 * (square / 3) as f64];
         for k in 0..400 {
-            let [x, y] = [
-                (f64::from(k % 20) + 0.47) / 20.0,
-                (f64::from(k / 20) + 0.53) / 20.0,
-            ];
-            let (u, v) = if square < 9 {
-                (2.5 * x - 0.75, 2.0 - 2.5 * y)
-            } else {
-                (x, 1.0 - y)
-            };
+            let [x, y] = [(f64::from(k % 20) + 0.47) / 20.0, (f64::from(k / 20) + 0.53) / 20.0];
+            let (u, v) = if square < 9 { (2.5 * x - 0.75, 2.0 - 2.5 * y) } else { (x, 1.0 - y) };
             // The transform: scaled by (2, 1/2), turned by a quarter (as the extension says it in
             // words: the texture clockwise, v downwards), moved by (1/4, 1/2).
-            let (u, v) = if square == 10 {
-                (0.25 + 0.5 * v, 0.5 - 2.0 * u)
-            } else {
-                (u, v)
-            };
-            let [across, down] = if square < 9 {
-                [modes[square / 3], modes[square % 3]]
-            } else {
-                [10497; 2]
-            };
-            let factor = if square == 11 {
-                Color::new(0.5, 0.25, 1.0)
-            } else {
-                Color::ONE
-            };
+            let (u, v) = if square == 10 { (0.25 + 0.5 * v, 0.5 - 2.0 * u) } else { (u, v) };
+            let [across, down] =
+                if square < 9 { [modes[square / 3], modes[square % 3]] } else { [10497; 2] };
+            let factor = if square == 11 { Color::new(0.5, 0.25, 1.0) } else { Color::ONE };
             let expected = factor * texel(wrapped(u, across), wrapped(v, down));
             let seen = color(&scene, corner[0] + x, corner[1] + y).unwrap();
             assert!(
@@ -104,32 +82,17 @@ fn texels_are_seen_where_the_reference_has_them() {
 #[ignore = "needs ../shared/refdata"]
 fn masks_cut_holes_where_alpha_is_below_the_cutoff() {
     let model = loaded(&reference("generated/alpha_modes.gltf"));
-    let map = model.world.objects[0].materials()[0]
-        .maps
-        .get(MapRole::Color)
-        .cloned()
-        .unwrap();
-    let alphas = map
-        .texture
-        .texels()
-        .iter()
-        .map(|texel| f64::from(texel[3]) / 255.0);
+    let map = model.world.objects[0].materials()[0].maps.get(MapRole::Color).cloned().unwrap();
+    let alphas = map.texture.texels().iter().map(|texel| f64::from(texel[3]) / 255.0);
     let alphas: Vec<f64> = alphas.collect();
     let scene = Scene::new(model.world.objects).unwrap();
     let mut holes = 0;
     for (square, cutoff) in [0.0, 0.5, 0.25, 0.0, 0.75].into_iter().enumerate() {
         for (k, alpha) in alphas.iter().enumerate() {
             let (column, row) = ((k % 4) as f64, (k / 4) as f64);
-            let (x, y) = (
-                1.1 * square as f64 + (column + 0.5) / 4.0,
-                1.0 - (row + 0.5) / 4.0,
-            );
+            let (x, y) = (1.1 * square as f64 + (column + 0.5) / 4.0, 1.0 - (row + 0.5) / 4.0);
             let is_there = color(&scene, x, y).is_some();
-            assert_eq!(
-                is_there,
-                *alpha >= cutoff,
-                "square {square}, texel {k} of alpha {alpha}"
-            );
+            assert_eq!(is_there, *alpha >= cutoff, "square {square}, texel {k} of alpha {alpha}");
             holes += usize::from(!is_there);
         }
     }
@@ -147,15 +110,8 @@ fn vertex_colours_are_linear_in_every_type() {
     let exact = [0.586_518_35, 0.839_684_6, 0.726_473_63];
     let bytes = [150.0, 214.0, 185.0].map(|level: f64| level / 255.0);
     let shorts = [38437.0, 55029.0, 47609.0].map(|level: f64| level / 65535.0);
-    for (k, expected) in [exact, exact, bytes, bytes, shorts, shorts]
-        .into_iter()
-        .enumerate()
-    {
-        let own = model.world.objects[k]
-            .mesh()
-            .unwrap()
-            .color(0, DVec2::ZERO)
-            .unwrap();
+    for (k, expected) in [exact, exact, bytes, bytes, shorts, shorts].into_iter().enumerate() {
+        let own = model.world.objects[k].mesh().unwrap().color(0, DVec2::ZERO).unwrap();
         assert!((own - Color::from(expected)).length() < 1e-7, "{k}: {own}");
         // Nothing else colours them.
         assert_eq!(model.world.objects[k].color(), Color::ONE);
@@ -173,11 +129,7 @@ fn png() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
     encoder.set_color(png::ColorType::Rgb);
-    encoder
-        .write_header()
-        .unwrap()
-        .write_image_data(&[255, 0, 0])
-        .unwrap();
+    encoder.write_header().unwrap().write_image_data(&[255, 0, 0]).unwrap();
     bytes
 }
 
@@ -215,10 +167,7 @@ fn with_images(builder: &mut Builder, image: Value) {
 fn a_small_file_has_few_large_textures() {
     let mut within = textured();
     let picture = within.view(&flat_png());
-    with_images(
-        &mut within,
-        json!({"bufferView": picture, "mimeType": "image/png"}),
-    );
+    with_images(&mut within, json!({"bufferView": picture, "mimeType": "image/png"}));
     let mut beside = textured();
     with_images(&mut beside, json!({"uri": "flat.png"}));
     let folder = tempfile::tempdir().unwrap();
@@ -229,14 +178,9 @@ fn a_small_file_has_few_large_textures() {
         let has_texture =
             |object: &&firsthit::Object| object.materials()[0].maps.get(MapRole::Color).is_some();
         assert_eq!(model.world.objects.iter().filter(has_texture).count(), 2);
-        let [warning] = model.warnings.as_slice() else {
-            panic!("{:?}", model.warnings)
-        };
+        let [warning] = model.warnings.as_slice() else { panic!("{:?}", model.warnings) };
         let words = "256 MiB of memory, of which 1/16 counts, ";
-        assert!(
-            warning.contains(words) && warning.ends_with("(and 17 more like it)"),
-            "{warning}"
-        );
+        assert!(warning.contains(words) && warning.ends_with("(and 17 more like it)"), "{warning}");
     }
 }
 
@@ -290,13 +234,8 @@ fn an_image_that_cannot_be_had_is_one_warning_and_a_flat_colour() {
         let path = folder.path().join("a.gltf");
         fs::write(&path, builder.text()).unwrap();
         let model = loaded(&path);
-        let [warning] = &model.warnings[..] else {
-            panic!("{:?}", model.warnings)
-        };
-        assert!(
-            warning.contains("#/images/0: ") && warning.contains(word),
-            "{warning}"
-        );
+        let [warning] = &model.warnings[..] else { panic!("{:?}", model.warnings) };
+        assert!(warning.contains("#/images/0: ") && warning.contains(word), "{warning}");
         let scene = Scene::new(model.world.objects).unwrap();
         assert_eq!(color(&scene, 0.2, 0.2), Some(Color::new(0.5, 1.0, 1.0)));
     }
@@ -307,11 +246,7 @@ fn pictures_in_formats_that_are_not_read_have_their_fallback_or_a_flat_colour() 
     let mut builder = textured();
     builder.json["textures"] = json!([{"extensions": {"KHR_texture_basisu": {"source": 0}}}]);
     let model = builder.load().unwrap();
-    assert!(
-        model.warnings[0].contains("KHR_texture_basisu"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("KHR_texture_basisu"), "{:?}", model.warnings);
     builder.json["textures"] =
         json!([{"source": 0, "extensions": {"KHR_texture_basisu": {"source": 0}}}]);
     assert_eq!(builder.load().unwrap().warnings, [""; 0]);
@@ -322,11 +257,7 @@ fn a_texture_without_its_coordinates_is_a_warning() {
     let mut builder = textured();
     builder.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = json!(3);
     let model = builder.load().unwrap();
-    assert!(
-        model.warnings[0].contains("TEXCOORD_3"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("TEXCOORD_3"), "{:?}", model.warnings);
 }
 
 #[test]
@@ -338,10 +269,7 @@ fn the_alpha_of_vertices_counts_for_masks() {
     let colors = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0];
     builder.attribute("COLOR_0", &colors, "VEC4");
     let model = builder.load().unwrap();
-    assert_eq!(
-        model.world.objects[0].materials()[0].alpha_mode,
-        AlphaMode::Mask { cutoff: 0.5 }
-    );
+    assert_eq!(model.world.objects[0].materials()[0].alpha_mode, AlphaMode::Mask { cutoff: 0.5 });
     let scene = Scene::new(model.world.objects).unwrap();
     assert!(color(&scene, 0.2, 0.2).is_some());
     assert!(color(&scene, 0.3, 0.3).is_none());
@@ -353,11 +281,7 @@ fn samplers_say_how_a_texture_goes_on_and_what_lies_between_texels() {
     builder.json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]);
     builder.json["textures"][0]["sampler"] = json!(0);
     let model = builder.load().unwrap();
-    let map = model.world.objects[0].materials()[0]
-        .maps
-        .get(MapRole::Color)
-        .cloned()
-        .unwrap();
+    let map = model.world.objects[0].materials()[0].maps.get(MapRole::Color).cloned().unwrap();
     assert_eq!(map.wrap, [Wrap::Clamp, Wrap::Mirror]);
     assert_eq!(map.filter, Filter::Nearest);
 }
@@ -381,17 +305,11 @@ fn words_of_samplers_that_mean_nothing_are_a_warning() {
     builder.json["samplers"] = json!([{"wrapS": 1, "minFilter": 9728}]);
     builder.json["textures"][0]["sampler"] = json!(0);
     let model = builder.load().unwrap();
-    let map = model.world.objects[0].materials()[0]
-        .maps
-        .get(MapRole::Color)
-        .cloned()
-        .unwrap();
+    let map = model.world.objects[0].materials()[0].maps.get(MapRole::Color).cloned().unwrap();
     assert_eq!(map.wrap, [Wrap::Repeat; 2]);
     assert_eq!(
         model.warnings,
-        [
-            "a.gltf#/samplers/0/wrapS: must be one of [10497, 33071, 33648], got 1: \
-             the default is taken"
-        ]
+        ["a.gltf#/samplers/0/wrapS: must be one of [10497, 33071, 33648], got 1: \
+             the default is taken"]
     );
 }

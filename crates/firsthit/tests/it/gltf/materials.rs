@@ -60,11 +60,7 @@ fn a_material_without_words_is_what_gltf_says() {
     assert!(model.warnings.is_empty(), "{:?}", model.warnings);
     let settings = metal_rough(&model);
     assert_eq!((settings.metallic, settings.roughness), (1.0, 1.0));
-    let expected = MetalRough {
-        metallic: 1.0,
-        roughness: 1.0,
-        ..MetalRough::default()
-    };
+    let expected = MetalRough { metallic: 1.0, roughness: 1.0, ..MetalRough::default() };
     assert_eq!(settings, expected);
     let unlit = of(&json!({"extensions": {"KHR_materials_unlit": {}}}));
     assert_eq!(material(&unlit.load().unwrap()).model, Model::default());
@@ -129,10 +125,7 @@ fn numbers_out_of_range_are_moved_into_it_with_one_warning() {
         ]
     );
     let settings = metal_rough(&model);
-    assert_eq!(
-        (settings.metallic, settings.roughness, settings.ior),
-        (0.0, 1.0, 1.0)
-    );
+    assert_eq!((settings.metallic, settings.roughness, settings.ior), (0.0, 1.0, 1.0));
     assert!(!settings.solid && settings.clearcoat == 1.0);
     assert!(material(&model).check_numbers().is_ok());
     let seen = surface(model, |surface| surface.bsdf().unwrap().value(DVec3::Z));
@@ -146,10 +139,9 @@ fn a_surface_sends_back_no_more_light_than_it_gets() {
     });
     let metal_rough =
         json!({"pbrMetallicRoughness": {"baseColorFactor": [3, 0.5, -1, 2], "metallicFactor": 0}});
-    for (material_json, name) in [
-        (metal_rough, "baseColorFactor"),
-        (specular_glossiness, "diffuseFactor"),
-    ] {
+    for (material_json, name) in
+        [(metal_rough, "baseColorFactor"), (specular_glossiness, "diffuseFactor")]
+    {
         let model = of(&material_json).load().unwrap();
         let material = material(&model);
         assert_eq!(material.color, Color::new(1.0, 0.5, 0.0));
@@ -243,19 +235,14 @@ fn normal_maps_lean_as_gltf_says_in_mirrors_too() {
     let uvs = [0.0, 1.0, 1.0, 1.0, 0.0, 0.0];
     let lean = |builder: &Builder| {
         // A white matte surface: values of three lights tell the normal.
-        let mut builder = Builder {
-            json: builder.json.clone(),
-            buffer: builder.buffer.clone(),
-        };
+        let mut builder = Builder { json: builder.json.clone(), buffer: builder.buffer.clone() };
         builder.json["materials"][0]["extensions"] =
             json!({"KHR_materials_specular": {"specularFactor": 0}});
         builder.json["materials"][0]["pbrMetallicRoughness"] =
             json!({"metallicFactor": 0, "roughnessFactor": 1});
         let tilted = |towards: DVec3| {
             let towards = towards.normalize();
-            surface(builder.load().unwrap(), |surface| {
-                surface.bsdf().unwrap().value(towards).x
-            })
+            surface(builder.load().unwrap(), |surface| surface.bsdf().unwrap().value(towards).x)
         };
         let [x, y] =
             [DVec3::X, DVec3::Y].map(|axis| tilted(axis + DVec3::Z) - tilted(DVec3::Z - axis));
@@ -287,11 +274,7 @@ fn tangents_that_are_no_numbers_do_no_harm() {
     let mut builder = normal_mapped([[0, 0, 0, 255]; 2], &[f32::NAN, 0.0, 1e38, 1.0, -1e38, 0.0]);
     builder.attribute("NORMAL", &[0.0, 0.0, 1.0].repeat(3), "VEC3");
     assert!(value(builder.load().unwrap()).is_finite());
-    builder.attribute(
-        "TANGENT",
-        &[f32::NAN, f32::INFINITY, 0.0, 0.0].repeat(3),
-        "VEC4",
-    );
+    builder.attribute("TANGENT", &[f32::NAN, f32::INFINITY, 0.0, 0.0].repeat(3), "VEC4");
     assert!(value(builder.load().unwrap()).is_finite());
 }
 
@@ -312,10 +295,8 @@ fn with_variants() -> Builder {
 fn a_variant_by_name_brings_its_materials() {
     let builder = with_variants();
     let load = |variant: Option<&str>| {
-        let settings = LoadSettings {
-            variant: variant.map(str::to_owned),
-            ..LoadSettings::default()
-        };
+        let settings =
+            LoadSettings { variant: variant.map(str::to_owned), ..LoadSettings::default() };
         load_bytes("a.gltf".as_ref(), &builder.text(), &settings)
     };
     for (variant, name) in [
@@ -338,10 +319,7 @@ fn a_variant_by_name_brings_its_materials() {
 
 #[test]
 fn a_variant_of_a_file_that_has_none_is_refused_and_its_materials_must_be_there() {
-    let settings = LoadSettings {
-        variant: Some("beach".to_owned()),
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { variant: Some("beach".to_owned()), ..LoadSettings::default() };
     let text = of(&json!({})).text();
     let message = load_bytes("a.gltf".as_ref(), &text, &settings).unwrap_err();
     let expected = "variant must be one of the file's, got \"beach\"; it has none";

@@ -11,10 +11,7 @@ use super::hostile::full;
 
 /// Loads within a limit of 16 MiB.
 fn small(builder: &Builder) -> firsthit::Result<firsthit::load::Loaded> {
-    let settings = LoadSettings {
-        max_memory: 16 << 20,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { max_memory: 16 << 20, ..LoadSettings::default() };
     load_bytes(Path::new("a.gltf"), &builder.text(), &settings)
 }
 
@@ -43,24 +40,14 @@ fn counts_that_nothing_stands_behind_meet_the_limit_of_memory() {
     targets.json["accessors"][zeros_again]["count"] = json!(500_000);
     targets.primitive()["targets"] = json!(vec![json!({"POSITION": zeros_again}); 10_000]);
     targets.json["meshes"][0]["weights"] = json!(vec![1.0; 10_000]);
-    for (name, builder) in [
-        ("zeros", zeros),
-        ("sparse", sparse),
-        ("instances", instances),
-        ("targets", targets),
-    ] {
+    for (name, builder) in
+        [("zeros", zeros), ("sparse", sparse), ("instances", instances), ("targets", targets)]
+    {
         let start = std::time::Instant::now();
         let error = small(&builder).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. }), "{name}: {error}");
-        assert!(
-            error.to_string().contains("--max-memory"),
-            "{name}: {error}"
-        );
-        assert!(
-            start.elapsed().as_secs() < 2,
-            "{name}: {:?}",
-            start.elapsed()
-        );
+        assert!(error.to_string().contains("--max-memory"), "{name}: {error}");
+        assert!(start.elapsed().as_secs() < 2, "{name}: {:?}", start.elapsed());
     }
 }
 
@@ -157,10 +144,7 @@ fn more_memory_allows_a_small_file_more() {
     let position = zeros(&mut builder, 3_000_000, FLOAT, "VEC3");
     builder.primitive()["attributes"]["POSITION"] = json!(position);
     assert!(matches!(builder.load(), Err(Error::TooLarge { .. })));
-    let settings = LoadSettings {
-        max_memory: 64 << 30,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { max_memory: 64 << 30, ..LoadSettings::default() };
     let model = load_bytes(Path::new("a.gltf"), &builder.text(), &settings).unwrap();
     assert_eq!(model.world.objects[0].triangles(), 1_000_000);
 }
@@ -173,10 +157,7 @@ fn counts_that_no_memory_holds_are_limits_with_their_places() {
     builder.primitive()["attributes"]["POSITION"] = json!(huge);
     let error = builder.load().unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
-    assert!(
-        error.to_string().contains("#/accessors/1/count: "),
-        "{error}"
-    );
+    assert!(error.to_string().contains("#/accessors/1/count: "), "{error}");
     let mut builder = Builder::triangle();
     let huge = push(
         &mut builder.json["accessors"],

@@ -18,12 +18,7 @@ fn down(points: &[[f64; 2]]) -> Vec<Ray> {
 
 fn channels(scene: &Scene, rays: &[Ray], names: &[&str]) -> Vec<Data> {
     let hits = trace(scene, rays, First, &()).unwrap();
-    let shots = ChannelInput {
-        scene,
-        rays: &rays,
-        hits: &hits,
-        sensor: None,
-    };
+    let shots = ChannelInput { scene, rays: &rays, hits: &hits, sensor: None };
     let kinds: Vec<&ChannelKind> = names.iter().map(|name| kind(name).unwrap()).collect();
     let made = make(&kinds, &shots, &()).unwrap();
     made.into_iter().map(|channel| channel.data).collect()
@@ -66,22 +61,11 @@ fn objects_that_are_called_alike_are_told_apart() {
     let materials: Vec<&str> = catalog.materials().iter().map(|name| &**name).collect();
     assert_eq!(materials, ["steel\\u{7}", "rubber"]);
 
-    let places = [
-        [0.2, 0.2],
-        [2.2, 0.2],
-        [0.2, 10.2],
-        [2.2, 10.2],
-        [0.2, 20.2],
-        [9.0, 9.0],
-    ];
+    let places = [[0.2, 0.2], [2.2, 0.2], [0.2, 10.2], [2.2, 10.2], [0.2, 20.2], [9.0, 9.0]];
     let asked = ["object", "node", "mesh", "material"];
     let made = channels(&scene, &down(&places), &asked);
-    let expected = [
-        [0, 1, 2, 3, 4, -1],
-        [0, 0, 1, 1, 2, -1],
-        [0, 0, 0, 0, 1, -1],
-        [0, 1, 0, 1, -1, -1],
-    ];
+    let expected =
+        [[0, 1, 2, 3, 4, -1], [0, 0, 1, 1, 2, -1], [0, 0, 0, 0, 1, -1], [0, 1, 0, 1, -1, -1]];
     assert_eq!(made, expected.map(|ids| Data::Int32(ids.to_vec())));
 }
 
@@ -94,15 +78,8 @@ fn instances_of_a_node_have_its_number_and_are_objects() {
     builder.json["nodes"][0]["extensions"] =
         json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": moves}}});
     let scene = builder.load().unwrap().into_scene().unwrap();
-    let made = channels(
-        &scene,
-        &down(&[[0.2, 0.2], [5.2, 0.2]]),
-        &["object", "node", "mesh"],
-    );
-    assert_eq!(
-        made,
-        [[0, 1], [0, 0], [0, 0]].map(|ids| Data::Int32(ids.to_vec()))
-    );
+    let made = channels(&scene, &down(&[[0.2, 0.2], [5.2, 0.2]]), &["object", "node", "mesh"]);
+    assert_eq!(made, [[0, 1], [0, 0], [0, 0]].map(|ids| Data::Int32(ids.to_vec())));
     assert_eq!(&*scene.catalog().nodes()[0], "trees");
 }
 
@@ -134,10 +111,7 @@ fn long_paths_are_cut_at_their_beginning() {
     assert_eq!(&*path(2), "n0/n1/n2");
     let deep = path(count - 2);
     assert!(deep.len() <= 512 + 4, "{}", deep.len());
-    assert!(
-        deep.starts_with(".../n1") && deep.ends_with("/n19997/n19998"),
-        "{deep}"
-    );
+    assert!(deep.starts_with(".../n1") && deep.ends_with("/n19997/n19998"), "{deep}");
     assert_eq!(path(count - 1).len(), 4 + 700);
 }
 
@@ -162,11 +136,7 @@ fn base_colors(filter: u32, places: &[[f64; 2]]) -> Vec<[f64; 3]> {
     let mut builder = Builder::new();
     let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
     builder.attribute("POSITION", &corners, "VEC3");
-    builder.attribute(
-        "TEXCOORD_0",
-        &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0],
-        "VEC2",
-    );
+    builder.attribute("TEXCOORD_0", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0], "VEC2");
     builder.primitive()["mode"] = json!(5);
     builder.primitive()["material"] = json!(0);
     builder.json["materials"] = json!([{"pbrMetallicRoughness":
@@ -176,9 +146,7 @@ fn base_colors(filter: u32, places: &[[f64; 2]]) -> Vec<[f64; 3]> {
     builder.json["images"] = json!([{"uri": png()}]);
     let scene = builder.load().unwrap().into_scene().unwrap();
     let made = channels(&scene, &down(places), &["base_color"]);
-    let [Data::Float64(values)] = made.as_slice() else {
-        panic!("{made:?}")
-    };
+    let [Data::Float64(values)] = made.as_slice() else { panic!("{made:?}") };
     values.as_chunks().0.to_vec()
 }
 
@@ -186,10 +154,7 @@ fn assert_near(seen: &[[f64; 3]], expected: &[[f64; 3]]) {
     assert_eq!(seen.len(), expected.len());
     for (seen, expected) in seen.iter().zip(expected) {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-6 || (a.is_nan() && b.is_nan());
-        assert!(
-            seen.iter().zip(expected).all(near),
-            "{seen:?}, not {expected:?}"
-        );
+        assert!(seen.iter().zip(expected).all(near), "{seen:?}, not {expected:?}");
     }
 }
 
@@ -210,11 +175,7 @@ fn base_color_is_the_texel_times_the_factor() {
     let means = [
         [0.5, 0.0, 0.0],
         [0.5 * 0.75, 0.25, 0.0],
-        [
-            0.5 * (1.0 + GREY) / 4.0,
-            (1.0 + GREY) / 4.0,
-            (1.0 + GREY) / 4.0,
-        ],
+        [0.5 * (1.0 + GREY) / 4.0, (1.0 + GREY) / 4.0, (1.0 + GREY) / 4.0],
         [0.0, 0.0, 1.0],
     ];
     assert_near(&base_colors(9729, &places), &means);

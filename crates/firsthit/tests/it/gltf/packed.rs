@@ -13,9 +13,7 @@ use super::builder::points;
 const AROUND: [u32; 2] = [12, 8];
 
 fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../../testdata")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata").join(name)
 }
 
 fn torus(name: &str) -> Loaded {
@@ -29,10 +27,7 @@ fn vertices() -> Vec<(DVec3, DVec3, DVec2)> {
     let [sections, corners] = AROUND;
     let all = (0..=sections).flat_map(|i| (0..=corners).map(move |j| (i, j)));
     all.map(|(i, j)| {
-        let [u, v] = [
-            f64::from(i) / f64::from(sections),
-            f64::from(j) / f64::from(corners),
-        ];
+        let [u, v] = [f64::from(i) / f64::from(sections), f64::from(j) / f64::from(corners)];
         let (along, out) = ((TAU * u).sin_cos(), (TAU * v).sin_cos());
         let normal = DVec3::new(out.1 * along.1, out.1 * along.0, out.0);
         let ring = 2.0 * DVec3::new(along.1, along.0, 0.0);
@@ -73,10 +68,7 @@ fn check(mesh: &Mesh, normals: f64, uvs: f64) {
         for (&vertex, barycentric) in triangle.iter().zip(corners) {
             let (_, normal, uv) = expected[vertex as usize];
             let got = mesh.shading_normal(k, barycentric).unwrap();
-            assert!(
-                (got - normal).length() < normals,
-                "{vertex}: {got}, not {normal}"
-            );
+            assert!((got - normal).length() < normals, "{vertex}: {got}, not {normal}");
             let got = mesh.uv(k, barycentric).unwrap();
             assert!((got - uv).length() < uvs, "{vertex}: {got}, not {uv}");
         }
@@ -110,14 +102,8 @@ fn packed_quaternions_turn_instances() {
         let angle = f64::from(k) * TAU / 12.0;
         let place = instance.transform().world_from_object();
         let expected = DVec3::new(angle.cos(), angle.sin(), 0.0);
-        assert!(
-            (place.transform_vector3(DVec3::X) - expected).length() < 1e-3,
-            "{k}"
-        );
-        assert_eq!(
-            place.translation,
-            DVec3::new(0.0, 6.0 + 2.0 * f64::from(k), 0.0)
-        );
+        assert!((place.transform_vector3(DVec3::X) - expected).length() < 1e-3, "{k}");
+        assert_eq!(place.translation, DVec3::new(0.0, 6.0 + 2.0 * f64::from(k), 0.0));
     }
 }
 
@@ -126,31 +112,18 @@ fn packed_quaternions_turn_instances() {
 fn the_newer_meshopt_stream_is_read_too() {
     let model = torus("torus_meshopt_v1.glb");
     assert_eq!(model.world.objects.len(), 5);
-    for (object, (tolerance, x)) in [
-        (1e-6, 0.0),
-        (1e-6, 6.0),
-        (1e-6, 12.0),
-        (1e-6, 18.0),
-        (1e-4, 0.0),
-    ]
-    .into_iter()
-    .enumerate()
+    for (object, (tolerance, x)) in
+        [(1e-6, 0.0), (1e-6, 6.0), (1e-6, 12.0), (1e-6, 18.0), (1e-4, 0.0)].into_iter().enumerate()
     {
         let moved = DVec3::new(x, 0.0, 0.0);
         for (got, (place, ..)) in points(&model, object).into_iter().zip(vertices()) {
-            assert!(
-                (got - moved - place).length() < tolerance,
-                "{object}: {got}, not {place}"
-            );
+            assert!((got - moved - place).length() < tolerance, "{object}: {got}, not {place}");
         }
         let mesh = model.world.objects[object].mesh().unwrap();
         for (k, &[first, ..]) in mesh.triangles().iter().enumerate() {
             let (_, _, uv) = vertices()[first as usize];
             let color = mesh.color(k, DVec2::ZERO).unwrap();
-            assert!(
-                (color - DVec3::new(uv.x, uv.y, 0.5)).length() < 0.03,
-                "{color}, not {uv}"
-            );
+            assert!((color - DVec3::new(uv.x, uv.y, 0.5)).length() < 0.03, "{color}, not {uv}");
         }
     }
 }
@@ -177,10 +150,7 @@ fn draco_meshes_unpack_to_what_was_packed() {
                     "{name}"
                 );
                 let color = mesh.color(k, barycentric).unwrap();
-                assert!(
-                    (color - DVec3::new(uv.x, uv.y, 0.5)).length() < 0.01,
-                    "{name}: {color}"
-                );
+                assert!((color - DVec3::new(uv.x, uv.y, 0.5)).length() < 0.01, "{name}: {color}");
             }
             assert!(mesh.normal(k).is_finite());
         }
@@ -193,20 +163,15 @@ struct Numbers(u64);
 
 impl Numbers {
     fn below(&mut self, count: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % count
     }
 }
 
 #[test]
 fn damaged_files_are_read_or_refused_in_moments() {
-    let settings = LoadSettings {
-        max_memory: 64 << 20,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { max_memory: 64 << 20, ..LoadSettings::default() };
     let mut numbers = Numbers(1);
     for name in [
         "torus_meshopt.glb",
@@ -226,11 +191,7 @@ fn damaged_files_are_read_or_refused_in_moments() {
             refused += usize::from(load_bytes(Path::new("a.glb"), &bytes, &settings).is_err());
         }
         assert!(refused > 0, "{name}");
-        assert!(
-            start.elapsed().as_secs() < 60,
-            "{name}: {:?}",
-            start.elapsed()
-        );
+        assert!(start.elapsed().as_secs() < 60, "{name}: {:?}", start.elapsed());
         for end in (0..whole.len()).step_by(11) {
             assert!(
                 load_bytes(Path::new("a.glb"), &whole[..end], &settings).is_err(),

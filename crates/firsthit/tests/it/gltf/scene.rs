@@ -18,14 +18,8 @@ fn without_scenes_all_nodes_that_are_no_children_are_shown() {
     builder.json["nodes"] =
         json!([{"mesh": 0, "name": "child"}, {"children": [0]}, {"mesh": 0, "name": "b"}]);
     builder.json.as_object_mut().unwrap().remove("scenes");
-    let names: Vec<_> = builder
-        .load()
-        .unwrap()
-        .world
-        .objects
-        .iter()
-        .map(|o| o.name().to_owned())
-        .collect();
+    let names: Vec<_> =
+        builder.load().unwrap().world.objects.iter().map(|o| o.name().to_owned()).collect();
     assert_eq!(names, ["child", "b"]);
     // The first scene is shown where none is named.
     builder.json["scenes"] = json!([{"nodes": [2]}, {"nodes": [1]}]);
@@ -50,22 +44,12 @@ fn a_chain_of_a_hundred_thousand_nodes_is_followed() {
 fn nodes_that_are_no_trees_are_refused() {
     for (nodes, place) in [
         (json!([{"children": [0]}]), "#/nodes/0/children/0: node 0"),
-        (
-            json!([{"children": [1]}, {"children": [0]}]),
-            "#/nodes/1/children/0: node 0",
-        ),
-        (
-            json!([{"children": [1, 2]}, {"children": [2]}, {}]),
-            "#/nodes/0/children/1: node 2",
-        ),
+        (json!([{"children": [1]}, {"children": [0]}]), "#/nodes/1/children/0: node 0"),
+        (json!([{"children": [1, 2]}, {"children": [2]}, {}]), "#/nodes/0/children/1: node 2"),
     ] {
         let mut builder = Builder::triangle();
         builder.json["nodes"] = nodes;
-        assert!(
-            builder.refusal().starts_with(place),
-            "{}",
-            builder.refusal()
-        );
+        assert!(builder.refusal().starts_with(place), "{}", builder.refusal());
     }
     let mut builder = Builder::triangle();
     builder.json["scenes"][0]["nodes"] = json!([0, 0]);
@@ -87,9 +71,7 @@ fn cameras_are_where_their_nodes_are() {
         {"camera": 0, "name": "Front", "translation": [1, 2, 3], "rotation": [0, quarter, 0, quarter], "scale": [5, 5, 5]},
     ]);
     let cameras = builder.load().unwrap().world.cameras;
-    let [wide, parallel] = &cameras[..] else {
-        panic!("{cameras:?}")
-    };
+    let [wide, parallel] = &cameras[..] else { panic!("{cameras:?}") };
     assert_eq!((&*wide.name, &*wide.own_name), ("Front", "wide"));
     assert_eq!(wide.view.position, DVec3::new(1.0, 2.0, 3.0));
     assert!((wide.view.aim - DVec3::NEG_X).length() < 1e-15);
@@ -115,10 +97,7 @@ fn cameras_are_where_their_nodes_are() {
     let own = own.unwrap();
     assert_eq!((own.columns(), own.rows()), (1024, 512));
     for camera in &cameras {
-        let square = camera
-            .described(Some([300; 2]))
-            .camera(bounds, support, DVec3::Y)
-            .unwrap();
+        let square = camera.described(Some([300; 2])).camera(bounds, support, DVec3::Y).unwrap();
         let view = square.view();
         assert!(
             (view.lens.viewplane().unwrap().width - view.lens.viewplane().unwrap().height).abs()
@@ -237,18 +216,10 @@ fn a_spot_is_full_within_its_inner_angle_and_nothing_beyond_its_outer_one() {
         outer_angle: outer,
     });
     let ground = firsthit::Object::new(firsthit::Plane::new(DVec3::ZERO, DVec3::Z).unwrap());
-    let scene = Scene::new(vec![ground.colored(Color::ONE)])
-        .unwrap()
-        .with_lights(vec![light]);
-    let lambert = Lambert {
-        ambient: Color::ZERO,
-        shadows: true,
-        ..Lambert::default()
-    };
-    let shade = Shading {
-        background: Background::default(),
-        ..Shader::Lambert(lambert).on(&scene)
-    };
+    let scene = Scene::new(vec![ground.colored(Color::ONE)]).unwrap().with_lights(vec![light]);
+    let lambert = Lambert { ambient: Color::ZERO, shadows: true, ..Lambert::default() };
+    let shade =
+        Shading { background: Background::default(), ..Shader::Lambert(lambert).on(&scene) };
     let seen = |angle: f64| {
         let (eye, down) = (DVec3::new(2.0 * angle.tan(), 0.0, 1.0), DVec3::NEG_Z);
         let hit = shoot(&scene, eye, down);
@@ -288,10 +259,7 @@ fn animations_are_a_warning_and_blend_is_read() {
     builder.json["animations"] = json!([{"channels": [], "samplers": []}]);
     builder.primitive()["material"] = json!(0);
     let model = builder.load().unwrap();
-    assert_eq!(
-        model.world.objects[0].materials()[0].alpha_mode,
-        AlphaMode::Blend
-    );
+    assert_eq!(model.world.objects[0].materials()[0].alpha_mode, AlphaMode::Blend);
     let [warning] = &model.warnings[..] else {
         panic!("{:?}", model.warnings);
     };
@@ -302,10 +270,7 @@ fn animations_are_a_warning_and_blend_is_read() {
 fn ninety_thousand_nodes_of_one_mesh_take_moments() {
     let mut builder = Builder::triangle();
     for k in 1..90_000 {
-        push(
-            &mut builder.json["nodes"],
-            json!({"mesh": 0, "name": format!("n{k}")}),
-        );
+        push(&mut builder.json["nodes"], json!({"mesh": 0, "name": format!("n{k}")}));
         push(&mut builder.json["scenes"][0]["nodes"], json!(k));
     }
     let start = std::time::Instant::now();

@@ -10,11 +10,7 @@ use crate::support::{Numbers, cases, mesh, rounds};
 /// A camera's rays in an array, as others make them: rounded, of any length, of a part of the picture, bent, and with
 /// rays among them that belong to no pixel.
 fn pixels(camera: &Camera, kind: usize, numbers: &mut Numbers) -> Vec<Ray> {
-    let columns = if kind == 3 {
-        16..camera.columns()
-    } else {
-        0..camera.columns()
-    };
+    let columns = if kind == 3 { 16..camera.columns() } else { 0..camera.columns() };
     let mut rays = Vec::new();
     for row in 0..camera.rows() {
         for column in columns.clone() {

@@ -119,12 +119,8 @@ fn curved_rays_on_what_is_just_before_a_wall() {
             let upwards = normal.cross(across);
             let corner =
                 |x: f64, y: f64| distance * normal + aside + half * (x * across + y * upwards);
-            let points = [
-                corner(-1.0, -1.0),
-                corner(1.0, -1.0),
-                corner(1.0, 1.0),
-                corner(-1.0, 1.0),
-            ];
+            let points =
+                [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
             Object::new(mesh(&points, vec![[0, 1, 2], [0, 2, 3]]))
         };
         let objects = (0..6).map(|k| {

@@ -40,11 +40,7 @@ fn fans_over_edges() {
         for kind in 0..cases(300) {
             let [a, b, c] = triangles[numbers.below(triangles.len())].map(|k| points[k as usize]);
             // Along an edge, or across the triangle.
-            let ends = if kind % 2 == 0 {
-                [a, b]
-            } else {
-                [a, b.midpoint(c)]
-            };
+            let ends = if kind % 2 == 0 { [a, b] } else { [a, b.midpoint(c)] };
             rays.extend(fan(kind, ends, scale, &mut numbers));
         }
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();

@@ -15,10 +15,7 @@ fn leaks(round: usize, rays_each: usize) -> usize {
     let folder = refdata();
     let mut numbers = Numbers::new(7 + round as u64);
     let mut shot = 0;
-    for path in ["generated", "real"]
-        .iter()
-        .flat_map(|name| files(&folder.join(name)))
-    {
+    for path in ["generated", "real"].iter().flat_map(|name| files(&folder.join(name))) {
         let Ok(model) = firsthit::load::load(&path, &firsthit::load::LoadSettings::default())
         else {
             continue;
@@ -53,11 +50,7 @@ fn aimed(scene: &Scene, which: Range<usize>, numbers: &mut Numbers, path: &Path)
     let mut rays = Vec::with_capacity(which.len());
     for k in which {
         let [a, b, _] = mesh.corners(k / 2 % mesh.triangles().len());
-        let target = if k % 2 == 0 {
-            a
-        } else {
-            a.lerp(b, numbers.unit())
-        };
+        let target = if k % 2 == 0 { a } else { a.lerp(b, numbers.unit()) };
         if target != inside {
             rays.push(Ray::new(inside, target - inside));
         }

@@ -30,8 +30,7 @@ fn checked<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
     let hits = compared(scene, rays);
     let later = |(k, t): (usize, f64)| {
         let begin = [t, t.next_down(), 0.5 * t, 1.5 * t, -t, 1e30][k / 3 % 6];
-        rays.ray(k)
-            .beyond(if t < f64::INFINITY { begin } else { t })
+        rays.ray(k).beyond(if t < f64::INFINITY { begin } else { t })
     };
     let some = hits.iter().enumerate().step_by(3);
     let later: Vec<Ray> = some.map(|(k, hit)| later((k, hit.t))).collect();
@@ -41,22 +40,15 @@ fn checked<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> usize {
 
 /// The hits of brute force, which are those of every instruction set.
 fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
-    let expected: Vec<Hit> = (0..rays.len())
-        .map(|k| BruteForce.first_hit(scene, &rays.ray(k)))
-        .collect();
+    let expected: Vec<Hit> =
+        (0..rays.len()).map(|k| BruteForce.first_hit(scene, &rays.ray(k))).collect();
     let every = All::default();
     let expected_all = trace_with(&BruteForce, scene, rays, every, &()).unwrap();
-    let fast = BuildSettings {
-        build: Build::Fast,
-        rays: None,
-    };
+    let fast = BuildSettings { build: Build::Fast, rays: None };
     let quick = Scene::build(scene.objects().to_vec(), fast).unwrap();
     // The trees that were built in little time with one of the sets: what differs is not in the kernels.
     let last = InstructionSet::available().last().map(|set| (set, &quick));
-    for (set, scene) in InstructionSet::available()
-        .map(|set| (set, scene))
-        .chain(last)
-    {
+    for (set, scene) in InstructionSet::available().map(|set| (set, scene)).chain(last) {
         let engine = Cpu::with(set);
         let hits = trace_with(&engine, scene, rays, First, &()).unwrap();
         let any = trace_with(&engine, scene, rays, Any, &()).unwrap();
@@ -75,12 +67,7 @@ fn compared<R: Rays + ?Sized>(scene: &Scene, rays: &R) -> Vec<Hit> {
             assert_eq!(crossings, of_ray(&expected_all), "all hits: {}", what());
             assert_eq!(counts[k] as usize, crossings.len(), "count: {}", what());
             if k % 64 == 0 {
-                assert_eq!(
-                    engine.any_hit(scene, &ray),
-                    !expected.is_miss(),
-                    "{}",
-                    what()
-                );
+                assert_eq!(engine.any_hit(scene, &ray), !expected.is_miss(), "{}", what());
                 let alone = engine.first_hit(scene, &ray);
                 assert_eq!(bits(&alone), bits(expected), "alone: {}", what());
             }
@@ -101,19 +88,13 @@ fn soups(rounds: Range<u64>, rays_each: usize) -> usize {
             points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
         }
         let points = placed(&points, scale, offset);
-        let (points, triangles) = if round % 3 == 2 {
-            unshared(&points, &triangles)
-        } else {
-            (points, triangles)
-        };
+        let (points, triangles) =
+            if round % 3 == 2 { unshared(&points, &triangles) } else { (points, triangles) };
         let mut object = Object::new(mesh(&points, triangles));
         if round % 7 == 4 {
             // Without a hole, but each hit is asked for one.
             let alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
-            object = object.with_materials([Material {
-                alpha_mode,
-                ..Material::default()
-            }]);
+            object = object.with_materials([Material { alpha_mode, ..Material::default() }]);
         }
         let scene = Scene::new(vec![object]).unwrap();
         let rays = rays(&points, scale, rays_each, &mut numbers);
@@ -136,11 +117,8 @@ fn soups_of_every_scale_and_place() {
 fn short_rays_from_neighbours() {
     for (round, (scale, offset)) in PLACES.into_iter().enumerate() {
         let mut numbers = Numbers::new(round as u64 + 1);
-        let (points, triangles) = if round % 2 == 0 {
-            bumpy_sphere(40, 3)
-        } else {
-            cloud(4000, &mut numbers)
-        };
+        let (points, triangles) =
+            if round % 2 == 0 { bumpy_sphere(40, 3) } else { cloud(4000, &mut numbers) };
         let points = placed(&points, scale, offset);
         let mesh = mesh(&points, triangles);
         let one = Scene::new(vec![Object::new(mesh.clone())]).unwrap();
@@ -202,10 +180,7 @@ fn rays_among_many_instances() {
         assert!(met > rays.len() / 20, "{round}: {met} of {}", rays.len());
         // Few pixels, in each tile of which most objects may be seen.
         let middle = placed(&[DVec3::ZERO], scale, offset)[0];
-        checked(
-            &scene,
-            &pixels::cameras(middle, 3.0 * scale, &mut numbers)[0],
-        );
+        checked(&scene, &pixels::cameras(middle, 3.0 * scale, &mut numbers)[0]);
     }
 }
 
@@ -258,21 +233,9 @@ fn soak() {
 #[test]
 fn rays_from_very_far_away() {
     let points = [
-        [
-            0.704_673_351_557_588_5,
-            0.792_725_582_506_619_3,
-            0.755_299_526_949_494_4,
-        ],
-        [
-            0.679_977_945_382_368_2,
-            -0.938_001_182_180_339_8,
-            -0.532_272_798_429_086_3,
-        ],
-        [
-            -0.661_067_254_926_570_4,
-            -0.101_627_778_287_902_04,
-            -0.723_386_593_737_791,
-        ],
+        [0.704_673_351_557_588_5, 0.792_725_582_506_619_3, 0.755_299_526_949_494_4],
+        [0.679_977_945_382_368_2, -0.938_001_182_180_339_8, -0.532_272_798_429_086_3],
+        [-0.661_067_254_926_570_4, -0.101_627_778_287_902_04, -0.723_386_593_737_791],
     ];
     let points = points.map(DVec3::from);
     let one = Object::new(mesh(&points, vec![[0, 1, 2]]));

@@ -20,10 +20,7 @@ fn neighbours_among_objects_of_every_kind() {
         let (points, triangles) = bumpy_sphere(6, round);
         let shared = mesh(&points, triangles);
         let alpha_mode = AlphaMode::Mask { cutoff: 0.5 };
-        let cut_out = Material {
-            alpha_mode,
-            ..Material::default()
-        };
+        let cut_out = Material { alpha_mode, ..Material::default() };
         let places: Vec<DVec3> = (0..100).map(|_| 2.0 * numbers.point()).collect();
         let places = placed(&places, scale, offset);
         let mut objects = Vec::new();
@@ -62,11 +59,8 @@ fn neighbours_among_objects_of_every_kind() {
 /// A `t_max` below the smallest normal number counts as it is.
 #[test]
 fn an_end_below_the_normal_numbers_ends_neighbours_too() {
-    let square = [
-        DVec3::new(-0.4, -0.4, 0.0),
-        DVec3::new(0.4, -0.4, 0.0),
-        DVec3::new(0.0, 0.4, 0.0),
-    ];
+    let square =
+        [DVec3::new(-0.4, -0.4, 0.0), DVec3::new(0.4, -0.4, 0.0), DVec3::new(0.0, 0.4, 0.0)];
     let shared = mesh(&square, vec![[0, 1, 2]]);
     let places = (0..81).map(|k| DVec3::new(f64::from(k % 9 - 4), f64::from(k / 9 - 4), 0.0));
     let objects: Vec<Object> = places
@@ -82,9 +76,6 @@ fn an_end_below_the_normal_numbers_ends_neighbours_too() {
         })
         .collect();
     assert_eq!(checked(&scene, &rays), 0);
-    let whole: Vec<Ray> = rays
-        .iter()
-        .map(|ray| Ray::new(ray.origin, ray.direction))
-        .collect();
+    let whole: Vec<Ray> = rays.iter().map(|ray| Ray::new(ray.origin, ray.direction)).collect();
     assert!(checked(&scene, &whole) > 0);
 }

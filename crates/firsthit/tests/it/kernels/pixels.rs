@@ -19,11 +19,7 @@ pub(super) fn cameras(middle: DVec3, size: f64, numbers: &mut Numbers) -> Vec<Ca
         let parallel = [false, true][k / 4 % 2];
         let ray_start = [RayStart::Eye, RayStart::Viewplane][k % 2];
         let focal_length = size * [0.5, 0.01, 1.0][k % 3];
-        let wide = if parallel {
-            2.0 * size
-        } else {
-            focal_length * [1.0, 3.0][k % 2]
-        };
+        let wide = if parallel { 2.0 * size } else { focal_length * [1.0, 3.0][k % 2] };
         let view = View {
             position,
             aim: middle + 0.3 * size * numbers.point() - position,
@@ -67,11 +63,7 @@ fn cameras_on_soups() {
         let (points, triangles) = soup([12, 60][round as usize / 8], &mut numbers);
         let points = placed(&points, scale, offset);
         let scene = Scene::new(vec![Object::new(mesh(&points, triangles))]).unwrap();
-        for camera in cameras(
-            placed(&[DVec3::ZERO], scale, offset)[0],
-            scale,
-            &mut numbers,
-        ) {
+        for camera in cameras(placed(&[DVec3::ZERO], scale, offset)[0], scale, &mut numbers) {
             hits += checked(&scene, &camera);
         }
     }
@@ -107,10 +99,7 @@ fn cameras_whose_directions_have_tiny_parts() {
             let scene = Scene::new(vec![Object::new(mesh(&points, grid(SIDE)))]).unwrap();
             for parallel in [false, true] {
                 let camera = Camera::new(View {
-                    lens: Lens::Flat(Viewplane {
-                        parallel,
-                        ..*view.lens.viewplane().unwrap()
-                    }),
+                    lens: Lens::Flat(Viewplane { parallel, ..*view.lens.viewplane().unwrap() }),
                     ..view
                 })
                 .unwrap();
@@ -190,10 +179,7 @@ fn a_grid_looked_at_through_its_corners() {
     let camera = Camera::new(view).unwrap();
     assert_eq!(checked(&scene, &camera), camera.pixels());
     let perspective = View {
-        lens: Lens::Flat(Viewplane {
-            parallel: false,
-            ..*view.lens.viewplane().unwrap()
-        }),
+        lens: Lens::Flat(Viewplane { parallel: false, ..*view.lens.viewplane().unwrap() }),
         ..view
     };
     let camera = Camera::new(perspective).unwrap();
@@ -256,21 +242,9 @@ fn small_triangles_of_a_large_mesh() {
 #[test]
 fn a_hit_that_was_missed() {
     let points = [
-        [
-            0.415_942_341_089_248_66,
-            -0.082_274_191_081_523_9,
-            0.213_607_579_469_680_8,
-        ],
-        [
-            0.106_766_365_468_502_04,
-            -0.139_673_843_979_835_5,
-            -0.095_042_109_489_440_92,
-        ],
-        [
-            0.507_356_464_862_823_5,
-            -0.078_884_229_063_987_73,
-            -0.038_143_336_772_918_7,
-        ],
+        [0.415_942_341_089_248_66, -0.082_274_191_081_523_9, 0.213_607_579_469_680_8],
+        [0.106_766_365_468_502_04, -0.139_673_843_979_835_5, -0.095_042_109_489_440_92],
+        [0.507_356_464_862_823_5, -0.078_884_229_063_987_73, -0.038_143_336_772_918_7],
     ];
     let view = View {
         position: DVec3::new(
@@ -278,16 +252,8 @@ fn a_hit_that_was_missed() {
             -0.935_654_926_744_804_9,
             -42.573_441_264_255_03,
         ),
-        aim: DVec3::new(
-            0.363_536_567_681_311_1,
-            0.864_299_486_757_506_2,
-            0.347_602_590_826_367_1,
-        ),
-        up: DVec3::new(
-            -0.790_571_125_573_886_3,
-            0.549_241_633_474_654_6,
-            0.270_796_830_607_249_7,
-        ),
+        aim: DVec3::new(0.363_536_567_681_311_1, 0.864_299_486_757_506_2, 0.347_602_590_826_367_1),
+        up: DVec3::new(-0.790_571_125_573_886_3, 0.549_241_633_474_654_6, 0.270_796_830_607_249_7),
         rows: 16,
         columns: 16,
         lens: Lens::Flat(Viewplane {
@@ -348,10 +314,8 @@ fn meshes_with_other_orders_side_by_side() {
     let backwards: Vec<[u32; 3]> = triangles.iter().rev().copied().collect();
     let beside: Vec<DVec3> = points.iter().map(|p| *p + 2.0 * DVec3::X).collect();
     let beside: Vec<DVec3> = beside.iter().map(single).collect();
-    let objects = vec![
-        Object::new(mesh(&points, triangles)),
-        Object::new(mesh(&beside, backwards)),
-    ];
+    let objects =
+        vec![Object::new(mesh(&points, triangles)), Object::new(mesh(&beside, backwards))];
     let scene = Scene::new(objects).unwrap();
     let mut hits = 0;
     for columns in [40, 64, 150] {
@@ -368,9 +332,8 @@ fn meshes_with_other_orders_side_by_side() {
             ..View::default()
         };
         let camera = Camera::new(view).unwrap();
-        let rays: Vec<Ray> = (0..columns * columns / 2)
-            .map(|k| camera.ray(k / columns, k % columns))
-            .collect();
+        let rays: Vec<Ray> =
+            (0..columns * columns / 2).map(|k| camera.ray(k / columns, k % columns)).collect();
         hits += checked(&scene, &camera) + checked(&scene, &rays);
     }
     assert!(hits > 5_000, "{hits}");

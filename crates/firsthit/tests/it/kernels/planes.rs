@@ -34,12 +34,9 @@ fn same(one: &Hit, other: &Hit) {
 #[test]
 fn of_many_triangles_in_one_plane_the_lowest_is_met_and_rays_that_leave_them_meet_none() {
     let mut numbers = Numbers::new(31);
-    for (slope, is_fan) in [
-        ([0.0, 0.0], false),
-        ([0.0, 0.0], true),
-        ([0.5, 0.25], false),
-        ([0.5, 0.25], true),
-    ] {
+    for (slope, is_fan) in
+        [([0.0, 0.0], false), ([0.0, 0.0], true), ([0.5, 0.25], false), ([0.5, 0.25], true)]
+    {
         let count = 150;
         let scene = sheet(count, slope, is_fan, &mut numbers);
         let eye = DVec3::new(0.3, -1.0, 2.0);

@@ -27,9 +27,7 @@ fn shape(k: usize, centre: DVec3, scale: f64, numbers: &mut Numbers) -> Shape {
         2 => Cylinder::new(centre, centre + axis, radius).unwrap().into(),
         3 => {
             let top = [0.0, 0.3, 1.5][k / 7 % 3] * radius;
-            Cone::new(centre, centre + axis, radius, top)
-                .unwrap()
-                .into()
+            Cone::new(centre, centre + axis, radius, top).unwrap().into()
         }
         6 if k % 14 == 6 => Plane::new(centre, axis).unwrap().into(),
         _ => Disc::new(centre, axis, radius).unwrap().into(),
@@ -105,9 +103,8 @@ fn shapes_of_every_kind_with_and_without_meshes() {
             let mut numbers = Numbers::new((100 * round + count) as u64);
             let bumpy = has_meshes.then_some(&bumpy);
             let scene = Scene::new(objects(count, place, bumpy, &mut numbers)).unwrap();
-            let places: Vec<DVec3> = (0..40)
-                .map(|_| placed(&[1.5 * numbers.point()], scale, offset)[0])
-                .collect();
+            let places: Vec<DVec3> =
+                (0..40).map(|_| placed(&[1.5 * numbers.point()], scale, offset)[0]).collect();
             let middle = placed(&[DVec3::ZERO], scale, offset)[0];
             for (k, camera) in cameras(middle, scale, &mut numbers).iter().enumerate() {
                 if k % PLACES.len() == round || (count == 11 && is_full()) {
@@ -115,18 +112,14 @@ fn shapes_of_every_kind_with_and_without_meshes() {
                 }
                 if (k + 1) % PLACES.len() == round {
                     // As an array.
-                    let array: Vec<Ray> = (0..Rays::len(camera))
-                        .map(|k| Rays::ray(camera, k))
-                        .collect();
+                    let array: Vec<Ray> =
+                        (0..Rays::len(camera)).map(|k| Rays::ray(camera, k)).collect();
                     hits += checked(&scene, &array);
                 }
             }
             hits += checked(&scene, &beams(&places, scale, cases(60), &mut numbers));
             hits += checked(&scene, &rays(&places, scale, cases(300), &mut numbers));
-            hits += checked(
-                &scene,
-                &short_rays(&places, scale, cases(300), &mut numbers),
-            );
+            hits += checked(&scene, &short_rays(&places, scale, cases(300), &mut numbers));
         }
     }
     assert!(hits > cases(30_000), "{hits}");
@@ -163,9 +156,8 @@ fn flat_cones_are_met_alike_side_by_side_and_alone() {
             for object in [Object::new(cone), placed] {
                 let scene = Scene::new(vec![object]).unwrap();
                 let from = 3.0 * axis + numbers.point();
-                let rays: Vec<Ray> = (0..2000)
-                    .map(|_| Ray::new(from, 1.5 * numbers.point() - from))
-                    .collect();
+                let rays: Vec<Ray> =
+                    (0..2000).map(|_| Ray::new(from, 1.5 * numbers.point() - from)).collect();
                 assert!(checked(&scene, &rays) > 100);
             }
         }
@@ -195,10 +187,7 @@ fn leaving(scene: &Scene, starts: &[Ray], numbers: &mut Numbers) -> (Vec<Ray>, V
             (true, 2) => filter.only = Some(hit.object + 1),
             (true, 3) => {
                 filter.departure = None;
-                filter.skip[0] = Some(SurfaceId {
-                    object: hit.object,
-                    primitive: hit.primitive,
-                });
+                filter.skip[0] = Some(SurfaceId { object: hit.object, primitive: hit.primitive });
             }
             (true, 4) => filter.mask = 0,
             _ => {}
@@ -246,9 +235,8 @@ fn rays_that_leave_shapes_side_by_side() {
                 *object = object.clone().masked(0b10);
             }
             let scene = Scene::new(objects).unwrap();
-            let places: Vec<DVec3> = (0..40)
-                .map(|_| placed(&[1.5 * numbers.point()], scale, offset)[0])
-                .collect();
+            let places: Vec<DVec3> =
+                (0..40).map(|_| placed(&[1.5 * numbers.point()], scale, offset)[0]).collect();
             let starts = beams(&places, scale, 200, &mut numbers);
             let (rays, filters) = leaving(&scene, &starts, &mut numbers);
             met += checked_filtered(&scene, &rays, &filters);
@@ -290,9 +278,8 @@ fn shapes_that_touch_are_met_in_the_same_order_side_by_side() {
                 met += checked(&scene, camera);
                 let longer = |k| Rays::ray(camera, k);
                 let longer = (0..Rays::len(camera)).map(longer);
-                let longer: Vec<Ray> = longer
-                    .map(|ray| Ray::new(ray.origin, 1e120 * ray.direction))
-                    .collect();
+                let longer: Vec<Ray> =
+                    longer.map(|ray| Ray::new(ray.origin, 1e120 * ray.direction)).collect();
                 met += checked(&scene, &longer);
             }
         }

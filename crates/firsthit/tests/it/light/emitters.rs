@@ -12,10 +12,7 @@ use firsthit::{
 use super::{matte, means, quad, seen, shader};
 
 fn glowing(color: f64, emission: f64) -> Material {
-    Material {
-        emission: Color::splat(emission),
-        ..matte(color)
-    }
+    Material { emission: Color::splat(emission), ..matte(color) }
 }
 
 fn ball(radius: f64, material: Material) -> Object {
@@ -52,10 +49,7 @@ fn copies_of_a_lamp_do_not_shine_twice() {
         assert!(expected > 0.1);
         for lamps in [vec![double.clone()], vec![single.clone(); 3]] {
             let got = lit(lamps);
-            assert!(
-                (got / expected - 1.0).abs() < 0.01,
-                "{name}: {got} {expected}"
-            );
+            assert!((got / expected - 1.0).abs() < 0.01, "{name}: {got} {expected}");
         }
     }
 }
@@ -66,11 +60,7 @@ fn within_a_glowing_ball_light_comes_from_everywhere() {
     for name in ["direct", "path"] {
         let floor = quad(0.0, 1.0).with_materials([matte(0.6)]);
         let scene = Scene::new(vec![ball(10.0, glowing(0.0, 1.0)), floor]).unwrap();
-        let depth = if name == "path" {
-            &[("depth", 1.0)][..]
-        } else {
-            &[]
-        };
+        let depth = if name == "path" { &[("depth", 1.0)][..] } else { &[] };
         let got = means(&scene, shader(name, depth), &DOWN, 2048)[0].x;
         assert!((got - 0.6).abs() < 0.005, "{name}: {got}");
     }
@@ -89,11 +79,7 @@ fn the_wall_of_a_glowing_ball_lights_itself() {
         })
         .collect();
     for name in ["direct", "path"] {
-        let depth = if name == "path" {
-            &[("depth", 1.0)][..]
-        } else {
-            &[]
-        };
+        let depth = if name == "path" { &[("depth", 1.0)][..] } else { &[] };
         let got = means(&scene, shader(name, depth), &rays, 512);
         let mean = got.iter().map(|color| color.x).sum::<f64>() / 64.0;
         assert!((mean - 1.45).abs() < 0.003, "{name}: {mean}");
@@ -106,17 +92,9 @@ fn the_wall_of_a_glowing_ball_lights_itself() {
 /// A material that is shown as it is gives no light, be it lit, met or seen in a mirror (glTF's `KHR_materials_unlit`).
 #[test]
 fn what_is_unlit_does_not_emit() {
-    let unlit = Material {
-        unlit: true,
-        ..glowing(0.5, 7.0)
-    };
+    let unlit = Material { unlit: true, ..glowing(0.5, 7.0) };
     let mirror = Material {
-        model: MetalRough {
-            metallic: 1.0,
-            roughness: 0.0,
-            ..MetalRough::default()
-        }
-        .into(),
+        model: MetalRough { metallic: 1.0, roughness: 0.0, ..MetalRough::default() }.into(),
         ..Material::colored(Color::ONE)
     };
     let above = quad(2.0, 9.0).with_materials([unlit]);
@@ -124,11 +102,7 @@ fn what_is_unlit_does_not_emit() {
         let scene = Scene::new(vec![quad(0.0, 9.0).with_materials([floor]), above.clone()]);
         let scene = scene.unwrap();
         for name in ["path", "whitted"] {
-            let settings = if name == "whitted" {
-                &[]
-            } else {
-                &[("depth", 2.0)][..]
-            };
+            let settings = if name == "whitted" { &[] } else { &[("depth", 2.0)][..] };
             let mut shader = shader(name, settings);
             if name == "whitted" {
                 let black = firsthit::geometry::Value::Vector(DVec3::ZERO);
@@ -144,12 +118,8 @@ fn what_is_unlit_does_not_emit() {
 #[test]
 fn a_clear_coat_dims_the_emission_below_it() {
     let coated = Material {
-        model: MetalRough {
-            clearcoat: 1.0,
-            clearcoat_roughness: 0.5,
-            ..MetalRough::default()
-        }
-        .into(),
+        model: MetalRough { clearcoat: 1.0, clearcoat_roughness: 0.5, ..MetalRough::default() }
+            .into(),
         ..glowing(0.0, 1.0)
     };
     let scene = Scene::new(vec![quad(0.0, 9.0).with_materials([coated])]).unwrap();
@@ -160,10 +130,7 @@ fn a_clear_coat_dims_the_emission_below_it() {
         let expected = 1.0 - 0.04 - 0.96 * libm::pow(1.0 - cosine, 5.0);
         for name in ["direct", "path", "whitted"] {
             let got = means(&scene, shader(name, &[]), &ray, 1)[0].x;
-            assert!(
-                (got - expected).abs() < 1e-12,
-                "{name} {degrees}: {got} {expected}"
-            );
+            assert!((got - expected).abs() < 1e-12, "{name} {degrees}: {got} {expected}");
         }
     }
 }
@@ -174,10 +141,7 @@ fn all_light_of_a_near_lamp_is_missing_on_the_ground() {
     let lamp = quad(0.1, 1.0).with_materials([glowing(0.0, 1.0)]);
     let lid = quad(0.05, 30.0).with_materials([matte(0.0)]);
     let scene = Scene::new(vec![lamp, lid]).unwrap();
-    let ground = Ground {
-        point: DVec3::ZERO,
-        up: DVec3::Z,
-    };
+    let ground = Ground { point: DVec3::ZERO, up: DVec3::Z };
     let shading = Shading {
         background: Background::Uniform(Color::ONE),
         ground: Some(ground),
@@ -230,16 +194,9 @@ fn a_translucent_sphere_emits_with_its_back_too() {
     let scene = Scene::new(vec![floor, sphere]).unwrap();
     let expected = (opacity + (1.0 - opacity) * opacity) / 9.0;
     for name in ["direct", "path"] {
-        let depth = if name == "path" {
-            &[("depth", 1.0)][..]
-        } else {
-            &[]
-        };
+        let depth = if name == "path" { &[("depth", 1.0)][..] } else { &[] };
         let got = means(&scene, shader(name, depth), &DOWN, 8192)[0].x;
-        assert!(
-            (got / expected - 1.0).abs() < 0.02,
-            "{name}: {got} {expected}"
-        );
+        assert!((got / expected - 1.0).abs() < 0.02, "{name}: {got} {expected}");
     }
 }
 
@@ -251,22 +208,14 @@ fn direct_light_of_a_near_ceiling_has_little_noise() {
     let scene = Scene::new(vec![floor, ceiling]).unwrap();
     let shading = shader("direct", &[]).on(&scene);
     let (mean, error) = seen(&shading, &DOWN, 256)[0];
-    assert!(
-        (mean.x - 1.0).abs() < 0.02 && error.x < 0.02,
-        "{mean} {error}"
-    );
+    assert!((mean.x - 1.0).abs() < 0.02 && error.x < 0.02, "{mean} {error}");
 }
 
 /// A lamp that lies in its ceiling, as far as numbers can say so: the ceiling does not hide it. Level, tilted, and far from the origin.
 #[test]
 fn lights_in_a_surface_are_not_hidden_by_it() {
     let tilt = DMat3::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 0.7);
-    for (turn, far) in [
-        (DMat3::IDENTITY, 0.0),
-        (tilt, 0.0),
-        (tilt, 1e3),
-        (tilt, 5e5),
-    ] {
+    for (turn, far) in [(DMat3::IDENTITY, 0.0), (tilt, 0.0), (tilt, 1e3), (tilt, 5e5)] {
         let place = |p: DVec3| turn * p + DVec3::splat(far);
         let level = |height: f64, half: f64, color: f64| {
             let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
@@ -285,33 +234,20 @@ fn lights_in_a_surface_are_not_hidden_by_it() {
             edge_v: turn * DVec3::new(2.0, 0.0, 0.0),
             emission: Color::ONE,
         };
-        let point = firsthit::scene::PointLight {
-            position: center,
-            intensity: Color::ONE,
-        };
-        let ray = [Ray::new(
-            place(DVec3::new(0.0, 0.0, 1.0)),
-            turn * DVec3::NEG_Z,
-        )];
+        let point = firsthit::scene::PointLight { position: center, intensity: Color::ONE };
+        let ray = [Ray::new(place(DVec3::new(0.0, 0.0, 1.0)), turn * DVec3::NEG_Z)];
         for light in [firsthit::Light::from(rectangle), point.into()] {
             for name in ["direct", "path", "whitted", "lambert"] {
                 let lit = |ceiling: Option<Object>| {
                     let all = [Some(level(0.0, 9.0, 0.8)), ceiling];
                     let scene = Scene::new(all.into_iter().flatten().collect()).unwrap();
                     let scene = scene.with_lights(vec![light]);
-                    let depth = if name == "path" {
-                        &[("depth", 1.0)][..]
-                    } else {
-                        &[]
-                    };
+                    let depth = if name == "path" { &[("depth", 1.0)][..] } else { &[] };
                     means(&scene, shader(name, depth), &ray, 256)[0].x
                 };
                 let (open, under) = (lit(None), lit(Some(level(2.3, 5.0, 0.0))));
                 assert!(open > 0.05);
-                assert!(
-                    (under / open - 1.0).abs() < 1e-3,
-                    "{name} {far}: {under} {open}"
-                );
+                assert!((under / open - 1.0).abs() < 1e-3, "{name} {far}: {under} {open}");
             }
         }
     }

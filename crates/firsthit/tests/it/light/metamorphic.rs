@@ -50,10 +50,8 @@ fn camera(size: f64) -> Camera {
 }
 
 fn colors(scene: &Scene, shader: Shader, camera: &Camera, samples: u32) -> Vec<f32> {
-    let shading = Shading {
-        background: Background::Uniform(Color::new(0.1, 0.2, 0.3)),
-        ..shader.on(scene)
-    };
+    let shading =
+        Shading { background: Background::Uniform(Color::new(0.1, 0.2, 0.3)), ..shader.on(scene) };
     picture(scene, &shading, camera, samples, None)
 }
 
@@ -65,11 +63,7 @@ fn picture(
     region: Option<Region>,
 ) -> Vec<f32> {
     let kinds = [channel::kind("color").unwrap()];
-    let picture = Picture {
-        samples,
-        region,
-        ..Picture::new(scene, camera, shade, &kinds)
-    };
+    let picture = Picture { samples, region, ..Picture::new(scene, camera, shade, &kinds) };
     let frame = picture.render(&()).unwrap();
     match &frame.channels()[0].data {
         firsthit::image::Data::Float32(values) => values.clone(),
@@ -87,10 +81,7 @@ fn a_light_twice_as_strong_makes_a_picture_twice_as_bright_bit_for_bit() {
         let dark = |scene: &Scene| {
             let mut shader = Shader::named(name).unwrap();
             let _ = shader.set("ambient", firsthit::geometry::Value::Number(0.0));
-            let shading = Shading {
-                background: Background::default(),
-                ..shader.on(scene)
-            };
+            let shading = Shading { background: Background::default(), ..shader.on(scene) };
             picture(scene, &shading, &camera(1.0), 4, None)
         };
         let once = dark(&lit(vec![lamp(1.0, 1.0), sun(1.0)]));
@@ -104,24 +95,12 @@ fn a_light_twice_as_strong_makes_a_picture_twice_as_bright_bit_for_bit() {
 
 #[test]
 fn two_lights_are_the_sum_bit_for_bit() {
-    let scenes = [
-        vec![lamp(1.0, 1.0)],
-        vec![sun(1.0)],
-        vec![lamp(1.0, 1.0), sun(1.0)],
-    ]
-    .map(lit);
-    let rays: Vec<_> = (0..24 * 32)
-        .map(|k| camera(1.0).ray(k / 32, k % 32))
-        .collect();
+    let scenes = [vec![lamp(1.0, 1.0)], vec![sun(1.0)], vec![lamp(1.0, 1.0), sun(1.0)]].map(lit);
+    let rays: Vec<_> = (0..24 * 32).map(|k| camera(1.0).ray(k / 32, k % 32)).collect();
     let black = |scene: &Scene| -> Vec<Color> {
-        let shading = Shading {
-            background: Background::default(),
-            ..shader("direct", &[]).on(scene)
-        };
-        seen(&shading, &rays, 1)
-            .into_iter()
-            .map(|(mean, _)| mean)
-            .collect()
+        let shading =
+            Shading { background: Background::default(), ..shader("direct", &[]).on(scene) };
+        seen(&shading, &rays, 1).into_iter().map(|(mean, _)| mean).collect()
     };
     let [one, other, both] = scenes.map(|scene| black(&scene));
     for ((one, other), both) in one.iter().zip(&other).zip(&both) {
@@ -154,10 +133,7 @@ fn a_scene_a_thousand_times_as_large_looks_the_same_bit_for_bit() {
 fn glass_of_index_one_is_invisible() {
     let scene = lit(vec![sun(1.0)]);
     let clear = Material {
-        model: Model::Glass(Glass {
-            ior: 1.0,
-            ..Glass::default()
-        }),
+        model: Model::Glass(Glass { ior: 1.0, ..Glass::default() }),
         ..Material::default()
     };
     let pane = Cuboid::new(DVec3::new(-3.0, -3.0, 0.5), DVec3::new(3.0, -2.9, 4.0)).unwrap();
@@ -167,9 +143,7 @@ fn glass_of_index_one_is_invisible() {
     let whitted = || shader("whitted", &[("shadows", 0.0)]);
     let _ = whitted;
     let mut shader = Shader::named("whitted").unwrap();
-    shader
-        .set("shadows", firsthit::geometry::Value::Flag(false))
-        .unwrap();
+    shader.set("shadows", firsthit::geometry::Value::Flag(false)).unwrap();
     let without = colors(&scene, shader.clone(), &camera(1.0), 1);
     let with = colors(&with_pane, shader, &camera(1.0), 1);
     for (with, without) in with.iter().zip(&without) {
@@ -192,9 +166,7 @@ fn a_mirror_shows_what_the_mirrored_camera_sees() {
     let mut with_wall = objects(1.0);
     with_wall.push(Object::new(wall).with_materials([mirror]));
     let mut shader = Shader::named("whitted").unwrap();
-    shader
-        .set("shadows", firsthit::geometry::Value::Flag(false))
-        .unwrap();
+    shader.set("shadows", firsthit::geometry::Value::Flag(false)).unwrap();
     let [from, to] = [DVec3::new(1.0, -6.0, 3.0), DVec3::new(0.5, -8.0, 2.2)];
     let look = |from, to| Camera::look_at(from, to, DVec3::Z, 45.0, 24, 32).unwrap();
     let mirrored = |point: DVec3| DVec3::new(point.x, -16.0 - point.y, point.z);
@@ -204,22 +176,14 @@ fn a_mirror_shows_what_the_mirrored_camera_sees() {
         &look(from, to),
         1,
     );
-    let direct = colors(
-        &lit(vec![sun(1.0)]),
-        shader,
-        &look(mirrored(from), mirrored(to)),
-        1,
-    );
+    let direct = colors(&lit(vec![sun(1.0)]), shader, &look(mirrored(from), mirrored(to)), 1);
     // What is right in one is left in the other.
     for row in 0..24 {
         for column in 0..32 {
             for axis in 0..3 {
                 let [here, there] = [column, 31 - column].map(|c| 3 * (32 * row + c) + axis);
                 let (seen, direct) = (seen[here], direct[there]);
-                assert!(
-                    (seen - direct).abs() < 2e-5,
-                    "{row} {column}: {seen} {direct}"
-                );
+                assert!((seen - direct).abs() < 2e-5, "{row} {column}: {seen} {direct}");
             }
         }
     }
@@ -233,19 +197,13 @@ fn one_scattering_is_direct_light_on_average() {
         up: DVec3::Z,
     });
     let scene = lit(vec![lamp(1.0, 1.0)]).with_environment(Some(Arc::new(sky)));
-    let rays: Vec<_> = (0..24 * 32)
-        .step_by(37)
-        .map(|k| camera(1.0).ray(k / 32, k % 32))
-        .collect();
+    let rays: Vec<_> = (0..24 * 32).step_by(37).map(|k| camera(1.0).ray(k / 32, k % 32)).collect();
     let of = |shader: Shader| seen(&shader.on(&scene), &rays, 1024);
     let direct = of(shader("direct", &[]));
     let path = of(shader("path", &[("depth", 1.0)]));
     for ((one, error), (other, other_error)) in direct.into_iter().zip(path) {
         let off = (one - other).abs();
-        assert!(
-            off.cmple(5.0 * (error + other_error) + 1e-6).all(),
-            "{one} {other} {error}"
-        );
+        assert!(off.cmple(5.0 * (error + other_error) + 1e-6).all(), "{one} {other} {error}");
     }
 }
 
@@ -256,18 +214,12 @@ fn occlusion_is_a_white_scene_under_a_white_sky_on_average() {
     let scene = Scene::new(objects(1.0).into_iter().map(white).collect()).unwrap();
     let sky = Environment::new(EnvironmentKind::Uniform(Color::ONE));
     let scene = scene.with_environment(Some(Arc::new(sky)));
-    let rays: Vec<_> = (0..24 * 32)
-        .step_by(29)
-        .map(|k| camera(1.0).ray(k / 32, k % 32))
-        .collect();
+    let rays: Vec<_> = (0..24 * 32).step_by(29).map(|k| camera(1.0).ray(k / 32, k % 32)).collect();
     let [occlusion, direct] =
         ["ao", "direct"].map(|name| seen(&shader(name, &[]).on(&scene), &rays, 1024));
     for ((one, error), (other, other_error)) in occlusion.into_iter().zip(direct) {
         let off = (one - other).abs();
-        assert!(
-            off.cmple(5.0 * (error + other_error) + 1e-6).all(),
-            "{one} {other}"
-        );
+        assert!(off.cmple(5.0 * (error + other_error) + 1e-6).all(), "{one} {other}");
     }
 }
 
@@ -283,10 +235,7 @@ fn bytes_are_the_same_for_any_threads_regions_and_splits_of_the_samples() {
             let again = on_threads(threads, || picture(&scene, &shading, &camera, 5, None));
             assert!(again == whole, "{name} {threads}");
         }
-        let region = Region {
-            rows: 5..17,
-            columns: 3..30,
-        };
+        let region = Region { rows: 5..17, columns: 3..30 };
         let part = picture(&scene, &shading, &camera, 5, Some(region));
         for (row, part) in part.chunks(27 * 3).enumerate() {
             let first = 3 * (32 * (5 + row) + 3);
@@ -309,37 +258,24 @@ fn bytes_are_the_same_for_any_threads_regions_and_splits_of_the_samples() {
 /// A closed furnace: where all walls shine with 1 - rho and reflect rho, everything is 1.
 #[test]
 fn energy_is_neither_made_nor_lost_in_a_furnace() {
-    let walls = Material {
-        emission: Color::splat(0.4),
-        ..Material::colored(Color::splat(0.6))
-    };
+    let walls = Material { emission: Color::splat(0.4), ..Material::colored(Color::splat(0.6)) };
     let room = Cuboid::new(DVec3::splat(-3.0), DVec3::splat(3.0)).unwrap();
     let ball = Sphere::new(DVec3::new(0.5, 0.0, 0.0), 1.0).unwrap();
     let objects =
         [Object::new(room), Object::new(ball)].map(|object| object.with_materials([walls.clone()]));
     let scene = Scene::new(objects.into()).unwrap();
-    let rays = [
-        DVec3::X,
-        DVec3::new(-0.3, 0.5, 0.2),
-        DVec3::new(0.1, 0.2, -0.9),
-    ];
+    let rays = [DVec3::X, DVec3::new(-0.3, 0.5, 0.2), DVec3::new(0.1, 0.2, -0.9)];
     let rays = rays.map(|towards| firsthit::Ray::new(DVec3::new(-2.0, 0.3, 0.1), towards));
     let shading = shader("path", &[("depth", 64.0), ("roulette", 64.0)]).on(&scene);
     for (mean, error) in seen(&shading, &rays, 512) {
-        assert!(
-            (mean.x - 1.0).abs() < 5.0 * error.x + 1e-3,
-            "{mean} {error}"
-        );
+        assert!((mean.x - 1.0).abs() < 5.0 * error.x + 1e-3, "{mean} {error}");
     }
 }
 
 /// Walls of white plastic, of colour 0.98, that shine a little: each way of light adds what the last left, and no more.
 #[test]
 fn light_in_a_closed_box_of_white_plastic_does_not_grow() {
-    let model = |roughness| MetalRough {
-        roughness,
-        ..MetalRough::default()
-    };
+    let model = |roughness| MetalRough { roughness, ..MetalRough::default() };
     let room = Cuboid::new(DVec3::splat(-3.0), DVec3::splat(3.0)).unwrap();
     let ray = firsthit::Ray::new(DVec3::new(-2.0, 0.3, 0.1), DVec3::new(-0.3, 0.5, 0.2));
     for roughness in [0.1, 0.5] {
@@ -366,30 +302,18 @@ fn a_picture_with_light_below_zero_is_refused_whoever_gave_it() {
         let kinds = [channel::kind("color").unwrap()];
         let camera = camera(1.0);
         let picture = Picture::new(scene, &camera, &shading, &kinds);
-        picture
-            .render(&())
-            .map(drop)
-            .map_err(|error| error.to_string())
+        picture.render(&()).map(drop).map_err(|error| error.to_string())
     };
     let color = "a colour of finite numbers that are not negative";
     let message = picture(&lit(vec![sun(1.0), sun(-1.0)])).unwrap_err();
-    assert!(
-        message.starts_with(&format!("color must be {color}")),
-        "{message}"
-    );
+    assert!(message.starts_with(&format!("color must be {color}")), "{message}");
     let message = picture(&lit(vec![lamp(1.0, f64::NAN)])).unwrap_err();
     assert!(message.contains(color), "{message}");
-    let dark = Material {
-        emission: Color::new(0.0, -0.1, 0.0),
-        ..Material::default()
-    };
+    let dark = Material { emission: Color::new(0.0, -0.1, 0.0), ..Material::default() };
     let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
     let dark = Scene::new(vec![Object::new(ball).with_materials([dark])]).unwrap();
     let message = picture(&dark).unwrap_err();
-    assert!(
-        message.starts_with(&format!("emission must be {color}")),
-        "{message}"
-    );
+    assert!(message.starts_with(&format!("emission must be {color}")), "{message}");
     assert!(picture(&lit(vec![sun(0.0)])).is_ok());
     let mut light = Light::named("point").unwrap();
     let value = firsthit::geometry::Value::Number(-1.0);

@@ -18,10 +18,7 @@ fn matte(color: f64) -> Material {
 fn quad(height: f64, half: f64) -> Object {
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
     let corners = corners.map(|[x, y]| [x, y, height]);
-    let mesh = Mesh::new(
-        Positions::compact(corners.to_vec()),
-        vec![[0, 1, 2], [0, 2, 3]],
-    );
+    let mesh = Mesh::new(Positions::compact(corners.to_vec()), vec![[0, 1, 2], [0, 2, 3]]);
     Object::new(std::sync::Arc::new(mesh.unwrap()))
 }
 
@@ -29,9 +26,7 @@ fn quad(height: f64, half: f64) -> Object {
 fn shader(name: &str, settings: &[(&str, f64)]) -> Shader {
     let mut shader = Shader::named(name).unwrap();
     for &(name, value) in settings {
-        shader
-            .set(name, firsthit::geometry::Value::Number(value))
-            .unwrap();
+        shader.set(name, firsthit::geometry::Value::Number(value)).unwrap();
     }
     shader
 }
@@ -43,13 +38,7 @@ fn seen(shading: &Shading<'_>, rays: &[Ray], samples: u32) -> Vec<(Color, Color)
     let pixels: Vec<u64> = (0..rays.len() as u64).collect();
     let mut sums = vec![(Color::ZERO, Color::ZERO); rays.len()];
     for sample in 0..samples {
-        let batch = Samples {
-            rays,
-            hits: &hits,
-            pixels: &pixels,
-            sample,
-            cull: None,
-        };
+        let batch = Samples { rays, hits: &hits, pixels: &pixels, sample, cull: None };
         let mut colors = vec![Color::ZERO; rays.len()];
         let mut coverage = vec![1.0; rays.len()];
         shading.shade_all(&batch, &mut colors, &mut coverage);
@@ -69,10 +58,7 @@ fn seen(shading: &Shading<'_>, rays: &[Ray], samples: u32) -> Vec<(Color, Color)
 
 /// The means alone.
 fn means(scene: &Scene, shader: Shader, rays: &[Ray], samples: u32) -> Vec<Color> {
-    let shading = Shading {
-        background: firsthit::Background::default(),
-        ..shader.on(scene)
-    };
+    let shading = Shading { background: firsthit::Background::default(), ..shader.on(scene) };
     let seen = seen(&shading, rays, samples);
     seen.into_iter().map(|(mean, _)| mean).collect()
 }

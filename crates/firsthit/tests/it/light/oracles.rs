@@ -17,9 +17,7 @@ use serde_json::Value;
 use super::{matte, means, seen, shader};
 
 fn folder() -> PathBuf {
-    [env!("CARGO_MANIFEST_DIR"), "../../../shared/light/public"]
-        .iter()
-        .collect()
+    [env!("CARGO_MANIFEST_DIR"), "../../../shared/light/public"].iter().collect()
 }
 
 struct Case {
@@ -38,9 +36,7 @@ fn case(name: &str) -> Case {
     let rays = json["rays"].as_array().unwrap().iter();
     let expected = json["expected"].as_array().unwrap().iter();
     Case {
-        rays: rays
-            .map(|ray| Ray::new(triple(ray, 0), triple(ray, 3)))
-            .collect(),
+        rays: rays.map(|ray| Ray::new(triple(ray, 0), triple(ray, 3))).collect(),
         expected: expected.map(|color| triple(color, 0)).collect(),
         json,
     }
@@ -49,10 +45,7 @@ fn case(name: &str) -> Case {
 impl Case {
     fn scene(&self) -> Scene {
         let path = folder().join(self.json["file"].as_str().unwrap());
-        load(&path, &LoadSettings::default())
-            .unwrap()
-            .into_scene()
-            .unwrap()
+        load(&path, &LoadSettings::default()).unwrap().into_scene().unwrap()
     }
 
     fn samples(&self) -> u32 {
@@ -64,10 +57,7 @@ impl Case {
         for ((got, expected), ray) in got.iter().zip(&self.expected).zip(&self.rays) {
             let allowed = number("absolute") + number("relative") * expected.abs();
             let off = (*got - *expected).abs();
-            assert!(
-                off.cmple(allowed).all(),
-                "{ray:?}: {got} instead of {expected}"
-            );
+            assert!(off.cmple(allowed).all(), "{ray:?}: {got} instead of {expected}");
         }
     }
 }
@@ -78,18 +68,10 @@ fn a_sphere_light_on_a_floor() {
     let case = case("02_sphere_light");
     let floor = Plane::new(DVec3::ZERO, DVec3::Z).unwrap();
     let floor = Object::new(floor).with_materials([matte(0.5)]);
-    let light = SphereLight {
-        center: DVec3::new(0.0, 0.0, 2.0),
-        radius: 0.5,
-        emission: Color::splat(3.0),
-    };
-    let lit = Scene::new(vec![floor.clone()])
-        .unwrap()
-        .with_lights(vec![light.into()]);
-    let glowing = Material {
-        emission: Color::splat(3.0),
-        ..matte(0.0)
-    };
+    let light =
+        SphereLight { center: DVec3::new(0.0, 0.0, 2.0), radius: 0.5, emission: Color::splat(3.0) };
+    let lit = Scene::new(vec![floor.clone()]).unwrap().with_lights(vec![light.into()]);
+    let glowing = Material { emission: Color::splat(3.0), ..matte(0.0) };
     let ball = Sphere::new(light.center, 0.5).unwrap();
     let ball = Object::new(ball).with_materials([glowing]);
     let with_ball = Scene::new(vec![floor, ball]).unwrap();
@@ -108,10 +90,10 @@ fn a_square_that_shines() {
     // a little darker.
     let mut objects = case.scene().objects().to_vec();
     for object in &mut objects {
-        let matte = object.materials().iter().map(|material| Material {
-            model: Model::Matte(Matte),
-            ..material.clone()
-        });
+        let matte = object
+            .materials()
+            .iter()
+            .map(|material| Material { model: Model::Matte(Matte), ..material.clone() });
         *object = object.clone().with_materials(matte.collect::<Vec<_>>());
     }
     let scene = Scene::new(objects).unwrap();
@@ -124,12 +106,7 @@ fn a_square_that_shines() {
 #[ignore = "needs ../shared/light"]
 fn ambient_occlusion_beside_a_wall_and_under_a_lid() {
     let case = case("04_ao");
-    case.check(&means(
-        &case.scene(),
-        shader("ao", &[]),
-        &case.rays,
-        case.samples(),
-    ));
+    case.check(&means(&case.scene(), shader("ao", &[]), &case.rays, case.samples()));
 }
 
 #[test]
@@ -139,9 +116,7 @@ fn a_furnace_without_noise() {
     let ball = Sphere::new(DVec3::ZERO, 1.0).unwrap();
     let ball = Object::new(ball).colored(Color::new(0.2, 0.5, 0.9));
     let white = Environment::new(EnvironmentKind::Uniform(Color::ONE));
-    let scene = Scene::new(vec![ball])
-        .unwrap()
-        .with_environment(Some(Arc::new(white)));
+    let scene = Scene::new(vec![ball]).unwrap().with_environment(Some(Arc::new(white)));
     for shader in [shader("direct", &[]), shader("path", &[])] {
         case.check(&means(&scene, shader, &case.rays, case.samples()));
     }
@@ -152,10 +127,7 @@ fn a_furnace_without_noise() {
 fn a_slab_of_glass_before_a_sky() {
     let case = case("07_slab");
     let slab = Cuboid::new(DVec3::new(-50.0, -50.0, -0.1), DVec3::new(50.0, 50.0, 0.1)).unwrap();
-    let glass = Material {
-        model: Model::Glass(Glass::default()),
-        ..Material::default()
-    };
+    let glass = Material { model: Model::Glass(Glass::default()), ..Material::default() };
     let scene = Scene::new(vec![Object::new(slab).with_materials([glass])]).unwrap();
     let sky = Background::Gradient {
         horizon: Color::new(0.2, 0.3, 0.4),
@@ -163,28 +135,15 @@ fn a_slab_of_glass_before_a_sky() {
         up: DVec3::Z,
     };
     let whitted = shader("whitted", &[("depth", 16.0), ("least", 0.0)]);
-    let shading = Shading {
-        background: sky,
-        ..whitted.on(&scene)
-    };
-    let got: Vec<Color> = seen(&shading, &case.rays, 1)
-        .into_iter()
-        .map(|(mean, _)| mean)
-        .collect();
+    let shading = Shading { background: sky, ..whitted.on(&scene) };
+    let got: Vec<Color> = seen(&shading, &case.rays, 1).into_iter().map(|(mean, _)| mean).collect();
     case.check(&got);
-    let shading = Shading {
-        background: sky,
-        ..shader("path", &[("depth", 64.0)]).on(&scene)
-    };
-    for ((mean, error), expected) in seen(&shading, &case.rays, 4096)
-        .into_iter()
-        .zip(&case.expected)
+    let shading = Shading { background: sky, ..shader("path", &[("depth", 64.0)]).on(&scene) };
+    for ((mean, error), expected) in
+        seen(&shading, &case.rays, 4096).into_iter().zip(&case.expected)
     {
         let off = (mean - *expected).abs();
-        assert!(
-            off.cmple(4.0 * error + 1e-6).all(),
-            "{mean} {error} {expected}"
-        );
+        assert!(off.cmple(4.0 * error + 1e-6).all(), "{mean} {error} {expected}");
     }
 }
 
@@ -193,14 +152,9 @@ fn a_slab_of_glass_before_a_sky() {
 fn a_sphere_light_gives_the_square_of_radius_over_distance() {
     let floor =
         Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()).with_materials([matte(1.0)]);
-    let light = SphereLight {
-        center: DVec3::new(0.0, 0.0, 3.0),
-        radius: 1.0,
-        emission: Color::splat(2.0),
-    };
-    let scene = Scene::new(vec![floor])
-        .unwrap()
-        .with_lights(vec![light.into()]);
+    let light =
+        SphereLight { center: DVec3::new(0.0, 0.0, 3.0), radius: 1.0, emission: Color::splat(2.0) };
+    let scene = Scene::new(vec![floor]).unwrap().with_lights(vec![light.into()]);
     let rays = [0.0, 2.0, 5.0].map(|x| Ray::new(DVec3::new(x, 0.0, 0.1), DVec3::NEG_Z));
     let got = means(&scene, shader("direct", &[]), &rays, 256);
     for (got, x) in got.iter().zip([0.0_f64, 2.0, 5.0]) {
@@ -217,9 +171,7 @@ fn discs_and_rectangles_give_what_formulas_say() {
         Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()).with_materials([matte(1.0)]);
     let ray = [Ray::new(DVec3::new(0.0, 0.0, 0.1), DVec3::NEG_Z)];
     let of = |light: Light| {
-        let scene = Scene::new(vec![floor.clone()])
-            .unwrap()
-            .with_lights(vec![light]);
+        let scene = Scene::new(vec![floor.clone()]).unwrap().with_lights(vec![light]);
         means(&scene, shader("direct", &[]), &ray, 1024)[0].x
     };
     let disc = of(Light::from(DiscLight {
@@ -244,22 +196,15 @@ fn discs_and_rectangles_give_what_formulas_say() {
         expected += 4.0 / (squared * squared) * 6.0 / f64::from(cells * cells);
     }
     expected /= std::f64::consts::PI;
-    assert!(
-        (square / expected - 1.0).abs() < 2e-3,
-        "{square} {expected}"
-    );
+    assert!((square / expected - 1.0).abs() < 2e-3, "{square} {expected}");
 }
 
 /// Beside an infinitely long wall of height H at distance a: (1 + a / sqrt(a^2 + H^2)) / 2. The wall is a hundred times as long as it is
 /// high: an end leaves 1e-4.
 #[test]
 fn occlusion_beside_a_wall() {
-    let corners = vec![
-        [0.0, -200.0, 0.0],
-        [0.0, 200.0, 0.0],
-        [0.0, 200.0, 2.0],
-        [0.0, -200.0, 2.0],
-    ];
+    let corners =
+        vec![[0.0, -200.0, 0.0], [0.0, 200.0, 0.0], [0.0, 200.0, 2.0], [0.0, -200.0, 2.0]];
     let wall = Mesh::new(Positions::compact(corners), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
     let floor = Plane::new(DVec3::ZERO, DVec3::Z).unwrap();
     let scene = Scene::new(vec![Object::new(floor), Object::new(Arc::new(wall))]).unwrap();
@@ -281,17 +226,9 @@ fn occlusion_beside_a_wall() {
 #[test]
 fn all_bounces_in_a_sphere_are_a_geometric_series() {
     let ball = Object::new(Sphere::new(DVec3::ZERO, 2.0).unwrap()).with_materials([matte(0.6)]);
-    let lamp = firsthit::scene::PointLight {
-        position: DVec3::ZERO,
-        intensity: Color::ONE,
-    };
-    let scene = Scene::new(vec![ball])
-        .unwrap()
-        .with_lights(vec![lamp.into()]);
-    let ray = [Ray::new(
-        DVec3::new(0.3, 0.1, 0.2),
-        DVec3::new(0.3, -0.5, 0.4),
-    )];
+    let lamp = firsthit::scene::PointLight { position: DVec3::ZERO, intensity: Color::ONE };
+    let scene = Scene::new(vec![ball]).unwrap().with_lights(vec![lamp.into()]);
+    let ray = [Ray::new(DVec3::new(0.3, 0.1, 0.2), DVec3::new(0.3, -0.5, 0.4))];
     let got = means(&scene, shader("path", &[("depth", 200.0)]), &ray, 16_384)[0].x;
     let expected = 0.6 / 0.4 / 4.0;
     assert!((got / expected - 1.0).abs() < 0.01, "{got} {expected}");
@@ -301,10 +238,7 @@ fn all_bounces_in_a_sphere_are_a_geometric_series() {
 fn a_disc_that_shines_is_found_though_it_is_not_drawn() {
     let floor =
         Object::new(Plane::new(DVec3::ZERO, DVec3::Z).unwrap()).with_materials([matte(1.0)]);
-    let glowing = Material {
-        emission: Color::ONE,
-        ..matte(0.0)
-    };
+    let glowing = Material { emission: Color::ONE, ..matte(0.0) };
     let disc = Disc::new(DVec3::new(0.0, 0.0, 2.0), DVec3::NEG_Z, 1.5).unwrap();
     let disc = Object::new(disc).with_materials([glowing]);
     let scene = Scene::new(vec![floor, disc]).unwrap();
@@ -324,10 +258,7 @@ fn metallic_roughness_as_gltf_has_it_where_that_gives_no_more_than_it_gets() {
     for k in [2, 5, 14] {
         assert!(case.rays[k].direction.z.abs() < 0.3);
         let share = got[k] / case.expected[k];
-        assert!(
-            share.max_element() < 0.99 && share.min_element() > 0.75,
-            "{k}: {share}"
-        );
+        assert!(share.max_element() < 0.99 && share.min_element() > 0.75, "{k}: {share}");
         case.expected[k] = got[k];
     }
     case.check(&got);

@@ -52,16 +52,9 @@ fn lidded(floor: Material, has_lid: bool) -> Scene {
 #[test]
 fn without_shadows_nothing_hides_lights() {
     for floor in [rough_metal(), matte(0.7)] {
-        let open = means(
-            &lidded(floor.clone(), false),
-            shader("direct", &[]),
-            &DOWN,
-            8192,
-        )[0]
-        .x;
+        let open = means(&lidded(floor.clone(), false), shader("direct", &[]), &DOWN, 8192)[0].x;
         let mut bare = shader("direct", &[]);
-        bare.set("shadows", firsthit::geometry::Value::Flag(false))
-            .unwrap();
+        bare.set("shadows", firsthit::geometry::Value::Flag(false)).unwrap();
         let hidden = means(&lidded(floor, true), bare, &DOWN, 8192)[0].x;
         assert!((hidden / open - 1.0).abs() < 0.02, "{hidden} {open}");
     }
@@ -75,21 +68,13 @@ fn a_reach_is_that_of_the_environment_alone() {
         let got = means(&lidded(floor.clone(), true), reach.clone(), &DOWN, 256)[0];
         assert_eq!(got, Color::ZERO);
         // What shines beyond it is seen as well.
-        let shining = Material {
-            emission: Color::ONE,
-            ..matte(0.0)
-        };
-        let objects = vec![
-            quad(0.0, 9.0).with_materials([floor]),
-            quad(2.0, 9.0).with_materials([shining]),
-        ];
+        let shining = Material { emission: Color::ONE, ..matte(0.0) };
+        let objects =
+            vec![quad(0.0, 9.0).with_materials([floor]), quad(2.0, 9.0).with_materials([shining])];
         let scene = Scene::new(objects).unwrap();
         let [far, near] = [shader("direct", &[]), reach.clone()]
             .map(|shader| means(&scene, shader, &DOWN, 1024)[0].x);
-        assert!(
-            near > 0.1 && (near / far - 1.0).abs() < 0.01,
-            "{near} {far}"
-        );
+        assert!(near > 0.1 && (near / far - 1.0).abs() < 0.01, "{near} {far}");
     }
 }
 
@@ -115,20 +100,15 @@ fn occlusion_maps_hide_the_environment() {
     let corners = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0]];
     let mesh = Mesh::new(Positions::compact(corners.to_vec()), vec![[0, 1, 2]])
         .and_then(|mesh| {
-            mesh.with_uvs(Attribute::per_vertex(vec![
-                [0.0, 0.0],
-                [1.0, 0.0],
-                [1.0, 1.0],
-            ]))
+            mesh.with_uvs(Attribute::per_vertex(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))
         })
         .unwrap();
     let mesh = Arc::new(mesh);
     for floor in [rough_metal(), matte(0.7)] {
         let of = |material: Material| {
             let object = Object::new(Arc::clone(&mesh)).with_materials([material]);
-            let scene = Scene::new(vec![object])
-                .unwrap()
-                .with_environment(Some(Arc::new(spotted())));
+            let scene =
+                Scene::new(vec![object]).unwrap().with_environment(Some(Arc::new(spotted())));
             let ray = [Ray::new(DVec3::new(4.0, 1.0, 5.0), DVec3::NEG_Z)];
             means(&scene, shader("direct", &[]), &ray, 8192)[0].x
         };
@@ -138,10 +118,7 @@ fn occlusion_maps_hide_the_environment() {
             ..floor
         });
         let expected = 128.0 / 255.0;
-        assert!(
-            (occluded / plain - expected).abs() < 0.005,
-            "{occluded} {plain}"
-        );
+        assert!((occluded / plain - expected).abs() < 0.005, "{occluded} {plain}");
     }
 }
 
@@ -149,16 +126,10 @@ fn occlusion_maps_hide_the_environment() {
 fn ground_seen(scene: &Scene, at: DVec3, samples: u32) -> f64 {
     let shading = Shading {
         background: Background::Uniform(Color::ONE),
-        ground: Some(Ground {
-            point: DVec3::ZERO,
-            up: DVec3::Z,
-        }),
+        ground: Some(Ground { point: DVec3::ZERO, up: DVec3::Z }),
         ..shader("direct", &[]).on(scene)
     };
-    let ray = [Ray::new(
-        at + DVec3::new(3.0, 0.0, 0.2),
-        DVec3::new(-3.0, 0.0, -0.2),
-    )];
+    let ray = [Ray::new(at + DVec3::new(3.0, 0.0, 0.2), DVec3::new(-3.0, 0.0, -0.2))];
     seen(&shading, &ray, samples)[0].0.x
 }
 
@@ -169,13 +140,9 @@ fn disc() -> Object {
 /// A disc of radius 1 at height 1 hides half of an even sky from the point under it.
 #[test]
 fn the_ground_shows_how_much_of_the_sky_is_hidden() {
-    let white = Environment {
-        is_seen: false,
-        ..Environment::new(EnvironmentKind::Uniform(Color::ONE))
-    };
-    let scene = Scene::new(vec![disc()])
-        .unwrap()
-        .with_environment(Some(Arc::new(white)));
+    let white =
+        Environment { is_seen: false, ..Environment::new(EnvironmentKind::Uniform(Color::ONE)) };
+    let scene = Scene::new(vec![disc()]).unwrap().with_environment(Some(Arc::new(white)));
     let got = ground_seen(&scene, DVec3::ZERO, 4096);
     assert!((got - 0.5).abs() < 0.005, "{got}");
 }
@@ -224,9 +191,7 @@ fn the_ground_shows_the_shadow_of_what_is_bright_in_a_map() {
     let towards = spot.normalize();
     let blocker = Object::new(Disc::new(100.0 * towards, towards, 15.0).unwrap());
     let hidden = 0.15 * 0.15 / (1.0 + 0.15 * 0.15) * towards.dot(up) * 0.5;
-    let scene = Scene::new(vec![blocker])
-        .unwrap()
-        .with_environment(Some(Arc::new(environment)));
+    let scene = Scene::new(vec![blocker]).unwrap().with_environment(Some(Arc::new(environment)));
     let got = ground_seen(&scene, DVec3::ZERO, 4096);
     let expected = 1.0 - (brightest + hidden) / all;
     assert!((got - expected).abs() < 0.01, "{got} {expected}");
@@ -236,12 +201,8 @@ fn the_ground_shows_the_shadow_of_what_is_bright_in_a_map() {
 #[test]
 fn the_ground_shows_shadows_of_lamps_and_of_what_shines() {
     // Upright, across the middle of the disc above: seen from the point under it, one half is behind it.
-    let corners = vec![
-        [0.01, -50.0, 0.0],
-        [0.01, 50.0, 0.0],
-        [0.01, 50.0, 1.0],
-        [0.01, -50.0, 1.0],
-    ];
+    let corners =
+        vec![[0.01, -50.0, 0.0], [0.01, 50.0, 0.0], [0.01, 50.0, 1.0], [0.01, -50.0, 1.0]];
     let wall = Mesh::new(Positions::compact(corners), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
     let wall = Object::new(Arc::new(wall)).colored(Color::ZERO);
     let lamp = DiscLight {
@@ -250,14 +211,9 @@ fn the_ground_shows_shadows_of_lamps_and_of_what_shines() {
         radius: 2.0,
         emission: Color::ONE,
     };
-    let lit = Scene::new(vec![wall.clone()])
-        .unwrap()
-        .with_lights(vec![lamp.into()]);
+    let lit = Scene::new(vec![wall.clone()]).unwrap().with_lights(vec![lamp.into()]);
     let ball = Sphere::new(DVec3::new(0.0, 0.0, 4.0), 1.0).unwrap();
-    let glowing = Material {
-        emission: Color::ONE,
-        ..matte(0.0)
-    };
+    let glowing = Material { emission: Color::ONE, ..matte(0.0) };
     let ball = Object::new(ball).with_materials([glowing]);
     let with_ball = Scene::new(vec![wall, ball]).unwrap();
     for (what, scene) in [("a lamp", lit), ("a ball", with_ball)] {
@@ -270,15 +226,10 @@ fn the_ground_shows_shadows_of_lamps_and_of_what_shines() {
 /// A translucent pane in front of the ground: its shadow is seen through the pane as beside it.
 #[test]
 fn the_ground_is_seen_through_translucent_surfaces() {
-    let pane = Material {
-        alpha: 0.25,
-        alpha_mode: firsthit::scene::AlphaMode::Blend,
-        ..matte(0.0)
-    };
-    let environment = Environment {
-        is_seen: false,
-        ..Environment::new(EnvironmentKind::Uniform(Color::ONE))
-    };
+    let pane =
+        Material { alpha: 0.25, alpha_mode: firsthit::scene::AlphaMode::Blend, ..matte(0.0) };
+    let environment =
+        Environment { is_seen: false, ..Environment::new(EnvironmentKind::Uniform(Color::ONE)) };
     let environment = Some(Arc::new(environment));
     // Upright, across the ray and far from the point of the ground that it ends at.
     let pane = Object::new(Disc::new(DVec3::new(2.9, 0.0, 0.19), DVec3::X, 0.01).unwrap())
@@ -301,10 +252,7 @@ fn disc_in(sun: DirectionalLight) -> Scene {
 
 /// What is before white, with a ground or without one.
 fn before_white(scene: &Scene, has_ground: bool) -> Shading<'_> {
-    let ground = Ground {
-        point: DVec3::ZERO,
-        up: DVec3::Z,
-    };
+    let ground = Ground { point: DVec3::ZERO, up: DVec3::Z };
     Shading {
         background: Background::Uniform(Color::ONE),
         ground: has_ground.then_some(ground),

@@ -23,11 +23,7 @@ fn judged(point: &Exact, [a, b, c]: [&Exact; 3]) -> (BigRational, [BigRational; 
     }
     let edge = |p: &Exact, q: &Exact| {
         let (edge, length) = (minus(q, p), squared(&minus(q, p)));
-        let share = if length.is_zero() {
-            zero()
-        } else {
-            dot(&minus(point, p), &edge) / length
-        };
+        let share = if length.is_zero() { zero() } else { dot(&minus(point, p), &edge) / length };
         let share = share.max(zero()).min(one());
         let offset: Exact = std::array::from_fn(|k| &p[k] + &share * &edge[k] - &point[k]);
         (squared(&offset), share)
@@ -110,22 +106,13 @@ fn distances_are_off_by_a_few_units_in_the_last_place() {
         if off > negligible {
             let ulps = ((&off - &negligible) / &squared).to_f64().unwrap() / f64::EPSILON;
             worst = worst.max(ulps);
-            assert!(
-                ulps < 40.0,
-                "{k} {of_mesh:?} {from}: {found:?} off by {ulps}"
-            );
+            assert!(ulps < 40.0, "{k} {of_mesh:?} {from}: {found:?} off by {ulps}");
         }
         // The point is in the triangle, and as far away as it says.
-        let largest = of_mesh
-            .iter()
-            .map(|p| p.abs().max_element())
-            .fold(0.0, f64::max);
+        let largest = of_mesh.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
         let largest = largest.max(from.abs().max_element());
         let apart = (found.point.distance(from) - found.distance).abs();
-        assert!(
-            apart <= 16.0 * f64::EPSILON * largest,
-            "{k} {of_mesh:?} {from}: {found:?}"
-        );
+        assert!(apart <= 16.0 * f64::EPSILON * largest, "{k} {of_mesh:?} {from}: {found:?}");
         // The feature is the exact one: a weight that is zero, or not. (On the border of two regions both are.)
         let zeros = |v: f64, w: f64| [v == 0.0, w == 0.0, v + w == 1.0];
         let [v, w] = [0, 1].map(|k| weights[k].to_f64().unwrap());

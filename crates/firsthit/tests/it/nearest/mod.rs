@@ -26,13 +26,7 @@ fn bits(all: &ClosestPoints) -> Vec<Bits> {
     let element = |k: usize| {
         let weights = all.barycentric[k].to_array().map(number);
         let (object, primitive) = (all.object[k], all.primitive[k]);
-        (
-            number(all.distance[k]),
-            object,
-            primitive,
-            all.point[k].map(number),
-            weights,
-        )
+        (number(all.distance[k]), object, primitive, all.point[k].map(number), weights)
     };
     (0..all.distance.len()).map(element).collect()
 }
@@ -59,15 +53,9 @@ pub(crate) fn checked(scene: &Scene, points: &[[f64; 3]]) -> ClosestPoints {
     let radius = distances.get(points.len() / 3).copied().unwrap_or(1.0);
     if radius < f64::INFINITY {
         judge(NearestSettings { count: 1, radius });
-        judge(NearestSettings {
-            count: 4,
-            radius: 2.0 * radius,
-        });
+        judge(NearestSettings { count: 4, radius: 2.0 * radius });
     }
-    let several = judge(NearestSettings {
-        count: 7,
-        ..NearestSettings::default()
-    });
+    let several = judge(NearestSettings { count: 7, ..NearestSettings::default() });
     for (k, object) in several.object.iter().enumerate().step_by(7) {
         assert_eq!(*object, nearest.object[k / 7]);
         assert!(several.distance[k..k + 7].is_sorted());
@@ -118,11 +106,8 @@ fn soups_of_every_scale_and_place() {
             points = points.iter().map(|p| p.as_vec3().as_dvec3()).collect();
         }
         let points = placed(&points, scale, offset);
-        let (points, triangles) = if round % 3 == 2 {
-            unshared(&points, &triangles)
-        } else {
-            (points, triangles)
-        };
+        let (points, triangles) =
+            if round % 3 == 2 { unshared(&points, &triangles) } else { (points, triangles) };
         let scene = scene(vec![Object::new(mesh(&points, triangles))]);
         checked(&scene, &around(&points, scale, 160, &mut numbers));
     }
@@ -145,21 +130,10 @@ fn trees_with_levels() {
         let a = k / 19 * 20 + k % 19;
         [[a, a + 1, a + 20], [a + 1, a + 21, a + 20]]
     };
-    let sheet = scene(vec![Object::new(mesh(
-        &places,
-        (0..361).flat_map(cell).collect(),
-    ))]);
-    let lattice = |k: u32| {
-        [
-            0.5 * f64::from(k % 40),
-            0.5 * f64::from(k / 40),
-            f64::from(k % 3) - 1.0,
-        ]
-    };
-    checked(
-        &sheet,
-        &(0..1600).step_by(3).map(lattice).collect::<Vec<_>>(),
-    );
+    let sheet = scene(vec![Object::new(mesh(&places, (0..361).flat_map(cell).collect()))]);
+    let lattice =
+        |k: u32| [0.5 * f64::from(k % 40), 0.5 * f64::from(k / 40), f64::from(k % 3) - 1.0];
+    checked(&sheet, &(0..1600).step_by(3).map(lattice).collect::<Vec<_>>());
 }
 
 fn transforms() -> Vec<DAffine3> {
@@ -218,15 +192,10 @@ fn shapes_of_all_kinds() {
     let mut objects = Vec::new();
     for (k, map) in transforms().into_iter().enumerate() {
         let place = Transform::new(map).unwrap();
-        let fitting = shapes()
-            .into_iter()
-            .filter(|shape| shape.is_measurable(&place));
+        let fitting = shapes().into_iter().filter(|shape| shape.is_measurable(&place));
         objects.extend(fitting.map(|shape| Object::new(shape).placed(place)));
         let corners = [DVec3::ZERO, DVec3::ONE, map.translation, -0.3 * DVec3::X];
-        let nearest = checked(
-            &scene(objects.clone()),
-            &around(&corners, 2.0, 160, &mut numbers),
-        );
+        let nearest = checked(&scene(objects.clone()), &around(&corners, 2.0, 160, &mut numbers));
         let distinct: std::collections::HashSet<_> = nearest.object.iter().collect();
         assert!(distinct.len() > 4 + k, "{k}: {distinct:?}");
     }
@@ -242,10 +211,7 @@ fn of_equally_near_ones_the_lower_is_first() {
     triangles.push([6, 7, 8]);
     let one = mesh(&points, triangles);
     let both = scene(vec![Object::new(Arc::clone(&one)), Object::new(one)]);
-    let wanted = NearestSettings {
-        count: 104,
-        ..NearestSettings::default()
-    };
+    let wanted = NearestSettings { count: 104, ..NearestSettings::default() };
     for method in [Method::default(), Method::BruteForce] {
         let found = closest_points_with(method, &both, &[[0.0, 0.0, 0.0]], wanted, &()).unwrap();
         let expected: Vec<(i32, i32)> = (0..2).flat_map(|o| (0..52).map(move |p| (o, p))).collect();
@@ -264,15 +230,8 @@ fn of_equally_near_ones_the_lower_is_first() {
 #[test]
 fn a_point_has_no_more_than_there_are() {
     let ball = || Object::new(Sphere::new(DVec3::ZERO, 1.0).unwrap());
-    let wanted = NearestSettings {
-        count: 3,
-        radius: 2.0,
-    };
-    let points = [
-        [3.0, 0.0, 0.0],
-        [3.0_f64.next_up(), 0.0, 0.0],
-        [f64::NAN; 3],
-    ];
+    let wanted = NearestSettings { count: 3, radius: 2.0 };
+    let points = [[3.0, 0.0, 0.0], [3.0_f64.next_up(), 0.0, 0.0], [f64::NAN; 3]];
     let found = closest_points(&scene(vec![ball(), ball()]), &points, wanted, &()).unwrap();
     assert_eq!(found.object, [0, 1, -1, -1, -1, -1, -1, -1, -1]);
     assert_eq!(found.distance[..3], [2.0, 2.0, f64::INFINITY]);
@@ -283,11 +242,7 @@ fn a_point_has_no_more_than_there_are() {
     assert!(nothing.object.iter().all(|&object| object == -1));
     let empty = Mesh::new(firsthit::Positions::compact(Vec::new()), Vec::new()).unwrap();
     checked(&scene(vec![Object::new(Arc::new(empty))]), &points);
-    assert!(
-        closest_points(&scene(vec![ball()]), &[], wanted, &())
-            .unwrap()
-            .is_empty()
-    );
+    assert!(closest_points(&scene(vec![ball()]), &[], wanted, &()).unwrap().is_empty());
 }
 
 #[test]
@@ -299,29 +254,14 @@ fn what_makes_no_sense_is_refused() {
     };
     let default = NearestSettings::default();
     assert_eq!(
-        fails(
-            &ball,
-            NearestSettings {
-                count: 0,
-                ..default
-            }
-        ),
+        fails(&ball, NearestSettings { count: 0, ..default }),
         "count must be at least 1, got 0"
     );
     for radius in [-1.0, f64::NAN] {
         let expected = format!("radius must be zero or positive, got {radius}");
-        assert_eq!(
-            fails(&ball, NearestSettings { radius, ..default }),
-            expected
-        );
+        assert_eq!(fails(&ball, NearestSettings { radius, ..default }), expected);
     }
-    let huge = fails(
-        &ball,
-        NearestSettings {
-            count: usize::MAX,
-            ..default
-        },
-    );
+    let huge = fails(&ball, NearestSettings { count: usize::MAX, ..default });
     assert!(huge.contains("over the limit"), "{huge}");
     let squeezed = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 1.0, 2.0))).unwrap();
     let bar = Cylinder::new(DVec3::ZERO, DVec3::Z, 1.0).unwrap();
@@ -368,9 +308,7 @@ fn moved_objects_are_where_they_are() {
     let mut moving = scene(objects.collect());
     let around: Vec<[f64; 3]> = (0..60).map(|k| [f64::from(k), 2.0, 0.0]).collect();
     for k in 0..30 {
-        moving
-            .move_object(k * 7 % 20, at(-2.0 + 0.37 * k as f64))
-            .unwrap();
+        moving.move_object(k * 7 % 20, at(-2.0 + 0.37 * k as f64)).unwrap();
         checked(&moving, &around);
     }
 }

@@ -15,11 +15,8 @@ use num_traits::{Signed, Zero};
 use crate::support::rational::{Exact, cross, dot, exact, minus};
 use crate::support::{Numbers, bumpy_sphere, cases, mesh, scene};
 
-const BY_FORCE: SignSettings = SignSettings {
-    rule: FillRule::Nonzero,
-    allow_open: false,
-    method: Method::BruteForce,
-};
+const BY_FORCE: SignSettings =
+    SignSettings { rule: FillRule::Nonzero, allow_open: false, method: Method::BruteForce };
 
 /// Whether a point is inside a mesh that is star-shaped around the origin, whose triangles look outwards: in the cone
 /// over the triangle that the way outwards meets, it is on the inner side.
@@ -84,12 +81,7 @@ fn the_inside_of_several_is_that_of_any() {
     let cuboid = Cuboid::new(-DVec3::ONE, DVec3::ONE).unwrap();
     let cuboid = Object::new(cuboid).placed(Transform::new(turned).unwrap());
     let bar = Cylinder::new(DVec3::new(0.0, -9.0, 0.0), DVec3::new(0.0, -7.0, 0.0), 0.5).unwrap();
-    let scene = scene(vec![
-        ball(0.0, 1.0),
-        ball(0.5, 1.0),
-        cuboid,
-        Object::new(bar),
-    ]);
+    let scene = scene(vec![ball(0.0, 1.0), ball(0.5, 1.0), cuboid, Object::new(bar)]);
     let points = [
         [0.25, 0.0, 0.0],
         [-0.75, 0.0, 0.0],
@@ -103,10 +95,7 @@ fn the_inside_of_several_is_that_of_any() {
     for (signed, expected) in signed.iter().zip(expected) {
         assert!((signed - expected).abs() < 1e-14, "{signed} {expected}");
     }
-    assert_eq!(
-        signed_distances(&scene, &[[f64::NAN; 3]], &()).unwrap(),
-        [f64::INFINITY]
-    );
+    assert_eq!(signed_distances(&scene, &[[f64::NAN; 3]], &()).unwrap(), [f64::INFINITY]);
 }
 
 #[test]
@@ -125,10 +114,7 @@ fn what_has_no_inside_is_refused() {
     };
     let cut_out = Object::new(mesh(&points, triangles)).with_materials([see_through]);
     for (object, what) in [
-        (
-            open,
-            "mesh \"lid off\"), of which 3 edges belong to an odd number of triangles",
-        ),
+        (open, "mesh \"lid off\"), of which 3 edges belong to an odd number of triangles"),
         (cut_out, "mesh \"\"), parts of which its material cuts out"),
         (plane, "plane \"\")"),
         (disc, "disc \"\")"),
@@ -153,18 +139,12 @@ fn an_empty_mesh_has_no_inside_and_is_not_open() {
     };
     let empty = Object::new(mesh(&[], Vec::new())).with_materials([holes]);
     assert!(empty.shape().is_closed());
-    assert_eq!(
-        Rule::of(&empty, FillRule::default()).unwrap(),
-        Rule::Nonzero
-    );
+    assert_eq!(Rule::of(&empty, FillRule::default()).unwrap(), Rule::Nonzero);
     let points = [[0.0, 0.0, 0.25], [0.0, 3.0, 0.0]];
     let signed = signed_distances(&scene(vec![empty.clone(), ball]), &points, &());
     assert_eq!(signed.unwrap(), [-0.75, 2.0]);
     let nothing = scene(vec![empty]);
-    assert_eq!(
-        signed_distances(&nothing, &points, &()).unwrap(),
-        [f64::INFINITY; 2]
-    );
+    assert_eq!(signed_distances(&nothing, &points, &()).unwrap(), [f64::INFINITY; 2]);
     let is_inside = inside(&nothing, &[DVec3::ZERO], Grouping::Union, &()).unwrap();
     assert_eq!(is_inside.is_inside, [false]);
 }
@@ -176,26 +156,13 @@ fn signs_of_known_distances_are_those_of_a_search() {
     let mut numbers = Numbers::new(11);
     let asked: Vec<_> = (0..600).map(|_| numbers.point().to_array()).collect();
     let nearest = closest_points(&ball, &asked, NearestSettings::default(), &()).unwrap();
-    let signed = signed_distances_from(
-        SignSettings::default(),
-        &ball,
-        &asked,
-        &nearest.distance,
-        &(),
-    )
-    .unwrap();
+    let signed =
+        signed_distances_from(SignSettings::default(), &ball, &asked, &nearest.distance, &())
+            .unwrap();
     assert_eq!(signed, signed_distances(&ball, &asked, &()).unwrap());
     assert!(signed.iter().any(|&x| x < 0.0) && signed.iter().any(|&x| x > 0.0));
-    let error = signed_distances_from(
-        SignSettings::default(),
-        &ball,
-        &asked,
-        &nearest.distance[1..],
-        &(),
-    )
-    .unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "distances must be one for each point, got 599"
-    );
+    let error =
+        signed_distances_from(SignSettings::default(), &ball, &asked, &nearest.distance[1..], &())
+            .unwrap_err();
+    assert_eq!(error.to_string(), "distances must be one for each point, got 599");
 }

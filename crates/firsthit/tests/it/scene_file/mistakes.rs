@@ -9,22 +9,13 @@ use super::{model, read, refusal};
 
 /// Texts, and how what is said of them begins.
 const MISTAKES: &[(&str, &str)] = &[
-    (
-        "[camera]\npostion = [0, 0, 1]\n",
-        "2:1: unknown key `postion`, did you mean `position`?",
-    ),
+    ("[camera]\npostion = [0, 0, 1]\n", "2:1: unknown key `postion`, did you mean `position`?"),
     (
         "[camera]\n  taregt = [0, 0, 1]\n",
         "2:3: unknown key `taregt`; projection = \"perspective\" takes position, aim, look_at, up, pose, convention, ray_start, columns, rows, fov, fov_axis, focal_length, width, height, fx, fy, cx, cy, skew, shift_x, shift_y, tilt_x, tilt_y, aperture, focus, projection",
     ),
-    (
-        "[camera]\ntarget = [0, 0, 1]\n",
-        "2:1: unknown key `target`, did you mean `look_at`?",
-    ),
-    (
-        "[camrea]\nposition = [0, 0, 1]\n",
-        "1:2: unknown key `camrea`, did you mean `camera`?",
-    ),
+    ("[camera]\ntarget = [0, 0, 1]\n", "2:1: unknown key `target`, did you mean `look_at`?"),
+    ("[camrea]\nposition = [0, 0, 1]\n", "1:2: unknown key `camrea`, did you mean `camera`?"),
     (
         "[camera]\nposition = [0, 'a', 1]\n",
         "2:16: `position` must be three finite numbers, [x, y, z], got \"a\"",
@@ -33,18 +24,9 @@ const MISTAKES: &[(&str, &str)] = &[
         "[camera]\nposition = [0, 1]\n",
         "2:12: `position` must be three finite numbers, [x, y, z], got [0, 1]",
     ),
-    (
-        "[camera]\nfov = 180\n",
-        "2:7: `fov` must be a number between 0 and 180, got 180",
-    ),
-    (
-        "[camera]\nfov = nan\n",
-        "2:7: `fov` must be a number between 0 and 180, got nan",
-    ),
-    (
-        "[camera]\nfov = 'wide'\n",
-        "2:7: `fov` must be a number between 0 and 180, got \"wide\"",
-    ),
+    ("[camera]\nfov = 180\n", "2:7: `fov` must be a number between 0 and 180, got 180"),
+    ("[camera]\nfov = nan\n", "2:7: `fov` must be a number between 0 and 180, got nan"),
+    ("[camera]\nfov = 'wide'\n", "2:7: `fov` must be a number between 0 and 180, got \"wide\""),
     (
         "[camera]\ncolumns = 1.5\n",
         "2:11: `columns` must be a whole number from 1 to 268435456, got 1.5",
@@ -57,10 +39,7 @@ const MISTAKES: &[(&str, &str)] = &[
         "[camera]\nfov = 30\nwidth = 3\nheight = 2\nfocal_length = 1\n",
         "5:1: `fov` and `focal_length` exclude each other",
     ),
-    (
-        "[camera]\nlook_at = [1, 2, 3]\n",
-        "2:1: `look_at` needs `position` beside it",
-    ),
+    ("[camera]\nlook_at = [1, 2, 3]\n", "2:1: `look_at` needs `position` beside it"),
     (
         "[camera]\nposition = [1, 2, 3]\nlook_at = [1, 2, 3]\n",
         "3:11: look_at must be another point than position, got [1, 2, 3]",
@@ -82,22 +61,13 @@ const MISTAKES: &[(&str, &str)] = &[
         "3:1: unknown key `fov`; projection = \"orthographic\" takes position, aim, look_at, up, pose, convention, ray_start, columns, rows, focal_length, width, height, shift_x, shift_y, projection",
     ),
     ("camera = 3\n", "1:10: `camera` must be a table, got 3"),
-    (
-        "[cameras]\nfront = 3\n",
-        "2:1: `front` must be a table, got 3",
-    ),
+    ("[cameras]\nfront = 3\n", "2:1: `front` must be a table, got 3"),
     (
         "[objects]\nshape = 'box'\n",
         "1:1: `objects` must be an array of tables, [[objects]], got a table",
     ),
-    (
-        "[[objects]]\nshape = 'shpere'\n",
-        "2:9: unknown shape \"shpere\", did you mean \"sphere\"?",
-    ),
-    (
-        "[[objects]]\nshape = 'ball'\n",
-        "2:9: unknown shape \"ball\", did you mean \"sphere\"?",
-    ),
+    ("[[objects]]\nshape = 'shpere'\n", "2:9: unknown shape \"shpere\", did you mean \"sphere\"?"),
+    ("[[objects]]\nshape = 'ball'\n", "2:9: unknown shape \"ball\", did you mean \"sphere\"?"),
     (
         "[[objects]]\nsahpe = 'box'\n",
         "1:1: this object needs `shape` or `file`: unknown key `sahpe`, did you mean `shape`?",
@@ -134,14 +104,8 @@ const MISTAKES: &[(&str, &str)] = &[
         "[[objects]]\nshape = 'mesh'\nvertices = [[0, 0, 0]]\ntriangles = [[0, 0, 0], [0, -1, 0]]\n",
         "4:25: `triangles` must be an array, each item an array of 3, each item a whole number from 0 to 4294967295, got [0, -1, 0]",
     ),
-    (
-        "[[objects]]\nshape = 'box'\nfile = 'a.obj'\n",
-        "2:1: unknown key `shape`; ",
-    ),
-    (
-        "[[lights]]\nkind = 'sun'\n",
-        "2:8: unknown kind \"sun\", did you mean \"directional\"?",
-    ),
+    ("[[objects]]\nshape = 'box'\nfile = 'a.obj'\n", "2:1: unknown key `shape`; "),
+    ("[[lights]]\nkind = 'sun'\n", "2:8: unknown kind \"sun\", did you mean \"directional\"?"),
     (
         "[background]\ncolor = '#12345'\n",
         "2:9: `color` must be linear [red, green, blue], none of them negative, or sRGB as \"#rrggbb\" or by a CSS name, or \"transparent\", got \"#12345\"",
@@ -162,22 +126,13 @@ const MISTAKES: &[(&str, &str)] = &[
         "[shading]\nlight = 'studio'\n[environment]\ncolor = 'white'\n",
         "2:9: light and [environment] exclude each other",
     ),
-    (
-        "[display]\ntone_map = 'agxx'\n",
-        "2:12: unknown tone_map \"agxx\", did you mean \"agx\"?",
-    ),
-    (
-        "[display]\nexposure = inf\n",
-        "2:12: `exposure` must be a finite number, got inf",
-    ),
+    ("[display]\ntone_map = 'agxx'\n", "2:12: unknown tone_map \"agxx\", did you mean \"agx\"?"),
+    ("[display]\nexposure = inf\n", "2:12: `exposure` must be a finite number, got inf"),
     (
         "[[outputs]]\nfile = 'a.npz'\nchannels = ['color', 'nromal']\n",
         "3:22: unknown channels \"nromal\", did you mean \"normal\"?",
     ),
-    (
-        "version = 2\n",
-        "1:11: `version` must be a whole number from 1 to 1, got 2",
-    ),
+    ("version = 2\n", "1:11: `version` must be a whole number from 1 to 1, got 2"),
     ("x = 1\nx = 2\n", "2:1: this is not TOML: duplicate key"),
     ("[camera\n", "1:8: this is not TOML: "),
     ("a = \"\u{1}\"\n", "1:6: this is not TOML: "),
@@ -187,19 +142,14 @@ const MISTAKES: &[(&str, &str)] = &[
 fn mistakes_are_told_with_their_place_and_the_right_word() {
     for &(text, said) in MISTAKES {
         let found = refusal(text);
-        assert!(
-            found.starts_with(&format!("scene.toml:{said}")),
-            "{text}\n{found}\n{said}"
-        );
+        assert!(found.starts_with(&format!("scene.toml:{said}")), "{text}\n{found}\n{said}");
     }
 }
 
 #[test]
 fn columns_count_characters_and_not_bytes() {
     assert_eq!(
-        refusal("\u{feff}[[objects]]\n\"größe\" = 1\n")
-            .split_once(": ")
-            .map(|(place, _)| place),
+        refusal("\u{feff}[[objects]]\n\"größe\" = 1\n").split_once(": ").map(|(place, _)| place),
         Some("scene.toml:1:1")
     );
     let said =
@@ -208,13 +158,8 @@ fn columns_count_characters_and_not_bytes() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("scene.toml");
     fs::write(&path, b"a = 1\nb = \xff\n").expect("room for a file");
-    let said = load(&path, &LoadSettings::default())
-        .expect_err("no UTF-8")
-        .to_string();
-    assert!(
-        said.ends_with("scene.toml:2:5: the text is not UTF-8, which TOML must be"),
-        "{said}"
-    );
+    let said = load(&path, &LoadSettings::default()).expect_err("no UTF-8").to_string();
+    assert!(said.ends_with("scene.toml:2:5: the text is not UTF-8, which TOML must be"), "{said}");
 }
 
 fn many(part: &str, count: usize) -> String {
@@ -223,53 +168,30 @@ fn many(part: &str, count: usize) -> String {
 
 /// So many parts, each with its number in place of the #.
 fn numbered(count: u32, part: &str) -> String {
-    let parts: Vec<String> = (0..count)
-        .map(|k| part.replace('#', &k.to_string()))
-        .collect();
+    let parts: Vec<String> = (0..count).map(|k| part.replace('#', &k.to_string())).collect();
     parts.concat()
 }
 
 fn hostile_texts() -> Vec<(&'static str, String)> {
     let mut texts = vec![
         ("nested arrays", format!("a = {}", many("[", 200_000))),
-        (
-            "nested and closed",
-            format!("a = {}{}", many("[", 200_000), many("]", 200_000)),
-        ),
+        ("nested and closed", format!("a = {}{}", many("[", 200_000), many("]", 200_000))),
         ("nested tables", format!("a = {}", many("{a=", 100_000))),
         ("a dotted key", format!("{}a = 1", many("a.", 200_000))),
         ("a dotted table", format!("[{}a]", many("a.", 200_000))),
-        (
-            "a long number",
-            format!("version = {}", many("9", 1_000_000)),
-        ),
-        (
-            "a long fraction",
-            format!("version = 1.{}", many("9", 1_000_000)),
-        ),
-        (
-            "a large exponent",
-            "[camera]\nfov = 1e999999999999".to_owned(),
-        ),
+        ("a long number", format!("version = {}", many("9", 1_000_000))),
+        ("a long fraction", format!("version = 1.{}", many("9", 1_000_000))),
+        ("a large exponent", "[camera]\nfov = 1e999999999999".to_owned()),
         ("a long key", format!("{} = 1", many("k", 1_000_000))),
-        (
-            "a long text",
-            format!("[camera]\nprojection = '{}'", many("k", 1_000_000)),
-        ),
+        ("a long text", format!("[camera]\nprojection = '{}'", many("k", 1_000_000))),
     ];
     texts.extend([
         ("many keys", numbered(200_000, "k# = 1\n")),
         ("many tables", numbered(100_000, "[t#]\n")),
-        (
-            "implicit tables first",
-            numbered(50_000, "[t#.a]\n") + &numbered(50_000, "[t#]\n"),
-        ),
+        ("implicit tables first", numbered(50_000, "[t#.a]\n") + &numbered(50_000, "[t#]\n")),
         ("many errors", many("= = =\n", 100_000)),
         ("quotes", many("\"\"\"", 100_001)),
-        (
-            "a wide array",
-            format!("[camera]\nposition = [{}]", many("1,", 1_000_000)),
-        ),
+        ("a wide array", format!("[camera]\nposition = [{}]", many("1,", 1_000_000))),
     ]);
     texts
 }
@@ -309,10 +231,7 @@ fn limits_are_limits_and_not_aborts() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("scene.toml");
     fs::write(&path, "# comment\n".repeat(1000)).expect("room for a file");
-    let settings = LoadSettings {
-        max_memory: 100_000,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { max_memory: 100_000, ..LoadSettings::default() };
     let error = load(&path, &settings).expect_err("too large");
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
     // 1,500 objects, 1,000 times.
@@ -324,10 +243,7 @@ fn limits_are_limits_and_not_aborts() {
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
     fs::write(folder.path().join("a.obj"), &many).expect("room for a file");
     fs::write(&path, &many_times).expect("room for a file");
-    let settings = LoadSettings {
-        max_memory: 1 << 38,
-        ..LoadSettings::default()
-    };
+    let settings = LoadSettings { max_memory: 1 << 38, ..LoadSettings::default() };
     let error = load(&path, &settings).expect_err("too many");
     assert!(matches!(error, Error::Limit { .. }), "{error}");
 }

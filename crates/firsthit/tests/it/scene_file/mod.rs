@@ -33,9 +33,7 @@ fn model(text: &str) -> Loaded {
 
 /// What is said about a text, from the file's name on.
 fn refusal(text: &str) -> String {
-    let error = read(text, &[])
-        .err()
-        .unwrap_or_else(|| panic!("accepted: {text:.200}"));
+    let error = read(text, &[]).err().unwrap_or_else(|| panic!("accepted: {text:.200}"));
     assert!(matches!(error, Error::Parse { .. }), "{error:?}");
     let said = error.to_string();
     assert!(!said.contains('\n'), "{said}");
@@ -58,14 +56,9 @@ fn every_shape_is_met_where_its_keys_put_it() {
         "shape = 'cone'\nbottom = [0, 0, -1]\ntop = [0, 0, 1]\nbottom_radius = 1\ntop_radius = 0.25",
         "shape = 'mesh'\nvertices = [[-1, -1, 1], [1, -1, 1], [0, 1, 1]]\ntriangles = [[0, 1, 2]]",
     ] {
-        for (placed, height) in [
-            ("", 1.0),
-            ("\ntranslate = [0, 0, 1]", 2.0),
-            ("\nscale = 2", 2.0),
-        ] {
-            let objects = model(&format!("[[objects]]\n{shape}{placed}\n"))
-                .world
-                .objects;
+        for (placed, height) in [("", 1.0), ("\ntranslate = [0, 0, 1]", 2.0), ("\nscale = 2", 2.0)]
+        {
+            let objects = model(&format!("[[objects]]\n{shape}{placed}\n")).world.objects;
             let scene = Scene::new(objects).expect("one object");
             let hit = shoot(&scene, DVec3::new(0.0, 0.0, 10.0), DVec3::NEG_Z);
             assert_eq!((hit.object, hit.t), (0, 10.0 - height), "{shape}{placed}");
@@ -77,9 +70,7 @@ fn every_shape_is_met_where_its_keys_put_it() {
 fn objects_are_scaled_then_rotated_then_translated() {
     let placed = |keys: &str| {
         let text = format!("[[objects]]\nshape = 'sphere'\ncenter = [0, 0, 0]\nradius = 1\n{keys}");
-        let map = *model(&text).world.objects[0]
-            .transform()
-            .world_from_object();
+        let map = *model(&text).world.objects[0].transform().world_from_object();
         map.transform_point3(DVec3::new(1.0, 2.0, 3.0))
     };
     assert_eq!(placed(""), DVec3::new(1.0, 2.0, 3.0));
@@ -112,13 +103,7 @@ fn numbers_keep_every_digit() {
     assert_eq!(hit.t, 1.0 - 0.123_456_789_012_345_68);
     let white = Color::ONE;
     let place = DVec3::new(16.0, 1000.5, -9_007_199_254_740_992.0);
-    assert_eq!(
-        model.world.lights,
-        [Light::from(PointLight {
-            position: place,
-            intensity: white
-        })]
-    );
+    assert_eq!(model.world.lights, [Light::from(PointLight { position: place, intensity: white })]);
 }
 
 #[test]
@@ -129,12 +114,7 @@ fn cameras_are_what_their_words_say() {
         [cameras.flat]\nprojection = 'orthographic'\nposition = [0, 0, 9]\naim = [0, 0, -1]\nup = [0, 1, 0]\n\
         width = 4\nheight = 2\n";
     let model = model(text);
-    let names: Vec<&str> = model
-        .world
-        .cameras
-        .iter()
-        .map(|camera| camera.name.as_str())
-        .collect();
+    let names: Vec<&str> = model.world.cameras.iter().map(|camera| camera.name.as_str()).collect();
     assert_eq!(names, ["camera", "side", "flat"]);
     assert!(model.world.has_view);
     let view = model.world.cameras[0].view;
@@ -151,18 +131,11 @@ fn cameras_are_what_their_words_say() {
         (35.0, 36.0, 24.0)
     );
     assert_eq!(
-        (
-            view.columns,
-            view.rows,
-            view.lens.viewplane().unwrap().ray_start
-        ),
+        (view.columns, view.rows, view.lens.viewplane().unwrap().ray_start),
         (720, 100, RayStart::Viewplane)
     );
     let side = &model.world.cameras[1];
-    assert_eq!(
-        (side.view.aim, side.view.up, side.has_size),
-        (DVec3::NEG_X, DVec3::Z, false)
-    );
+    assert_eq!((side.view.aim, side.view.up, side.has_size), (DVec3::NEG_X, DVec3::Z, false));
     assert!((side.view.lens.viewplane().unwrap().height - 2.0 / 3.0_f64.sqrt()).abs() < 1e-15);
     // The specification: cameras of a scene file start their rays at the eye.
     assert_eq!(side.view.lens.viewplane().unwrap().ray_start, RayStart::Eye);
@@ -187,10 +160,7 @@ fn cameras_have_a_thin_lens_in_focus_at_a_distance_or_a_point() {
         let viewplane = *camera.view.lens.viewplane().unwrap();
         (viewplane.aperture, viewplane.focus)
     });
-    assert_eq!(
-        lenses.collect::<Vec<_>>(),
-        [(0.25, 4.0), (0.25, 5.0), (0.25, 6.0)]
-    );
+    assert_eq!(lenses.collect::<Vec<_>>(), [(0.25, 4.0), (0.25, 5.0), (0.25, 6.0)]);
 }
 
 #[test]
@@ -208,18 +178,9 @@ fn what_a_camera_leaves_open_the_objects_decide() {
 fn how_colours_are_shown_is_read() {
     let shown = |text: &str| model(text).world.display;
     assert_eq!(shown(""), DisplayTransform::default());
-    let both = DisplayTransform {
-        exposure: -1.5,
-        tone_map: ToneMap::Neutral,
-    };
-    assert_eq!(
-        shown("[display]\nexposure = -1.5\ntone_map = 'neutral'\n"),
-        both
-    );
-    let brighter = DisplayTransform {
-        exposure: 2.0,
-        tone_map: ToneMap::None,
-    };
+    let both = DisplayTransform { exposure: -1.5, tone_map: ToneMap::Neutral };
+    assert_eq!(shown("[display]\nexposure = -1.5\ntone_map = 'neutral'\n"), both);
+    let brighter = DisplayTransform { exposure: 2.0, tone_map: ToneMap::None };
     assert_eq!(shown("[display]\nexposure = 2\n"), brighter);
 }
 
@@ -237,11 +198,7 @@ fn lights_background_and_shading_are_read() {
     let color = Color::new(1.0, 0.5, 0.0);
     assert_eq!(
         lit.world.lights,
-        [Light::from(DirectionalLight {
-            direction: DVec3::NEG_Z,
-            color,
-            angle_degrees: 0.0,
-        })]
+        [Light::from(DirectionalLight { direction: DVec3::NEG_Z, color, angle_degrees: 0.0 })]
     );
     let Some(Shader::Lambert(lambert)) = lit.world.shader else {
         panic!("{:?}", lit.world.shader);
@@ -251,10 +208,7 @@ fn lights_background_and_shading_are_read() {
         (Color::ZERO, false, Some(16))
     );
     let plain = model("[background]\ncolor = '#bc0000'\n[shading]\nshader = 'unlit'\n");
-    assert_eq!(
-        plain.world.shader.map(|shader| shader.name()),
-        Some("unlit")
-    );
+    assert_eq!(plain.world.shader.map(|shader| shader.name()), Some("unlit"));
     let Some(Background::Uniform(red)) = plain.world.background else {
         panic!("{:?}", plain.world.background);
     };
@@ -269,27 +223,16 @@ fn lights_background_and_shading_are_read() {
 #[test]
 fn a_file_named_twice_is_read_once_and_shared() {
     let text = "[[objects]]\nfile = 'parts/t.obj'\nname = 'left'\n[[objects]]\nfile = 'parts/../parts/t.obj'\n";
-    assert!(
-        read(text, &[("parts/t.obj", TETRAHEDRON)]).is_err(),
-        "no way upwards"
-    );
+    assert!(read(text, &[("parts/t.obj", TETRAHEDRON)]).is_err(), "no way upwards");
     let text = "[[objects]]\nfile = 'parts/t.obj'\nname = 'left'\n\
         [[objects]]\nfile = './parts/t.obj'\ntranslate = [9, 0, 0]\ncolor = [1, 0, 0]\n";
     let model = read(text, &[("parts/t.obj", TETRAHEDRON)]).expect("a scene");
-    let names: Vec<&str> = model
-        .world
-        .objects
-        .iter()
-        .map(firsthit::Object::name)
-        .collect();
+    let names: Vec<&str> = model.world.objects.iter().map(firsthit::Object::name).collect();
     assert_eq!(names, ["left/a", "left/b", "a", "b"]);
     let mesh = |k: usize| model.world.objects[k].mesh().expect("a mesh");
     assert!(Arc::ptr_eq(mesh(0), mesh(2)) && Arc::ptr_eq(mesh(1), mesh(3)));
     assert_eq!(model.world.objects[2].color(), Color::X);
-    assert_eq!(
-        model.world.objects[2].bounds().low,
-        DVec3::new(9.0, 0.0, 0.0)
-    );
+    assert_eq!(model.world.objects[2].bounds().low, DVec3::new(9.0, 0.0, 0.0));
     assert_eq!(model.files.len(), 2);
 }
 
@@ -298,11 +241,7 @@ fn doubts_about_a_named_file_are_passed_on() {
     let text = "[[objects]]\nfile = 't.obj'\n";
     let bad = "v 0 0 0\nv 1 0 0\nv nan 1 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n";
     let model = read(text, &[("t.obj", bad)]).expect("a scene");
-    assert!(
-        model.warnings[0].contains("t.obj: dropped: 1 triangle"),
-        "{:?}",
-        model.warnings
-    );
+    assert!(model.warnings[0].contains("t.obj: dropped: 1 triangle"), "{:?}", model.warnings);
     let error = read(text, &[("t.obj", "v 0 0 0\nf 1 2 3\n")]).expect_err("an index of nothing");
     let said = error.to_string();
     assert!(
@@ -356,17 +295,9 @@ fn outputs_do_not_follow_links_out_of_the_folder() {
     link("../missing.png", "dangling.png");
     link("../missing", "nowhere");
     let path = folder.join("scene.toml");
-    for name in [
-        "file.png",
-        "up/new.png",
-        "up/kept.png",
-        "dangling.png",
-        "nowhere/a.png",
-    ] {
+    for name in ["file.png", "up/new.png", "up/kept.png", "dangling.png", "nowhere/a.png"] {
         fs::write(&path, format!("[[outputs]]\nfile = '{name}'\n")).expect("room for a file");
-        let error = load(&path, &LoadSettings::default())
-            .expect_err(name)
-            .to_string();
+        let error = load(&path, &LoadSettings::default()).expect_err(name).to_string();
         assert!(error.contains("leads outside"), "{name}: {error}");
     }
     // Files beside the one that is named, and files of channels.
@@ -384,9 +315,7 @@ fn outputs_do_not_follow_links_out_of_the_folder() {
         let error = error.to_string();
         assert!(error.contains("leads outside"), "{name}: {error}");
     }
-    let fifo = std::process::Command::new("mkfifo")
-        .arg(folder.join("fifo.png"))
-        .status();
+    let fifo = std::process::Command::new("mkfifo").arg(folder.join("fifo.png")).status();
     assert!(fifo.expect("mkfifo").success());
     fs::write(&path, "[[outputs]]\nfile = 'fifo.png'\n").expect("room for a file");
     let error = load(&path, &LoadSettings::default()).expect_err("a FIFO");
@@ -401,10 +330,7 @@ fn outputs_do_not_follow_links_out_of_the_folder() {
 fn the_path_is_taken_as_it_is_given() {
     let error =
         load(Path::new("nowhere/scene.toml"), &LoadSettings::default()).expect_err("nothing there");
-    assert!(
-        error.to_string().starts_with("nowhere/scene.toml: "),
-        "{error}"
-    );
+    assert!(error.to_string().starts_with("nowhere/scene.toml: "), "{error}");
 }
 
 #[test]
@@ -422,13 +348,6 @@ fn a_mesh_with_a_corner_that_is_too_far_is_refused_by_its_place() {
 fn colours_have_names_and_a_background_may_be_transparent() {
     let model = model("[background]\ncolor = 'transparent'\n[shading]\nambient = 'white'\n");
     assert_eq!(model.world.background, Some(Background::Transparent));
-    let named = self::model("[background]\ncolor = 'tomato'\n")
-        .world
-        .background;
-    assert_eq!(
-        named,
-        self::model("[background]\ncolor = '#ff6347'\n")
-            .world
-            .background
-    );
+    let named = self::model("[background]\ncolor = 'tomato'\n").world.background;
+    assert_eq!(named, self::model("[background]\ncolor = '#ff6347'\n").world.background);
 }

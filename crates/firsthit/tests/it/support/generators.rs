@@ -59,10 +59,9 @@ pub(crate) fn rays(points: &[DVec3], scale: f64, count: usize, numbers: &mut Num
                 _ if k % 80 == 7 => Ray::new(origin, DVec3::splat(f64::NAN)),
                 _ if k % 80 == 15 => Ray::new(origin * f64::INFINITY, axis),
                 _ if k % 80 == 23 => Ray::new(origin, DVec3::ZERO),
-                _ => Ray::new(
-                    middle + 1e6 * scale * numbers.point(),
-                    axis + 1e-9 * numbers.point(),
-                ),
+                _ => {
+                    Ray::new(middle + 1e6 * scale * numbers.point(), axis + 1e-9 * numbers.point())
+                }
             }
         })
         .collect()

@@ -53,10 +53,8 @@ impl Numbers {
 
     /// From 0 up to 1.
     pub(crate) fn unit(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -90,11 +88,7 @@ pub(crate) fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>)
                 libm::cos(polar),
             );
             // Rounded to float32, as most files are.
-            points.push(
-                (direction * (0.7 + 0.6 * numbers.unit()))
-                    .as_vec3()
-                    .as_dvec3(),
-            );
+            points.push((direction * (0.7 + 0.6 * numbers.unit())).as_vec3().as_dvec3());
         }
     }
     let at = |ring: u32, k: u32| 2 + (ring - 1) * around + k % around;
@@ -103,12 +97,7 @@ pub(crate) fn bumpy_sphere(rings: u32, seed: u64) -> (Vec<DVec3>, Vec<[u32; 3]>)
         triangles.push([0, at(1, k), at(1, k + 1)]);
         triangles.push([1, at(rings - 1, k + 1), at(rings - 1, k)]);
         for ring in 1..rings - 1 {
-            let [a, b, c, d] = [
-                at(ring, k),
-                at(ring + 1, k),
-                at(ring + 1, k + 1),
-                at(ring, k + 1),
-            ];
+            let [a, b, c, d] = [at(ring, k), at(ring + 1, k), at(ring + 1, k + 1), at(ring, k + 1)];
             triangles.extend([[a, b, c], [a, c, d]]);
         }
     }
@@ -188,30 +177,14 @@ pub(crate) fn scene(objects: Vec<Object>) -> Scene {
 
 /// What two hits must have in common.
 pub(crate) fn bits(hit: &Hit) -> (u64, i32, i32, [u64; 2]) {
-    (
-        hit.t.to_bits(),
-        hit.object,
-        hit.primitive,
-        hit.barycentric.to_array().map(f64::to_bits),
-    )
+    (hit.t.to_bits(), hit.object, hit.primitive, hit.barycentric.to_array().map(f64::to_bits))
 }
 
 /// The hit that trees and brute force agree about.
 pub(crate) fn agree(scene: &Scene, ray: &Ray) -> Hit {
-    let (fast, judge) = (
-        Cpu::default().first_hit(scene, ray),
-        BruteForce.first_hit(scene, ray),
-    );
-    assert_eq!(
-        bits(&fast),
-        bits(&judge),
-        "{ray:?}: {fast:?}, the judge says {judge:?}"
-    );
-    assert_eq!(
-        Cpu::default().any_hit(scene, ray),
-        !judge.is_miss(),
-        "{ray:?}"
-    );
+    let (fast, judge) = (Cpu::default().first_hit(scene, ray), BruteForce.first_hit(scene, ray));
+    assert_eq!(bits(&fast), bits(&judge), "{ray:?}: {fast:?}, the judge says {judge:?}");
+    assert_eq!(Cpu::default().any_hit(scene, ray), !judge.is_miss(), "{ray:?}");
     judge
 }
 
@@ -245,9 +218,7 @@ pub(crate) fn seen(camera: &Camera, point: DVec3) -> DVec2 {
     } else {
         view.lens.viewplane().unwrap().focal_length / depth
     };
-    let size = DVec2::new(
-        view.lens.viewplane().unwrap().width,
-        view.lens.viewplane().unwrap().height,
-    );
+    let size =
+        DVec2::new(view.lens.viewplane().unwrap().width, view.lens.viewplane().unwrap().height);
     2.0 * scale * DVec2::new(v.dot(camera.right()), v.dot(camera.upwards())) / size
 }

@@ -34,10 +34,7 @@ pub(crate) fn nearest(t: &BigRational) -> f64 {
         if off < number(0.0) { -off } else { off }
     };
     let around = [first.next_down(), first, first.next_up()];
-    around
-        .into_iter()
-        .min_by(|x, y| off(x).cmp(&off(y)))
-        .unwrap()
+    around.into_iter().min_by(|x, y| off(x).cmp(&off(y))).unwrap()
 }
 
 /// The point of a triangle that a ray leaves. A weight is zero where it moves the point by no more than the point's rounding, 2^-49 of the
@@ -51,9 +48,7 @@ pub(crate) fn point_left(corners: [DVec3; 3], barycentric: DVec2) -> Exact {
     let rounding = number(8.0 * f64::EPSILON) * largest_of(corners);
     let longest = largest_of([b - a, c - a, c - b]);
     let (zero, one) = (BigRational::zero(), BigRational::one());
-    let [v, w] = barycentric
-        .to_array()
-        .map(|weight| number(weight.clamp(0.0, 1.0)));
+    let [v, w] = barycentric.to_array().map(|weight| number(weight.clamp(0.0, 1.0)));
     let u = &one - &v - &w;
     let [has_u, has_v, has_w] = [&u, &v, &w].map(|weight| weight * &longest > rounding);
     let w = match (has_u, has_v, has_w) {

@@ -14,14 +14,12 @@ use crate::simd::{Aligned, LANES, Lanes, set_bits};
 pub(super) const EDGE: f32 = BLOCK as f32 - 1.0;
 
 /// The columns of a block's pixels, and of a tile's blocks.
-static ACROSS: Aligned<[f32; LANES]> = Aligned([
-    0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0,
-]);
+static ACROSS: Aligned<[f32; LANES]> =
+    Aligned([0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0]);
 
 /// The rows.
-static DOWN: Aligned<[f32; LANES]> = Aligned([
-    0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0,
-]);
+static DOWN: Aligned<[f32; LANES]> =
+    Aligned([0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0]);
 
 impl<A: ExactTest> LeafRaster<'_, A> {
     /// Tests the triangle in a lane, block by block.
@@ -116,10 +114,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
 
     #[inline(always)]
     fn meet_block<L: Lanes>(&mut self, l: L, block: usize, lane: usize, test: &EdgeTest<L>) {
-        let (low, high) = (
-            l.load(&self.buffer.low[block]),
-            l.load(&self.buffer.high[block]),
-        );
+        let (low, high) = (l.load(&self.buffer.low[block]), l.load(&self.buffer.high[block]));
         let possible = test.possible
             & l.le(test.low, high)
             & l.le(l.splat(self.frustum.start_depth), test.high);
@@ -133,10 +128,7 @@ impl<A: ExactTest> LeafRaster<'_, A> {
         let triangle = self.triangle(lane);
         if wins != 0 {
             l.store(l.select(wins, test.low, low), &mut self.buffer.low[block]);
-            l.store(
-                l.select(wins, test.high, high),
-                &mut self.buffer.high[block],
-            );
+            l.store(l.select(wins, test.high, high), &mut self.buffer.high[block]);
             let slots = &mut self.buffer.leaf_lanes[block];
             let slot = l.splat(f32::from_bits(triangle.leaf_lane));
             l.store(l.select(wins, slot, l.load(slots)), slots);
@@ -162,10 +154,7 @@ impl RasterScratch {
         )]
         let block = |x: f32| x as usize / BLOCK % BLOCK;
         let below = |first: usize| u16::MAX << first;
-        let (left, right) = (
-            block(self.first_column[lane]),
-            block(self.last_column[lane]),
-        );
+        let (left, right) = (block(self.first_column[lane]), block(self.last_column[lane]));
         let (top, bottom) = (block(self.first_row[lane]), block(self.last_row[lane]));
         let columns = (below(left) & !below(right + 1) & 0b1111) * 0b0001_0001_0001_0001;
         columns & below(BLOCK * top) & (u16::MAX >> (BLOCK * (BLOCK - 1 - bottom)))

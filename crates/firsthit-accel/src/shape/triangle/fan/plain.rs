@@ -68,16 +68,9 @@ impl PlainArc {
         } else {
             [*a, *b]
         };
-        let ends = [
-            Measured::new(corners[0] - point),
-            Measured::new(corners[1] - point),
-        ];
+        let ends = [Measured::new(corners[0] - point), Measured::new(corners[1] - point)];
         let normal = ends[0].cross(&ends[1])?;
-        Some(Self {
-            corners,
-            ends,
-            normal,
-        })
+        Some(Self { corners, ends, normal })
     }
 }
 
@@ -159,10 +152,7 @@ impl DeparturePoint {
         }
         let way = PlainWay {
             own: &own,
-            sides: [
-                direction.cross(&own.ends[0])?,
-                direction.cross(&own.ends[1])?,
-            ],
+            sides: [direction.cross(&own.ends[0])?, direction.cross(&own.ends[1])?],
         };
         let mut is_inside = !is_own_above;
         for (k, (_, corners)) in around.iter().enumerate() {
@@ -176,11 +166,7 @@ impl DeparturePoint {
         if !is_inside || (!is_own_above && !self.face_one_way(fan)) {
             return Some(None);
         }
-        let stopping = if lowest_under == u32::MAX {
-            lowest
-        } else {
-            lowest_under
-        };
+        let stopping = if lowest_under == u32::MAX { lowest } else { lowest_under };
         Some((stopping != u32::MAX).then_some(stopping))
     }
 }
@@ -200,11 +186,7 @@ mod tests {
                 .wrapping_mul(6_364_136_223_846_793_005)
                 .wrapping_add(1_442_695_040_888_963_407);
             let x = (state >> 12) as f64 / (1_u64 << 51) as f64 - 1.0;
-            if (state >> 40).is_multiple_of(4) {
-                (4.0 * x).round() / 4.0
-            } else {
-                x
-            }
+            if (state >> 40).is_multiple_of(4) { (4.0 * x).round() / 4.0 } else { x }
         }
     }
 
@@ -220,20 +202,14 @@ mod tests {
                 .map(|k| {
                     let (sin, cos) = libm::sincos(f64::from(k) * TAU / f64::from(count));
                     let round = DVec3::new(cos, sin, 0.0);
-                    tip + if round.x == 0.0 {
-                        point()
-                    } else {
-                        round + 0.7 * point()
-                    }
+                    tip + if round.x == 0.0 { point() } else { round + 0.7 * point() }
                 })
                 .collect();
             if round % 3 == 0 {
                 rim.push(rim[0]);
             }
-            let mut triangles: Vec<(u32, [DVec3; 3])> = (0..)
-                .zip(rim.windows(2))
-                .map(|(k, two)| (k, [tip, two[0], two[1]]))
-                .collect();
+            let mut triangles: Vec<(u32, [DVec3; 3])> =
+                (0..).zip(rim.windows(2)).map(|(k, two)| (k, [tip, two[0], two[1]])).collect();
             let count = u32::try_from(triangles.len()).unwrap();
             for (k, (_, corners)) in triangles.iter_mut().enumerate() {
                 corners.rotate_left(k % 3);
@@ -248,10 +224,7 @@ mod tests {
             let left = triangles[round as usize % triangles.len()].1;
             let weights = [0, 1, 2].map(|k| f64::from(u8::from(left[k] == tip)));
             let departure = DeparturePoint::new(left, DVec2::new(weights[1], weights[2]));
-            let fan = Fan {
-                triangles,
-                is_of_one_way: false,
-            };
+            let fan = Fan { triangles, is_of_one_way: false };
             for k in 0..4 {
                 let direction = if k == 3 { rim[0] - tip } else { point() };
                 let outwards = [1.0, -1.0][k % 2];
@@ -264,9 +237,6 @@ mod tests {
             }
         }
         // One of four is along an edge, which no float64 tells.
-        assert!(
-            plain > all * 6 / 10 && stopped > all / 20,
-            "{plain} {stopped} {all}"
-        );
+        assert!(plain > all * 6 / 10 && stopped > all / 20, "{plain} {stopped} {all}");
     }
 }

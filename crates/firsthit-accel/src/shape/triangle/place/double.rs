@@ -36,12 +36,7 @@ impl<N: Copy> Plane<N> {
         let (e, f) = (between(a, second, first), between(a, third, first));
         let normal = cross(a, &e, &f);
         let (edges, squares) = Edges::new(a, [high(&e), high(&f)], high(&normal));
-        Self {
-            first: *first,
-            edges,
-            normal,
-            squares,
-        }
+        Self { first: *first, edges, normal, squares }
     }
 
     /// The plane as it is seen from an origin, and where that is enough.
@@ -167,9 +162,7 @@ impl Plane<f64> {
     pub(crate) fn height(&self, point: &Vector<f64>) -> [f64; 2] {
         let from = between(Scalar, point, &self.first);
         let height = dot(Scalar, &self.normal, &from).high;
-        let largest = high(&from)
-            .into_iter()
-            .fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let largest = high(&from).into_iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
         let [e, f] = self.squares;
         let off = 4.0 * OFF * (e * f).sqrt() * largest + f64::EPSILON * height.abs();
         [height, off + f64::MIN_POSITIVE]
@@ -194,10 +187,7 @@ impl Start<f64> {
     pub fn splat<A: Arithmetic>(&self, a: A) -> Start<A::Number> {
         Start {
             start: splat_double(a, &self.start),
-            above: Double {
-                high: a.number(self.above.high),
-                low: a.number(self.above.low),
-            },
+            above: Double { high: a.number(self.above.high), low: a.number(self.above.low) },
         }
     }
 }

@@ -69,13 +69,7 @@ impl<N: Copy> Plain<N> {
             of_normal: a.mul(inverse, of_first),
             of_first: a.mul(inverse, squared),
         };
-        Self {
-            first: *first,
-            edges,
-            squared,
-            size,
-            error,
-        }
+        Self { first: *first, edges, squared, size, error }
     }
 
     /// The triangle as it is seen from an origin, and where float64 is enough.
@@ -162,9 +156,6 @@ impl PlainStart<f64> {
     /// The place in all lanes.
     #[inline(always)]
     pub fn splat<A: Arithmetic>(&self, a: A) -> PlainStart<A::Number> {
-        PlainStart {
-            start: splat_double(a, &self.start),
-            above: a.number(self.above),
-        }
+        PlainStart { start: splat_double(a, &self.start), above: a.number(self.above) }
     }
 }

@@ -28,19 +28,12 @@ impl<N: Copy> Edges<N> {
         vectors: [Vector<N>; 2],
         normal: Vector<N>,
     ) -> (Self, [N; 2]) {
-        let squares = [
-            plain_dot(a, &vectors[0], &vectors[0]),
-            plain_dot(a, &vectors[1], &vectors[1]),
-        ];
+        let squares =
+            [plain_dot(a, &vectors[0], &vectors[0]), plain_dot(a, &vectors[1], &vectors[1])];
         let one = a.number(1.0);
         let of_normal = a.div(one, plain_dot(a, &normal, &normal));
         let of_first = a.div(one, squares[0]);
-        let edges = Self {
-            vectors,
-            normal,
-            of_normal,
-            of_first,
-        };
+        let edges = Self { vectors, normal, of_normal, of_first };
         (edges, squares)
     }
 
@@ -60,10 +53,7 @@ impl<N: Copy> Edges<N> {
         let v = a.max(v, zero);
         if a.is_anywhere(is_outside) {
             let [edge_v, edge_w] = self.on_an_edge(a, r, is_below);
-            [
-                a.select(is_outside, edge_v, v),
-                a.select(is_outside, edge_w, w),
-            ]
+            [a.select(is_outside, edge_v, v), a.select(is_outside, edge_w, w)]
         } else {
             [v, w]
         }
@@ -103,10 +93,7 @@ impl<N: Copy> Edges<N> {
         let along = a.div(plain_dot(a, &minus(a, r, e), &g), plain_dot(a, &g, &g));
         let v = a.max(a.sub(one, a.max(along, zero)), zero);
         let is_first = is_first & a.lt(along_first, one);
-        [
-            a.select(is_first, zero, v),
-            a.select(is_first, a.max(along_first, zero), a.sub(one, v)),
-        ]
+        [a.select(is_first, zero, v), a.select(is_first, a.max(along_first, zero), a.sub(one, v))]
     }
 }
 

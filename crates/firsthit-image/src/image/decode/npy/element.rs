@@ -71,8 +71,6 @@ impl Element {
 
 /// Whether a text is a unit of dates, such as `[ns]`.
 fn is_unit(text: &str) -> bool {
-    let unit = text
-        .strip_prefix('[')
-        .and_then(|text| text.strip_suffix(']'));
+    let unit = text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
     unit.is_some_and(|unit| !unit.is_empty() && unit.bytes().all(|b| b.is_ascii_alphanumeric()))
 }

@@ -69,11 +69,7 @@ impl NpyHeader {
     /// The length of the text that each element is, in characters, and whether their bytes are big-endian; `None` for
     /// other elements.
     pub(super) fn text(&self) -> Option<(u64, bool)> {
-        let Element {
-            is_big_endian,
-            kind,
-            size,
-        } = self.element;
+        let Element { is_big_endian, kind, size } = self.element;
         (kind == 'U').then_some((size, is_big_endian))
     }
 
@@ -116,12 +112,7 @@ impl NpyHeader {
             let shown: String = descr.chars().take(40).collect();
             format!("'{}' names no type", escape_controls(&shown))
         })?;
-        Ok(Self {
-            descr,
-            element,
-            shape,
-            fortran_order,
-        })
+        Ok(Self { descr, element, shape, fortran_order })
     }
 }
 
@@ -147,14 +138,10 @@ fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), String> {
         }
     };
     if length > bytes.len().saturating_sub(start) as u64 {
-        return Err(format!(
-            "the header of {length} bytes is longer than the file"
-        ));
+        return Err(format!("the header of {length} bytes is longer than the file"));
     }
     if length > LONGEST_HEADER {
-        return Err(format!(
-            "the header of {length} bytes is over the limit of {LONGEST_HEADER}"
-        ));
+        return Err(format!("the header of {length} bytes is over the limit of {LONGEST_HEADER}"));
     }
     let length = usize::try_from(length).map_err(|_| truncated())?;
     let behind = bytes.get(start..).unwrap_or_default();
@@ -175,9 +162,7 @@ fn side(value: &Value) -> Result<u64, String> {
     if word.starts_with('-') {
         return Err(format!("the shape has a negative length: {word}"));
     }
-    Err(format!(
-        "the shape's lengths must be whole numbers, got {word}"
-    ))
+    Err(format!("the shape's lengths must be whole numbers, got {word}"))
 }
 
 #[cfg(test)]
@@ -230,10 +215,7 @@ pub(super) mod tests {
             for version in [1, 2, 3] {
                 let file = file(version, &header, &data);
                 let (parsed, rest) = NpyHeader::parse(&file).unwrap();
-                assert_eq!(
-                    (parsed.shape(), parsed.dtype()),
-                    (&[3, 2][..], Some("int32"))
-                );
+                assert_eq!((parsed.shape(), parsed.dtype()), (&[3, 2][..], Some("int32")));
                 assert_eq!(rest, data);
             }
         }
@@ -304,15 +286,9 @@ pub(super) mod tests {
         let mut bytes = b"\x93NUMPY\x03\x00\x76\x00\x7b\x27desc".to_vec();
         bytes.resize(214, b' ');
         let error = NpyHeader::parse(&bytes).unwrap_err();
-        assert_eq!(
-            error,
-            "the header of 662372470 bytes is longer than the file"
-        );
+        assert_eq!(error, "the header of 662372470 bytes is longer than the file");
         let long = file(2, &" ".repeat(70_000), &[]);
         let error = NpyHeader::parse(&long).unwrap_err();
-        assert_eq!(
-            error,
-            "the header of 70000 bytes is over the limit of 65536"
-        );
+        assert_eq!(error, "the header of 70000 bytes is over the limit of 65536");
     }
 }

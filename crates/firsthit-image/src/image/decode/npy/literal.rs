@@ -20,10 +20,7 @@ pub(super) enum Value {
 ///
 /// In words, where the text is no such literal.
 pub(super) fn dictionary(text: &[u8]) -> Result<Vec<(String, Value)>, String> {
-    let mut literal = Literal {
-        rest: text,
-        length: text.len(),
-    };
+    let mut literal = Literal { rest: text, length: text.len() };
     let mut entries = Vec::new();
     literal.expect(b'{', "a dictionary")?;
     while !literal.ends_with(b'}')? {
@@ -66,11 +63,7 @@ impl Literal<'_> {
     }
 
     fn expect(&mut self, wanted: u8, name: &str) -> Result<(), String> {
-        if self.skip_if(wanted) {
-            Ok(())
-        } else {
-            Err(self.unexpected(name))
-        }
+        if self.skip_if(wanted) { Ok(()) } else { Err(self.unexpected(name)) }
     }
 
     fn unexpected(&mut self, wanted: &str) -> String {
@@ -110,9 +103,7 @@ impl Literal<'_> {
             _ => return self.word(),
         };
         if depth >= DEEPEST {
-            return Err(format!(
-                "the header's brackets are nested more than {DEEPEST} deep"
-            ));
+            return Err(format!("the header's brackets are nested more than {DEEPEST} deep"));
         }
         self.skip_if(begin);
         let mut values = Vec::new();
@@ -177,10 +168,7 @@ mod tests {
     #[test]
     fn a_text_that_is_no_dictionary_is_refused_in_words() {
         for (text, words) in [
-            (
-                "{'descr': '<f4'",
-                "ends where it must have a comma or a closing bracket",
-            ),
+            ("{'descr': '<f4'", "ends where it must have a comma or a closing bracket"),
             ("{'descr': '<f4", "a text of the header does not end"),
             ("{'descr' '<f4'}", "must have a colon at its byte 9"),
             ("{}{}", "does not end after its dictionary"),

@@ -13,10 +13,7 @@ use super::output::{Array, ArrayValues, Output, elements};
 /// One array without a name.
 pub(in crate::image) fn decode(bytes: &[u8], most: u64) -> Result<Output, String> {
     let array = array(bytes, None, most)?;
-    Ok(Output {
-        arrays: vec![array],
-        ..Output::default()
-    })
+    Ok(Output { arrays: vec![array], ..Output::default() })
 }
 
 /// An array of any type of number, of either byte order, in C or Fortran order.
@@ -41,14 +38,7 @@ pub(super) fn array(bytes: &[u8], name: Option<String>, most: u64) -> Result<Arr
         [_, _, components] => (*components).max(1),
         _ => 1,
     };
-    Ok(Array {
-        name,
-        components,
-        shape,
-        numbers,
-        dtype: dtype.to_owned(),
-        is_picture: false,
-    })
+    Ok(Array { name, components, shape, numbers, dtype: dtype.to_owned(), is_picture: false })
 }
 
 fn signed(values: Vec<u64>) -> Result<Vec<i64>, String> {
@@ -66,11 +56,8 @@ pub(super) fn text(bytes: &[u8]) -> Result<String, String> {
     let length = usize::try_from(length).map_err(|error| error.to_string())?;
     let (characters, _) = data.as_chunks::<4>();
     let characters = characters.iter().take(length).map(|&bytes| {
-        let code = if is_big_endian {
-            u32::from_be_bytes(bytes)
-        } else {
-            u32::from_le_bytes(bytes)
-        };
+        let code =
+            if is_big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) };
         char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER)
     });
     let text: String = characters.collect();

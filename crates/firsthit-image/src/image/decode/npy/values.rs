@@ -123,39 +123,21 @@ mod tests {
         assert_eq!(values("|i1", "False", "(2,)", &[1, 255]), whole(&[1, -1]));
         assert_eq!(values("|u1", "False", "(2,)", &[1, 255]), whole(&[1, 255]));
         assert_eq!(values("|b1", "False", "(2,)", &[1, 0]), whole(&[1, 0]));
-        assert_eq!(
-            values(">i2", "False", "(2,)", &[0, 1, 255, 254]),
-            whole(&[1, -2])
-        );
+        assert_eq!(values(">i2", "False", "(2,)", &[0, 1, 255, 254]), whole(&[1, -2]));
         assert_eq!(values("<u2", "False", "(1,)", &[255, 255]), whole(&[65535]));
-        assert_eq!(
-            values(">u4", "False", "()", &[255, 0, 0, 0]),
-            whole(&[0xff00_0000])
-        );
-        assert_eq!(
-            values("<i8", "False", "()", &(-7_i64).to_le_bytes()),
-            whole(&[-7])
-        );
+        assert_eq!(values(">u4", "False", "()", &[255, 0, 0, 0]), whole(&[0xff00_0000]));
+        assert_eq!(values("<i8", "False", "()", &(-7_i64).to_le_bytes()), whole(&[-7]));
         let large = Some(NpyValues::Unsigned(vec![u64::MAX]));
         assert_eq!(values(">u8", "False", "(1,)", &[255; 8]), large);
         let singles = Some(NpyValues::Float32(vec![1.5]));
-        assert_eq!(
-            values(">f4", "False", "(1,)", &1.5_f32.to_be_bytes()),
-            singles
-        );
+        assert_eq!(values(">f4", "False", "(1,)", &1.5_f32.to_be_bytes()), singles);
         let doubles = Some(NpyValues::Float64(vec![-0.1]));
-        assert_eq!(
-            values("<f8", "True", "(1,)", &(-0.1_f64).to_le_bytes()),
-            doubles
-        );
+        assert_eq!(values("<f8", "True", "(1,)", &(-0.1_f64).to_le_bytes()), doubles);
         // Columns of 0 1, 2 3, 4 5.
         let rows = whole(&[0, 2, 4, 1, 3, 5]);
         assert_eq!(values("|i1", "True", "(2, 3)", &[0, 1, 2, 3, 4, 5]), rows);
         let boxes = whole(&[0, 4, 2, 6, 1, 5, 3, 7]);
-        assert_eq!(
-            values("|i1", "True", "(2, 2, 2)", &[0, 1, 2, 3, 4, 5, 6, 7]),
-            boxes
-        );
+        assert_eq!(values("|i1", "True", "(2, 2, 2)", &[0, 1, 2, 3, 4, 5, 6, 7]), boxes);
         assert_eq!(values("|i1", "True", "(0, 3)", &[]), whole(&[]));
         assert_eq!(values("<f2", "False", "(1,)", &[0, 0]), None);
         assert_eq!(values("<U2", "False", "()", &[0; 8]), None);

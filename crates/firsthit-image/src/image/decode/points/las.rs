@@ -71,9 +71,7 @@ pub(in crate::image) fn las(content: &[u8], most: u64) -> Result<Output, String>
     let length =
         *length.ok_or_else(|| format!("has points of format {format}, not one of 0 to 10"))?;
     if row < length {
-        return Err(format!(
-            "has points of {row} bytes, shorter than format {format}"
-        ));
+        return Err(format!("has points of {row} bytes, shorter than format {format}"));
     }
     let count = match u64::from(u32::from_le_bytes(bytes.cell(107)?)) {
         _ if minor >= 4 => bytes.long(247)?,
@@ -103,10 +101,8 @@ pub(in crate::image) fn las(content: &[u8], most: u64) -> Result<Output, String>
         return Err(format!("holds {} points of {count}", data.len() / row));
     }
     let table = Table { data, row, count };
-    let mut output = Output {
-        arrays: arrays(&table, format, columns, (scale, offset))?,
-        ..Output::default()
-    };
+    let mut output =
+        Output { arrays: arrays(&table, format, columns, (scale, offset))?, ..Output::default() };
     let said =
         find(&records, KEY.as_bytes(), 1).and_then(|own| std::str::from_utf8(own.content).ok());
     output.metadata = metadata_of(said, &mut output.notes);
@@ -131,10 +127,7 @@ fn records<'a>(bytes: &Bytes<'a>) -> Result<Vec<Record<'a>>, String> {
     for (mut start, count, header) in [before, behind] {
         for _ in 0..count {
             // A file may end before the records that it counts.
-            let Some(end) = start
-                .checked_add(header)
-                .filter(|&end| end <= bytes.0.len())
-            else {
+            let Some(end) = start.checked_add(header).filter(|&end| end <= bytes.0.len()) else {
                 break;
             };
             let length = if header == 54 {
@@ -143,18 +136,12 @@ fn records<'a>(bytes: &Bytes<'a>) -> Result<Vec<Record<'a>>, String> {
                 bytes.long(start + 20)?
             };
             let length = usize::try_from(length).unwrap_or(usize::MAX);
-            let Some(content) = end
-                .checked_add(length)
-                .and_then(|next| bytes.0.get(end..next))
+            let Some(content) = end.checked_add(length).and_then(|next| bytes.0.get(end..next))
             else {
                 break;
             };
             let user = bytes.0.get(start + 2..start + 18).unwrap_or_default();
-            records.push(Record {
-                user: text(user),
-                number: bytes.short(start + 18)?,
-                content,
-            });
+            records.push(Record { user: text(user), number: bytes.short(start + 18)?, content });
             start = end + length;
         }
     }
@@ -206,11 +193,8 @@ fn columns(format: u8) -> Vec<Plain> {
     if matches!(format, 8 | 10) {
         columns.push(("nir", short, 36));
     }
-    let named = columns.into_iter().map(|(name, kind, start)| Plain {
-        name: name.to_owned(),
-        kind,
-        start,
-    });
+    let named =
+        columns.into_iter().map(|(name, kind, start)| Plain { name: name.to_owned(), kind, start });
     named.collect()
 }
 
@@ -244,11 +228,7 @@ fn extra_columns(descriptions: &[u8], mut start: usize, row: usize) -> Vec<Plain
             break;
         }
         let name = text(description.get(4..36).unwrap_or_default());
-        columns.push(Plain {
-            name: String::from_utf8_lossy(name).into_owned(),
-            kind,
-            start,
-        });
+        columns.push(Plain { name: String::from_utf8_lossy(name).into_owned(), kind, start });
         start += kind.size();
     }
     columns

@@ -18,16 +18,9 @@ pub(super) fn unpacked(
     let work = || {
         let how = LazVlr::from_buffer(how).map_err(|error| damaged(&error))?;
         // Of items that are not layered there are none.
-        let layers: usize = how
-            .items()
-            .iter()
-            .map(|item| layers(item.item_type()))
-            .sum();
+        let layers: usize = how.items().iter().map(|item| layers(item.item_type())).sum();
         if how.items_size() != row as u64 {
-            return Err(format!(
-                "packs {} bytes of points of {row}",
-                how.items_size()
-            ));
+            return Err(format!("packs {} bytes of points of {row}", how.items_size()));
         }
         if layers > 0 {
             check_layers(packed, row, layers, count)?;
@@ -44,13 +37,10 @@ pub(super) fn unpacked(
         while rows.len() < length {
             let start = rows.len();
             let end = length.min(start + piece);
-            rows.try_reserve(end - start)
-                .map_err(|_| "no memory is free for its points")?;
+            rows.try_reserve(end - start).map_err(|_| "no memory is free for its points")?;
             rows.resize(end, 0);
             let next = rows.get_mut(start..).unwrap_or_default();
-            unpack
-                .decompress_many(next)
-                .map_err(|error| damaged(&error))?;
+            unpack.decompress_many(next).map_err(|error| damaged(&error))?;
         }
         Ok(rows)
     };

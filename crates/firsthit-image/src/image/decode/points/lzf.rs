@@ -9,8 +9,7 @@ pub(super) fn unpacked(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static
         return Err(DAMAGED);
     }
     let mut out: Vec<u8> = Vec::new();
-    out.try_reserve_exact(length)
-        .map_err(|_| "no memory is free for its points")?;
+    out.try_reserve_exact(length).map_err(|_| "no memory is free for its points")?;
     let mut bytes = packed.iter().copied();
     while let Some(control) = bytes.next() {
         let control = usize::from(control);
@@ -34,9 +33,5 @@ pub(super) fn unpacked(packed: &[u8], length: usize) -> Result<Vec<u8>, &'static
             return Err(DAMAGED);
         }
     }
-    if out.len() == length {
-        Ok(out)
-    } else {
-        Err(DAMAGED)
-    }
+    if out.len() == length { Ok(out) } else { Err(DAMAGED) }
 }

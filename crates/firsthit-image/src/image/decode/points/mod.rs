@@ -23,9 +23,8 @@ use rows::Order;
 /// The next line of a header, without its end; it is then gone from `rest`.
 fn next_line<'a>(rest: &mut &'a [u8]) -> Result<&'a str, String> {
     let end = rest.iter().position(|&byte| byte == b'\n');
-    let (line, after) = end
-        .and_then(|end| rest.split_at_checked(end + 1))
-        .ok_or("ends within its header")?;
+    let (line, after) =
+        end.and_then(|end| rest.split_at_checked(end + 1)).ok_or("ends within its header")?;
     *rest = after;
     let line = std::str::from_utf8(line).map_err(|_| "a header that is no text")?;
     Ok(line.trim_end_matches(['\r', '\n']))
@@ -62,9 +61,7 @@ impl Type {
     }
 
     fn of_pcd(kind: &str, size: &str) -> Option<Self> {
-        let bytes = [1, 2, 4, 8]
-            .into_iter()
-            .find(|bytes| bytes.to_string() == size)?;
+        let bytes = [1, 2, 4, 8].into_iter().find(|bytes| bytes.to_string() == size)?;
         Some(match (kind, bytes) {
             ("F", 8) => Self::Float64,
             ("F", 4) => Self::Float32,
@@ -153,25 +150,16 @@ impl Header {
 
     /// Takes up the next piece of the metadata.
     fn comment(&mut self, line: &str, mark: &str) {
-        let piece = line
-            .strip_prefix(mark)
-            .and_then(|rest| rest.strip_prefix(' '));
-        let piece = piece
-            .and_then(|rest| rest.strip_prefix(KEY))
-            .and_then(|rest| rest.strip_prefix(' '));
-        self.text
-            .get_or_insert_default()
-            .push_str(piece.unwrap_or_default());
+        let piece = line.strip_prefix(mark).and_then(|rest| rest.strip_prefix(' '));
+        let piece =
+            piece.and_then(|rest| rest.strip_prefix(KEY)).and_then(|rest| rest.strip_prefix(' '));
+        self.text.get_or_insert_default().push_str(piece.unwrap_or_default());
     }
 
     /// The columns as arrays: those that the metadata know as one channel are put together, then those that go together by
     /// convention, then the others.
     fn read(self, data: &[u8], order: Order, most: u64) -> Result<Output, String> {
-        let Self {
-            count,
-            columns,
-            text,
-        } = self;
+        let Self { count, columns, text } = self;
         let count = count.ok_or("does not say how many points it has")?;
         let named = columns.iter().filter(|(name, _)| name != PADDING);
         let names: HashSet<&String> = named.clone().map(|(name, _)| name).collect();
@@ -189,26 +177,16 @@ impl Header {
         let mut output = Output::default();
         output.metadata = metadata_of(text.as_deref(), &mut output.notes);
         if more > 0 {
-            output
-                .notes
-                .push(format!("{more} bytes after the last point are not read"));
+            output.notes.push(format!("{more} bytes after the last point are not read"));
         }
         let mut start = 0;
         let columns = columns.into_iter().map(|(name, kind)| {
             start += kind.size();
-            Column {
-                name,
-                kind,
-                start: start - kind.size(),
-            }
+            Column { name, kind, start: start - kind.size() }
         });
         let columns = columns.filter(|column| column.name != PADDING).collect();
         let row = kinds.iter().map(|kind| kind.size()).sum();
-        let table = Table {
-            data: &rows,
-            row,
-            count,
-        };
+        let table = Table { data: &rows, row, count };
         output.arrays = arrays(columns, &table, output.metadata.as_ref())?;
         Ok(output)
     }
@@ -246,13 +224,7 @@ fn arrays(
     let mut arrays = Vec::new();
     let records = metadata.map_or(&[][..], |metadata| &metadata.channels);
     // No more records than columns can have a column.
-    for ChannelRecord {
-        name,
-        stored,
-        components,
-        ..
-    } in records.iter().take(MOST_COLUMNS)
-    {
+    for ChannelRecord { name, stored, components, .. } in records.iter().take(MOST_COLUMNS) {
         let Some(stored) = stored else { continue };
         let is_picture = stored.encoding == Encoding::Picture;
         let taken = take(&mut columns, &stored.names);

@@ -52,9 +52,7 @@ pub(in crate::image) fn pcd(bytes: &[u8], most: u64) -> Result<Output, String> {
             _ if several == 1 => name.to_owned(),
             _ => format!("{name}_{k}"),
         };
-        header
-            .columns
-            .extend((0..several).map(|k| (numbered(k), kind)));
+        header.columns.extend((0..several).map(|k| (numbered(k), kind)));
     }
     header.read(rest, order, most)
 }

@@ -64,23 +64,15 @@ fn from_text(data: &[u8], kinds: &[Type], count: usize) -> Result<Vec<u8>, Strin
     for index in 0..count {
         let line = lines.next();
         let line = line.ok_or_else(|| format!("holds {index} points of {count}"))?;
-        let mut words = line
-            .split(u8::is_ascii_whitespace)
-            .filter(|word| !word.is_empty());
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         for kind in kinds {
             let word = words.next().unwrap_or_default();
-            let cell = std::str::from_utf8(word)
-                .ok()
-                .and_then(|word| kind.cell(word));
+            let cell = std::str::from_utf8(word).ok().and_then(|word| kind.cell(word));
             let cell = cell.ok_or_else(|| {
                 let got = unknown(&String::from_utf8_lossy(word));
-                format!(
-                    "point {index}: expected {} numbers of their types: {got}",
-                    kinds.len()
-                )
+                format!("point {index}: expected {} numbers of their types: {got}", kinds.len())
             })?;
-            rows.try_reserve(8)
-                .map_err(|_| "no memory is free for its points")?;
+            rows.try_reserve(8).map_err(|_| "no memory is free for its points")?;
             rows.extend(cell.get(..kind.size()).unwrap_or_default());
         }
     }
@@ -153,10 +145,7 @@ impl Type {
 fn whole(word: &str) -> Option<i128> {
     word.parse().ok().or_else(|| {
         let number: f64 = word.parse().ok()?;
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "it is whole, and `as` saturates"
-        )]
+        #[expect(clippy::cast_possible_truncation, reason = "it is whole, and `as` saturates")]
         (number.fract() == 0.0).then_some(number as i128)
     })
 }

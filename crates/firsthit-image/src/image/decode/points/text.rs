@@ -33,10 +33,7 @@ impl Separator {
         }
         // Several tabs in a row line columns up.
         let has_tabs = line.contains(&b'\t');
-        if has_tabs
-            && !line
-                .split(|&byte| byte == b'\t')
-                .any(|field| field.trim_ascii().is_empty())
+        if has_tabs && !line.split(|&byte| byte == b'\t').any(|field| field.trim_ascii().is_empty())
         {
             return Self::Byte(b'\t');
         }
@@ -57,9 +54,7 @@ impl Separator {
 /// A field without blanks and quotes around.
 fn bare(field: &[u8]) -> &[u8] {
     let field = field.trim_ascii();
-    let within = field
-        .strip_prefix(b"\"")
-        .and_then(|field| field.strip_suffix(b"\""));
+    let within = field.strip_prefix(b"\"").and_then(|field| field.strip_suffix(b"\""));
     within.map_or(field, <[u8]>::trim_ascii)
 }
 
@@ -84,10 +79,7 @@ pub(in crate::image) fn text(bytes: &[u8]) -> Result<Output, String> {
     let mut before: Option<Vec<u8>> = None;
     let mut is_counted = false;
     for (number, line) in (1_u64..).zip(bytes.split(|&byte| byte == b'\n')) {
-        let line = line
-            .strip_prefix(b"\xef\xbb\xbf")
-            .unwrap_or(line)
-            .trim_ascii();
+        let line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line).trim_ascii();
         if line.is_empty() {
             continue;
         }
@@ -117,15 +109,10 @@ pub(in crate::image) fn text(bytes: &[u8]) -> Result<Output, String> {
         table.fields(&fields).map_err(at_line)?;
     }
     match table {
-        Some(Columns {
-            doubt: Some(doubt), ..
-        }) => Err(doubt),
+        Some(Columns { doubt: Some(doubt), .. }) => Err(doubt),
         Some(table) => Ok(table.output()),
         None if is_counted => Err("expected points, got a number alone".to_owned()),
-        None => Ok(Output {
-            arrays: vec![positions(Vec::new())],
-            ..Output::default()
-        }),
+        None => Ok(Output { arrays: vec![positions(Vec::new())], ..Output::default() }),
     }
 }
 
@@ -142,9 +129,8 @@ impl Columns {
         let is_header = fields.iter().all(is_name);
         let said = comment.map(|comment| Separator::of(comment).fields(comment));
         let said = said.filter(|said| said.len() == fields.len() && !is_header);
-        let names: Vec<String> = (said.as_deref().unwrap_or(fields).iter())
-            .map(|name| named(name))
-            .collect();
+        let names: Vec<String> =
+            (said.as_deref().unwrap_or(fields).iter()).map(|name| named(name)).collect();
         let by_name = AXES.iter().find_map(|set| places(set, &names));
         let is_named = is_header || (said.is_some() && by_name.is_some());
         let expected = || {
@@ -171,11 +157,7 @@ impl Columns {
         }
         let numbered = names.into_iter().enumerate();
         let columns = numbered.map(|(k, name)| {
-            let name = if is_named {
-                name
-            } else {
-                format!("column_{k}")
-            };
+            let name = if is_named { name } else { format!("column_{k}") };
             (name, Some(Vec::new()))
         });
         let mut made = Self {
@@ -216,10 +198,7 @@ impl Columns {
 
     fn output(self) -> Output {
         let axis = |axis: usize| {
-            let column = self
-                .named
-                .get(axis)
-                .and_then(|(_, values)| values.as_deref());
+            let column = self.named.get(axis).and_then(|(_, values)| values.as_deref());
             column.unwrap_or_default()
         };
         let [x, y, z] = self.axes.map(axis);
@@ -234,10 +213,7 @@ impl Columns {
             let values = ArrayValues::Float64(values);
             is_known.then(|| Array::new(Some(name), vec![count], 1, values, "float64", false))
         }));
-        Output {
-            arrays,
-            ..Output::default()
-        }
+        Output { arrays, ..Output::default() }
     }
 }
 
@@ -249,11 +225,8 @@ fn positions(points: Vec<[f64; 3]>) -> Array {
 
 /// The indices of the columns with these names.
 fn places(set: &[&str; 3], names: &[String]) -> Option<[usize; 3]> {
-    let [x, y, z] = set.map(|wanted| {
-        names
-            .iter()
-            .position(|name| name.eq_ignore_ascii_case(wanted))
-    });
+    let [x, y, z] =
+        set.map(|wanted| names.iter().position(|name| name.eq_ignore_ascii_case(wanted)));
     Some([x?, y?, z?])
 }
 
@@ -267,10 +240,7 @@ fn twice(names: &[String]) -> Option<&String> {
 
 /// A column's name without its unit, as in `X [m]`.
 fn named(field: &[u8]) -> String {
-    let name = field
-        .split(|byte| b"[(".contains(byte))
-        .next()
-        .unwrap_or_default();
+    let name = field.split(|byte| b"[(".contains(byte)).next().unwrap_or_default();
     String::from_utf8_lossy(name.trim_ascii()).into_owned()
 }
 
@@ -289,10 +259,6 @@ fn shown(field: &[u8]) -> String {
     const MOST: usize = 40;
     let text = String::from_utf8_lossy(field);
     let start: String = text.chars().take(MOST).collect();
-    let rest = if text.chars().nth(MOST).is_some() {
-        "..."
-    } else {
-        ""
-    };
+    let rest = if text.chars().nth(MOST).is_some() { "..." } else { "" };
     format!("'{}'{rest}", escape_controls(&start))
 }

@@ -46,12 +46,7 @@ fn parts(source: &[u8], stride: usize) -> Decoded<Parts<'_>> {
         0 => Ok(vec![Channel::Bytes; stride / 4]),
         _ => channels.collect(),
     };
-    Ok(Parts {
-        version,
-        body,
-        first,
-        channels: channels?,
-    })
+    Ok(Parts { version, body, first, channels: channels? })
 }
 
 fn block_size(stride: usize) -> usize {
@@ -63,11 +58,7 @@ pub(super) fn check(source: &[u8], count: usize, stride: usize) -> Decoded<()> {
     let parts = parts(source, stride)?;
     let blocks = count.div_ceil(block_size(stride));
     // For each block, version 0 has a byte at least of each byte of an element, version 1 two bits.
-    let least = if parts.version == 0 {
-        stride
-    } else {
-        stride / 4
-    };
+    let least = if parts.version == 0 { stride } else { stride / 4 };
     match blocks.checked_mul(least) {
         Some(least) if least <= parts.body.len() => Ok(()),
         _ => Err(TRUNCATED),
@@ -80,12 +71,7 @@ pub(super) fn decode(
     stride: usize,
     bytes: &mut Vec<u8>,
 ) -> Decoded<()> {
-    let Parts {
-        version,
-        body,
-        first,
-        channels,
-    } = parts(source, stride)?;
+    let Parts { version, body, first, channels } = parts(source, stride)?;
     let mut stream = Stream { rest: body };
     let mut last = first.to_vec();
     let block = block_size(stride);
@@ -101,9 +87,7 @@ pub(super) fn decode(
         for (byte, row) in codes.chunks_mut(block).enumerate() {
             let control = match version {
                 0 => None,
-                _ => controls
-                    .get(byte / 4)
-                    .map(|&four| (four >> (2 * (byte % 4))) & 3),
+                _ => controls.get(byte / 4).map(|&four| (four >> (2 * (byte % 4))) & 3),
             };
             read_row(&mut stream, control, row, elements)?;
         }
@@ -137,9 +121,7 @@ fn read_row(
         }
         Some(_) => {
             let spelled = stream.take(elements)?;
-            row.iter_mut()
-                .zip(spelled)
-                .for_each(|(code, &byte)| *code = byte);
+            row.iter_mut().zip(spelled).for_each(|(code, &byte)| *code = byte);
             return Ok(());
         }
     };
@@ -148,11 +130,7 @@ fn read_row(
     for (k, group) in row.chunks_mut(GROUP).take(groups).enumerate() {
         let four = header.get(k / 4).copied().unwrap_or_default();
         let choice = usize::from((four >> (2 * (k % 4))) & 3);
-        read_group(
-            stream,
-            widths.get(choice).copied().unwrap_or_default(),
-            group,
-        )?;
+        read_group(stream, widths.get(choice).copied().unwrap_or_default(), group)?;
     }
     Ok(())
 }
@@ -173,11 +151,7 @@ fn read_group(stream: &mut Stream<'_>, width: u32, group: &mut [u8]) -> Decoded<
         let byte = packed.get(k / in_byte).copied().unwrap_or_default();
         let place = k % in_byte;
         // Single bits begin at the low end of a byte, wider codes at the high end.
-        let place = if width == 1 {
-            place
-        } else {
-            in_byte - 1 - place
-        };
+        let place = if width == 1 { place } else { in_byte - 1 - place };
         *code = (byte >> (place * width as usize)) & ones;
         if *code == ones {
             *code = stream.byte()?;
@@ -187,10 +161,7 @@ fn read_group(stream: &mut Stream<'_>, width: u32, group: &mut [u8]) -> Decoded<
 }
 
 /// Moves four bytes on to the next element.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "sums wrap around in 8 and 16 bits"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "sums wrap around in 8 and 16 bits")]
 fn advance(channel: Channel, word: &mut [u8], codes: [u8; 4]) {
     match channel {
         Channel::Bytes => {

@@ -26,9 +26,9 @@ pub(super) fn apply(filter: &str, stride: usize, bytes: &mut [u8]) {
         ("OCTAHEDRAL", _) => each_short(bytes, |v| octahedral(v.map(signed_short), 32767.0)),
         ("QUATERNION", _) => each_short(bytes, |v| quaternion(v.map(signed_short))),
         ("COLOR", 4) => each_byte(bytes, |v| color(v.map(i32::from), v.map(signed), 255.0)),
-        ("COLOR", _) => each_short(bytes, |v| {
-            color(v.map(i32::from), v.map(signed_short), 65535.0)
-        }),
+        ("COLOR", _) => {
+            each_short(bytes, |v| color(v.map(i32::from), v.map(signed_short), 65535.0))
+        }
         ("EXPONENTIAL", _) => {
             for word in bytes.as_chunks_mut::<4>().0 {
                 *word = exponential(i32::from_le_bytes(*word)).to_le_bytes();

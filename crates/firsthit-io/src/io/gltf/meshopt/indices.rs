@@ -12,9 +12,7 @@ pub(super) fn decode(
     bytes: &mut Vec<u8>,
 ) -> Decoded<()> {
     let body = source.len().checked_sub(TAIL).ok_or(TRUNCATED)?;
-    let mut stream = Stream {
-        rest: source.get(..body).unwrap_or_default(),
-    };
+    let mut stream = Stream { rest: source.get(..body).unwrap_or_default() };
     if stream.byte()? != HEADER {
         return Err("the packed bytes are not of mode INDICES");
     }

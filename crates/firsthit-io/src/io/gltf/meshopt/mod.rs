@@ -25,9 +25,7 @@ pub(super) fn unpack(
 ) -> Result<Vec<u8>, Problem> {
     let (count, stride) = (packed.count.0, packed.byte_stride.0);
     let filter = packed.filter.as_deref().unwrap_or("NONE");
-    let size = count
-        .checked_mul(stride)
-        .ok_or("count times byteStride is out of range")?;
+    let size = count.checked_mul(stride).ok_or("count times byteStride is out of range")?;
     let mut bytes = Vec::new();
     let mut make_room = || -> Result<(), Problem> {
         // A stream can be far smaller than what it stands for, so the limit decides.

@@ -81,11 +81,7 @@ impl State {
         codes: u8,
         data: &mut Stream<'_>,
     ) -> Decoded<[u32; 3]> {
-        let a = if is_first_fresh {
-            self.fresh()
-        } else {
-            self.spelled(data)?
-        };
+        let a = if is_first_fresh { self.fresh() } else { self.spelled(data)? };
         let (b, is_b_new) = self.corner(codes >> 4, data)?;
         let (c, is_c_new) = self.corner(codes & 15, data)?;
         self.vertices.push(a);

@@ -88,12 +88,7 @@ impl Daylight {
         let range = |(low, high): (f64, f64), value: f64| value >= low && value <= high;
         let fine = range(Self::ELEVATIONS, elevation_degrees);
         require("elevation", "from 0 to 90", fine, elevation_degrees)?;
-        require(
-            "azimuth",
-            "finite",
-            azimuth_degrees.is_finite(),
-            azimuth_degrees,
-        )?;
+        require("azimuth", "finite", azimuth_degrees.is_finite(), azimuth_degrees)?;
         let fine = range(Self::TURBIDITIES, turbidity);
         require("turbidity", "from 2 to 10", fine, turbidity)?;
         let fine = ground.min_element() >= 0.0 && ground.max_element() <= 1.0;
@@ -106,12 +101,7 @@ impl Daylight {
             azimuth_degrees,
             turbidity,
             ground,
-            made: Arc::new(Made::new(
-                world_from_own,
-                elevation_degrees,
-                turbidity,
-                ground,
-            )),
+            made: Arc::new(Made::new(world_from_own, elevation_degrees, turbidity, ground)),
         })
     }
 
@@ -263,10 +253,7 @@ mod tests {
             }
             let sun = day.sun_light();
             taken += sun.color * day.towards_sun().z;
-            assert!(
-                (luminance(taken) - 1.0).abs() < 0.003,
-                "{elevation} {taken}"
-            );
+            assert!((luminance(taken) - 1.0).abs() < 0.003, "{elevation} {taken}");
             let ground = day.radiance(DVec3::new(0.3, 0.2, -0.1));
             assert!((ground - taken * Daylight::GROUND).abs().max_element() < 0.002);
         }
@@ -293,11 +280,8 @@ mod tests {
 
     #[test]
     fn directions_are_drawn_with_the_density_that_is_said() {
-        let sky = Environment::new(EnvironmentKind::Daylight(day(
-            DVec3::new(0.1, 0.2, 1.0),
-            20.0,
-            70.0,
-        )));
+        let sky =
+            Environment::new(EnvironmentKind::Daylight(day(DVec3::new(0.1, 0.2, 1.0), 20.0, 70.0)));
         assert!(sky.is_drawn());
         for k in 0..256 {
             let u = crate::sampling::Draws::new(k, 0).two();
@@ -312,27 +296,13 @@ mod tests {
     #[test]
     fn numbers_out_of_range_are_refused_by_name() {
         let with = |elevation, azimuth, turbidity, ground| {
-            let made = Daylight::new(
-                DVec3::Z,
-                elevation,
-                azimuth,
-                turbidity,
-                Color::splat(ground),
-            );
+            let made = Daylight::new(DVec3::Z, elevation, azimuth, turbidity, Color::splat(ground));
             made.map_err(|error| error.to_string())
         };
         assert!(with(90.0, -720.0, 10.0, 1.0).is_ok());
         assert!(with(-1.0, 0.0, 3.0, 0.2).unwrap_err().contains("elevation"));
-        assert!(
-            with(f64::NAN, 0.0, 3.0, 0.2)
-                .unwrap_err()
-                .contains("elevation")
-        );
-        assert!(
-            with(1.0, f64::INFINITY, 3.0, 0.2)
-                .unwrap_err()
-                .contains("azimuth")
-        );
+        assert!(with(f64::NAN, 0.0, 3.0, 0.2).unwrap_err().contains("elevation"));
+        assert!(with(1.0, f64::INFINITY, 3.0, 0.2).unwrap_err().contains("azimuth"));
         assert!(with(1.0, 0.0, 1.9, 0.2).unwrap_err().contains("turbidity"));
         assert!(with(1.0, 0.0, 3.0, 1.1).unwrap_err().contains("ground"));
         assert!(Daylight::new(DVec3::ZERO, 1.0, 0.0, 3.0, Color::ZERO).is_err());

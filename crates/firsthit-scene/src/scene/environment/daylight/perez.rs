@@ -24,13 +24,8 @@ pub(super) struct Sky {
 }
 
 /// The coefficients A to E: each a multiple of the turbidity, and a constant.
-const LUMINANCE: [[f64; 2]; 5] = [
-    [0.1787, -1.4630],
-    [-0.3554, 0.4275],
-    [-0.0227, 5.3251],
-    [0.1206, -2.5771],
-    [-0.0670, 0.3703],
-];
+const LUMINANCE: [[f64; 2]; 5] =
+    [[0.1787, -1.4630], [-0.3554, 0.4275], [-0.0227, 5.3251], [0.1206, -2.5771], [-0.0670, 0.3703]];
 const X: [[f64; 2]; 5] = [
     [-0.0193, -0.2592],
     [-0.0665, 0.0008],
@@ -96,15 +91,9 @@ impl Sky {
 impl Perez {
     fn new(of_turbidity: [[f64; 2]; 5], turbidity: f64, sun_height: f64, zenith: f64) -> Self {
         let coefficients = of_turbidity.map(|[factor, constant]| factor * turbidity + constant);
-        let shape = Self {
-            coefficients,
-            scale: 1.0,
-        };
+        let shape = Self { coefficients, scale: 1.0 };
         let to_sun = libm::acos(sun_height.clamp(0.0, 1.0));
-        Self {
-            scale: zenith / shape.shape(1.0, to_sun, sun_height),
-            ..shape
-        }
+        Self { scale: zenith / shape.shape(1.0, to_sun, sun_height), ..shape }
     }
 
     /// The model's factor for the height of a direction, which is the cosine of its angle from the
@@ -126,21 +115,9 @@ fn zenith_chromaticity(rows: [[f64; 4]; 3], turbidity: f64, angle: f64) -> f64 {
 /// XYZ as linear Rec. 709 with the white point D65 (ITU-R BT.709-6). What is outside of its colours is cut off at 0.
 pub(super) fn linear(xyz: DVec3) -> Color {
     let rows = [
-        DVec3::new(
-            3.240_969_941_904_521,
-            -1.537_383_177_570_093,
-            -0.498_610_760_293_003,
-        ),
-        DVec3::new(
-            -0.969_243_636_280_879,
-            1.875_967_501_507_72,
-            0.041_555_057_407_175,
-        ),
-        DVec3::new(
-            0.055_630_079_696_993,
-            -0.203_976_958_888_976,
-            1.056_971_514_242_878,
-        ),
+        DVec3::new(3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293_003),
+        DVec3::new(-0.969_243_636_280_879, 1.875_967_501_507_72, 0.041_555_057_407_175),
+        DVec3::new(0.055_630_079_696_993, -0.203_976_958_888_976, 1.056_971_514_242_878),
     ];
     DVec3::from(rows.map(|row| row.dot(xyz))).max(DVec3::ZERO)
 }
@@ -152,30 +129,12 @@ mod tests {
     /// Turbidity, the sun's elevation, a direction's elevation and its azimuth from the sun; and Y, x, y there, by a program in another
     /// language that was written from the paper, with angles as they are printed there.
     const CASES: &[([f64; 4], [f64; 3])] = &[
-        (
-            [3.0, 40.0, 90.0, 0.0],
-            [6.525_041_112_282, 0.244_411_891_105, 0.250_520_792_709],
-        ),
-        (
-            [3.0, 40.0, 5.0, 0.0],
-            [17.246_164_420_399, 0.330_066_564_112, 0.332_419_993_922],
-        ),
-        (
-            [2.5, 15.0, 30.0, 180.0],
-            [4.432_468_810_012, 0.261_503_372_733, 0.279_801_471_161],
-        ),
-        (
-            [6.0, 70.0, 45.0, 90.0],
-            [16.869_023_092_702, 0.262_902_230_891, 0.282_704_414_326],
-        ),
-        (
-            [2.0, 0.0, 60.0, 10.0],
-            [3.201_523_164_534, 0.295_553_670_103, 0.315_019_146_171],
-        ),
-        (
-            [2.0, 10.0, 1.0, 0.0],
-            [59.422_650_416_306, 0.404_186_178_731, 0.415_526_167_350],
-        ),
+        ([3.0, 40.0, 90.0, 0.0], [6.525_041_112_282, 0.244_411_891_105, 0.250_520_792_709]),
+        ([3.0, 40.0, 5.0, 0.0], [17.246_164_420_399, 0.330_066_564_112, 0.332_419_993_922]),
+        ([2.5, 15.0, 30.0, 180.0], [4.432_468_810_012, 0.261_503_372_733, 0.279_801_471_161]),
+        ([6.0, 70.0, 45.0, 90.0], [16.869_023_092_702, 0.262_902_230_891, 0.282_704_414_326]),
+        ([2.0, 0.0, 60.0, 10.0], [3.201_523_164_534, 0.295_553_670_103, 0.315_019_146_171]),
+        ([2.0, 10.0, 1.0, 0.0], [59.422_650_416_306, 0.404_186_178_731, 0.415_526_167_350]),
     ];
 
     fn towards(elevation: f64, azimuth: f64) -> DVec3 {
@@ -191,10 +150,7 @@ mod tests {
             let got = sky.luminance(towards(elevation, azimuth));
             let expected = linear(luminance / y * DVec3::new(x, y, 1.0 - x - y));
             let off = (got - expected).abs().max_element() / expected.max_element();
-            assert!(
-                off < 1e-9,
-                "{turbidity} {sun} {elevation}: {got} {expected}"
-            );
+            assert!(off < 1e-9, "{turbidity} {sun} {elevation}: {got} {expected}");
         }
     }
 

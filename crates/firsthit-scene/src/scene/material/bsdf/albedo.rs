@@ -36,22 +36,12 @@ pub(super) struct AlbedosOfRoughness<const N: usize> {
 
 impl<const N: usize> Albedos<N> {
     pub(super) const fn new(least: f64, sum: fn(f64, f64) -> [f64; N]) -> Self {
-        Self {
-            rows: [const { OnceLock::new() }; ROUGHNESSES],
-            least,
-            sum,
-        }
+        Self { rows: [const { OnceLock::new() }; ROUGHNESSES], least, sum }
     }
 
     pub(super) fn of(&'static self, roughness: f64) -> AlbedosOfRoughness<N> {
-        let (row, share) = place(
-            1.0 - libm::log(roughness) / libm::log(self.least),
-            ROUGHNESSES,
-        );
-        AlbedosOfRoughness {
-            rows: [self.row(row), self.row(row + 1)],
-            share,
-        }
+        let (row, share) = place(1.0 - libm::log(roughness) / libm::log(self.least), ROUGHNESSES);
+        AlbedosOfRoughness { rows: [self.row(row), self.row(row + 1)], share }
     }
 
     fn row(&'static self, row: usize) -> &'static Row<N> {

@@ -24,17 +24,9 @@ impl Frame {
     /// Bends the shading normal so that the mirror direction is above the face (Keller and others, "The Iray Light Transport Simulation and
     /// Rendering System", 2017). Smooth normals and normal maps need it where the surface is seen from the side. The normal of the face stays.
     pub(in crate::scene::material) fn bent(self) -> Self {
-        let Self {
-            normal,
-            geometric,
-            out,
-        } = self;
+        let Self { normal, geometric, out } = self;
         let below = normal.dot(geometric);
-        let normal = if below > 0.0 {
-            normal
-        } else {
-            normal - 2.0 * below * geometric
-        };
+        let normal = if below > 0.0 { normal } else { normal - 2.0 * below * geometric };
         let reflected = 2.0 * normal.dot(out) * normal - out;
         let least = (0.9 * out.dot(geometric)).min(0.01);
         let height = reflected.dot(geometric);
@@ -75,23 +67,11 @@ mod tests {
             let [a, b, c] = [0.61, 0.37, 0.83].map(|step| f64::from(k) * step % 1.0);
             let out = unit(DVec3::new(a - 0.5, b - 0.5, 1e-6 + 0.3 * c));
             let normal = unit(DVec3::new(c - 0.5, a - 0.5, b - 0.3));
-            let bent = Frame {
-                normal,
-                geometric,
-                out,
-            }
-            .bent();
+            let bent = Frame { normal, geometric, out }.bent();
             let reflected = 2.0 * bent.normal.dot(out) * bent.normal - out;
-            assert!(
-                reflected.z > 0.0 && bent.normal.dot(out) > 0.0,
-                "{normal} {out}"
-            );
+            assert!(reflected.z > 0.0 && bent.normal.dot(out) > 0.0, "{normal} {out}");
             assert!((bent.normal.length() - 1.0).abs() < 1e-12);
-            let flat = Frame {
-                normal: geometric,
-                geometric,
-                out,
-            };
+            let flat = Frame { normal: geometric, geometric, out };
             assert_eq!(flat.bent().normal, geometric);
         }
     }

@@ -69,10 +69,7 @@ mod tests {
     fn reflectance_is_that_of_the_table_on_both_sides() {
         for [degrees, reflectance, beyond] in TABLE {
             let [here, there] = [degrees, beyond].map(|angle| libm::cos(angle.to_radians()));
-            assert!(
-                (dielectric(here, 1.5) - reflectance).abs() < 1e-12,
-                "{degrees}"
-            );
+            assert!((dielectric(here, 1.5) - reflectance).abs() < 1e-12, "{degrees}");
             assert!((dielectric(there, 1.0 / 1.5) - reflectance).abs() < 1e-9);
         }
         assert_eq!(dielectric(libm::cos(60_f64.to_radians()), 1.0 / 1.5), 1.0);

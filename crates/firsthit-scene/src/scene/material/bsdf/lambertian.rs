@@ -21,11 +21,7 @@ pub struct Lambertian {
 
 impl From<Lambertian> for Bsdf {
     fn from(matte: Lambertian) -> Self {
-        let frame = Frame {
-            normal: matte.normal,
-            geometric: matte.geometric,
-            out: matte.normal,
-        };
+        let frame = Frame { normal: matte.normal, geometric: matte.geometric, out: matte.normal };
         Self::even(frame, matte.albedo)
     }
 }
@@ -33,11 +29,7 @@ impl From<Lambertian> for Bsdf {
 impl Lambertian {
     #[inline(always)]
     pub(super) fn new(frame: &Frame, albedo: Color) -> Self {
-        Self {
-            normal: frame.normal,
-            geometric: frame.geometric,
-            albedo,
-        }
+        Self { normal: frame.normal, geometric: frame.geometric, albedo }
     }
 
     /// See [`Bsdf::value`](super::Bsdf::value).
@@ -49,11 +41,7 @@ impl Lambertian {
     /// See [`Bsdf::pdf`](super::Bsdf::pdf).
     #[inline(always)]
     pub fn pdf(&self, towards: DVec3) -> f64 {
-        if towards.dot(self.geometric) > 0.0 {
-            towards.dot(self.normal).max(0.0) / PI
-        } else {
-            0.0
-        }
+        if towards.dot(self.geometric) > 0.0 { towards.dot(self.normal).max(0.0) / PI } else { 0.0 }
     }
 
     /// See [`Bsdf::sample`](super::Bsdf::sample).

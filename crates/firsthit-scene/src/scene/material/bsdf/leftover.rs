@@ -11,9 +11,8 @@ use super::microfacet::{LEAST_ROUGHNESS, Microfacets};
 
 /// Albedos of microfacets that reflect everything, and of microfacets that reflect by the power of
 /// [`fresnel::grazing`] alone.
-static REFLECTED: Albedos<2> = Albedos::new(LEAST_ROUGHNESS, |cosine, roughness| {
-    reflected(cosine, roughness, [48, 16])
-});
+static REFLECTED: Albedos<2> =
+    Albedos::new(LEAST_ROUGHNESS, |cosine, roughness| reflected(cosine, roughness, [48, 16]));
 
 /// The scale of a diffuse lobe below a boundary.
 #[derive(Debug, Clone, Copy)]
@@ -37,10 +36,7 @@ impl Leftover {
             weight,
             seen: [1.0; 2],
         };
-        Self {
-            seen: leftover.seen_from(cosine),
-            ..leftover
-        }
+        Self { seen: leftover.seen_from(cosine), ..leftover }
     }
 
     /// The factor on the diffuse lobe, by the cosine of the direction that light comes from.
@@ -56,10 +52,8 @@ impl Leftover {
 
     /// The factor by the cosine of one direction, and how much the lobe then reflects.
     fn seen_from(&self, cosine: f64) -> [f64; 2] {
-        let [all, grazing] = (self.rough).map_or_else(
-            || [1.0, fresnel::grazing(cosine)],
-            |albedos| albedos.at(cosine),
-        );
+        let [all, grazing] = (self.rough)
+            .map_or_else(|| [1.0, fresnel::grazing(cosine)], |albedos| albedos.at(cosine));
         let reflected = self.weight * (self.head_on * (all - grazing) + grazing);
         let of_facets = self.head_on + (1.0 - self.head_on) * mean_grazing(cosine);
         let diffuse = 1.0 - self.weight * of_facets;

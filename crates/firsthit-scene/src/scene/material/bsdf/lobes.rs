@@ -37,10 +37,8 @@ impl Layered {
             |albedo| albedo * self.ground().element_sum() / 3.0,
         );
         let sheen = self.sheen.map_or(0.0, |sheen| sheen.brightness());
-        let [specular, transmission] = [
-            mean(&|cosine| self.specular(cosine)),
-            mean(&|cosine| self.passed(cosine)),
-        ];
+        let [specular, transmission] =
+            [mean(&|cosine| self.specular(cosine)), mean(&|cosine| self.passed(cosine))];
         let coat = self.coat.map_or(0.0, |coat| coat.share);
         let sum = diffuse + sheen + specular + transmission;
         if sum > 0.0 {
@@ -54,10 +52,7 @@ impl Layered {
             }
         } else {
             let coat = f64::from(coat > 0.0);
-            LobeProbabilities {
-                coat,
-                ..LobeProbabilities::default()
-            }
+            LobeProbabilities { coat, ..LobeProbabilities::default() }
         }
     }
 
@@ -133,11 +128,7 @@ impl Layered {
         };
         let pdf = self.pdf(frame, towards);
         let weight = self.value(frame, towards) / pdf;
-        is_light(weight).then_some(BsdfSample {
-            towards,
-            weight,
-            pdf: Some(pdf),
-        })
+        is_light(weight).then_some(BsdfSample { towards, weight, pdf: Some(pdf) })
     }
 
     /// All directions that light comes from in one way only: in a smooth mirror, straight through, in a smooth coat.
@@ -147,9 +138,7 @@ impl Layered {
         let is_smooth = self.facets.is_smooth();
         [
             is_smooth.then(|| self.specular_reflection(frame)).flatten(),
-            (self.is_straight_through())
-                .then(|| self.straight(frame))
-                .flatten(),
+            (self.is_straight_through()).then(|| self.straight(frame)).flatten(),
             coat,
         ]
     }

@@ -27,9 +27,7 @@ impl Microfacets {
     /// Microfacets with a roughness from 0 to 1.
     pub(super) fn of_roughness(roughness: f64) -> Self {
         let alpha = roughness * roughness;
-        Self {
-            alpha: if alpha < SMOOTH { 0.0 } else { alpha.min(1.0) },
-        }
+        Self { alpha: if alpha < SMOOTH { 0.0 } else { alpha.min(1.0) } }
     }
 
     pub(super) fn is_smooth(self) -> bool {
@@ -88,12 +86,7 @@ impl Microfacets {
         let y = (1.0 - share) * rest.sqrt() + share * point.y;
         let z = (rest - y * y).max(0.0).sqrt();
         let normal = point.x * across + y * up + z * stretched;
-        DVec3::new(
-            self.alpha * normal.x,
-            self.alpha * normal.y,
-            normal.z.max(0.0),
-        )
-        .normalize()
+        DVec3::new(self.alpha * normal.x, self.alpha * normal.y, normal.z.max(0.0)).normalize()
     }
 
     /// The reflected share and the cosine of incidence of the microfacet for a point of a disc,

@@ -21,9 +21,8 @@ pub(super) struct Sheen {
 /// The least roughness of a sheen that shows: below, fibres stand too straight.
 const LEAST_ROUGHNESS: f64 = 0.07;
 
-static ALBEDOS: Albedos<1> = Albedos::new(LEAST_ROUGHNESS, |cosine, roughness| {
-    albedo(cosine, roughness, [32, 24])
-});
+static ALBEDOS: Albedos<1> =
+    Albedos::new(LEAST_ROUGHNESS, |cosine, roughness| albedo(cosine, roughness, [32, 24]));
 
 impl Sheen {
     /// `None` for one that is black.
@@ -32,12 +31,7 @@ impl Sheen {
         (color.max_element() > 0.0).then(|| {
             let albedos = ALBEDOS.of(roughness);
             let [albedo] = albedos.at(out.z);
-            Self {
-                color,
-                roughness,
-                albedos,
-                albedo,
-            }
+            Self { color, roughness, albedos, albedo }
         })
     }
 
@@ -87,11 +81,8 @@ fn masked(cosine: f64, alpha: f64) -> f64 {
 fn fitted(x: f64, alpha: f64) -> f64 {
     let rest = (1.0 - alpha) * (1.0 - alpha);
     let between = |zero: f64, one: f64| one + rest * (zero - one);
-    let [a, b, c] = [
-        between(25.3245, 21.5473),
-        between(3.32435, 3.82987),
-        between(0.16801, 0.19823),
-    ];
+    let [a, b, c] =
+        [between(25.3245, 21.5473), between(3.32435, 3.82987), between(0.16801, 0.19823)];
     let [d, e] = [between(-1.27393, -1.97760), between(-4.85967, -4.32054)];
     a / (1.0 + b * libm::pow(x, c)) + d * x + e
 }

@@ -23,21 +23,11 @@ fn plastic() -> Layers {
 }
 
 fn metal(roughness: f64) -> Layers {
-    Layers {
-        metallic: 1.0,
-        roughness,
-        ..plastic()
-    }
+    Layers { metallic: 1.0, roughness, ..plastic() }
 }
 
 fn glass(ior: f64, roughness: f64) -> Layers {
-    Layers {
-        transmission: 1.0,
-        roughness,
-        ior,
-        absorption: Some(Color::ZERO),
-        ..plastic()
-    }
+    Layers { transmission: 1.0, roughness, ior, absorption: Some(Color::ZERO), ..plastic() }
 }
 
 /// One of each kind that spreads light over many directions.
@@ -46,54 +36,13 @@ fn spread() -> Vec<(&'static str, Layers)> {
     let base = Color::new(0.9, 0.5, 0.1);
     vec![
         ("plastic", plastic()),
-        (
-            "rough plastic",
-            Layers {
-                roughness: 1.0,
-                base,
-                ..plastic()
-            },
-        ),
+        ("rough plastic", Layers { roughness: 1.0, base, ..plastic() }),
         ("metal", metal(0.4)),
-        (
-            "half a metal",
-            Layers {
-                metallic: 0.5,
-                base,
-                ..plastic()
-            },
-        ),
-        (
-            "coated",
-            Layers {
-                base,
-                coat,
-                ..metal(0.8)
-            },
-        ),
-        (
-            "cloth",
-            Layers {
-                sheen: (Color::splat(0.8), 0.5),
-                ..plastic()
-            },
-        ),
-        (
-            "diamond",
-            Layers {
-                ior: 2.4,
-                specular_color: Color::new(1.0, 0.3, 0.2),
-                ..plastic()
-            },
-        ),
-        (
-            "rough window",
-            Layers {
-                transmission: 0.8,
-                base,
-                ..plastic()
-            },
-        ),
+        ("half a metal", Layers { metallic: 0.5, base, ..plastic() }),
+        ("coated", Layers { base, coat, ..metal(0.8) }),
+        ("cloth", Layers { sheen: (Color::splat(0.8), 0.5), ..plastic() }),
+        ("diamond", Layers { ior: 2.4, specular_color: Color::new(1.0, 0.3, 0.2), ..plastic() }),
+        ("rough window", Layers { transmission: 0.8, base, ..plastic() }),
         ("rough glass", glass(1.5, 0.5)),
         ("rough air in glass", glass(1.0 / 1.5, 0.5)),
     ]
@@ -105,11 +54,7 @@ fn at(degrees: f64) -> DVec3 {
 }
 
 fn seen(layers: &Layers, out: DVec3) -> Bsdf {
-    let frame = Frame {
-        normal: DVec3::Z,
-        geometric: DVec3::Z,
-        out,
-    };
+    let frame = Frame { normal: DVec3::Z, geometric: DVec3::Z, out };
     Bsdf::layered(frame, true, layers)
 }
 
@@ -152,72 +97,37 @@ fn summed(bsdf: &Bsdf) -> Color {
 #[test]
 #[expect(clippy::too_many_lines, reason = "a table")]
 fn values_are_those_of_the_appendix_of_gltf() {
-    let light = DVec3::new(
-        0.423_999_152_002_544,
-        0.317_999_364_001_908,
-        0.847_998_304_005_088,
-    );
+    let light = DVec3::new(0.423_999_152_002_544, 0.317_999_364_001_908, 0.847_998_304_005_088);
     let red = Color::new(0.8, 0.3, 0.1);
-    let aside = DVec3::new(
-        -0.620_173_672_946_042_2,
-        -0.248_069_469_178_416_9,
-        0.744_208_407_535_250_6,
-    );
+    let aside =
+        DVec3::new(-0.620_173_672_946_042_2, -0.248_069_469_178_416_9, 0.744_208_407_535_250_6);
     let grazing = DVec3::new(0.961_523_947_640_823_3, 0.0, 0.274_721_127_897_378_1);
     for (layers, out, expected) in [
         (
-            Layers {
-                base: red,
-                ..plastic()
-            },
+            Layers { base: red, ..plastic() },
             DVec3::Z,
             [1.371_978_343_646_354_8, 0.557_900_042_938_383],
         ),
         (
-            Layers {
-                base: red,
-                roughness: 0.15,
-                ..plastic()
-            },
+            Layers { base: red, roughness: 0.15, ..plastic() },
             aside,
             [1.347_810_766_713_569_3, 0.533_974_645_744_835],
         ),
         (
-            Layers {
-                base: Color::new(1.0, 0.78, 0.34),
-                ..metal(0.3)
-            },
+            Layers { base: Color::new(1.0, 0.78, 0.34), ..metal(0.3) },
             aside,
             [8.837_280_953_916_412, 6.893_657_693_501_81],
         ),
+        (Layers { base: Color::splat(0.9), ..metal(1.0) }, grazing, [0.679_777_229_889_730_8; 2]),
         (
-            Layers {
-                base: Color::splat(0.9),
-                ..metal(1.0)
-            },
-            grazing,
-            [0.679_777_229_889_730_8; 2],
-        ),
-        (
-            Layers {
-                base: Color::splat(0.5),
-                metallic: 0.5,
-                roughness: 0.6,
-                ..plastic()
-            },
+            Layers { base: Color::splat(0.5), metallic: 0.5, roughness: 0.6, ..plastic() },
             aside,
             [1.496_437_927_855_149_4; 2],
         ),
     ] {
         let value = 2.0 * seen(&layers, out).value(light);
-        assert!(
-            (value.x - expected[0]).abs() < 1e-9 * expected[0],
-            "{value} {expected:?}"
-        );
-        assert!(
-            (value.y - expected[1]).abs() < 1e-9 * expected[1],
-            "{value} {expected:?}"
-        );
+        assert!((value.x - expected[0]).abs() < 1e-9 * expected[0], "{value} {expected:?}");
+        assert!((value.y - expected[1]).abs() < 1e-9 * expected[1], "{value} {expected:?}");
     }
 }
 
@@ -266,17 +176,10 @@ fn directions_are_drawn_as_often_as_their_pdf_says() {
             }
             for (which, drawn) in drawn.into_iter().enumerate() {
                 let here = |towards| {
-                    if octant(towards) == which {
-                        bsdf.pdf(towards)
-                    } else {
-                        0.0
-                    }
+                    if octant(towards) == which { bsdf.pdf(towards) } else { 0.0 }
                 };
                 let pdf = over_all(COUNT, |towards| Color::splat(here(towards))).x;
-                assert!(
-                    (pdf - drawn).abs() < 0.02,
-                    "{name} {degrees} {which}: {pdf} {drawn}"
-                );
+                assert!((pdf - drawn).abs() < 0.02, "{name} {degrees} {which}: {pdf} {drawn}");
             }
             assert!(drawn.iter().sum::<f64>() > 0.5, "{name} {degrees}");
         }
@@ -294,21 +197,14 @@ fn a_coat_is_not_turned_by_the_normal_of_its_base() {
         out: DVec3::new(out_sin, 0.0, out_cos),
     };
     let expected = 0.04 + 0.96 * libm::pow(1.0 - out_cos, 5.0);
-    let smooth = Layers {
-        coat: (1.0, 0.0, DVec3::Z),
-        ..plastic()
-    };
+    let smooth = Layers { coat: (1.0, 0.0, DVec3::Z), ..plastic() };
     let branches: Vec<_> = Bsdf::layered(frame, true, &smooth).branches().collect();
     assert_eq!(branches.len(), 1);
     assert!((branches[0].towards - DVec3::new(-out_sin, 0.0, out_cos)).length() < 1e-12);
     assert!((branches[0].weight - Color::splat(expected)).length() < 1e-12);
     // Nearly as much by a coat that is a little rough, of a black base.
-    let rough = Layers {
-        coat: (1.0, 0.2, DVec3::Z),
-        base: Color::ZERO,
-        specular: 0.0,
-        ..plastic()
-    };
+    let rough =
+        Layers { coat: (1.0, 0.2, DVec3::Z), base: Color::ZERO, specular: 0.0, ..plastic() };
     let got = furnace(&Bsdf::layered(frame, true, &rough), 1 << 12).x;
     assert!((got / expected - 1.0).abs() < 0.05, "{got} {expected}");
 }
@@ -317,38 +213,19 @@ fn a_coat_is_not_turned_by_the_normal_of_its_base() {
 #[test]
 #[expect(clippy::too_many_lines, reason = "a list of surfaces")]
 fn no_surface_gives_more_than_it_gets_seen_from_any_side() {
-    let cloth = |roughness| Layers {
-        sheen: (Color::ONE, roughness),
-        ..plastic()
-    };
-    let coated = |roughness, coat| Layers {
-        coat: (1.0, coat, DVec3::Z),
-        roughness,
-        ..plastic()
-    };
+    let cloth = |roughness| Layers { sheen: (Color::ONE, roughness), ..plastic() };
+    let coated = |roughness, coat| Layers { coat: (1.0, coat, DVec3::Z), roughness, ..plastic() };
     for roughness in [0.0, 0.03, 0.1, 0.2, 0.4, 0.7, 1.0] {
-        let rough = |layers| Layers {
-            roughness,
-            ..layers
-        };
-        let window = Layers {
-            transmission: 0.7,
-            ..rough(plastic())
-        };
-        let diamond = Layers {
-            ior: 2.4,
-            ..rough(plastic())
-        };
+        let rough = |layers| Layers { roughness, ..layers };
+        let window = Layers { transmission: 0.7, ..rough(plastic()) };
+        let diamond = Layers { ior: 2.4, ..rough(plastic()) };
         let pearl = Layers {
             ior: 2.4,
             specular: 0.5,
             specular_color: Color::new(1.0, 0.7, 0.4),
             ..rough(plastic())
         };
-        let half = Layers {
-            metallic: 0.5,
-            ..rough(plastic())
-        };
+        let half = Layers { metallic: 0.5, ..rough(plastic()) };
         for (name, layers) in [
             ("plastic", rough(plastic())),
             ("diamond", diamond),
@@ -358,13 +235,7 @@ fn no_surface_gives_more_than_it_gets_seen_from_any_side() {
             ("window", window),
             ("glass", glass(1.5, roughness)),
             ("cloth", cloth(roughness)),
-            (
-                "polished cloth",
-                Layers {
-                    roughness: 0.0,
-                    ..cloth(roughness)
-                },
-            ),
+            ("polished cloth", Layers { roughness: 0.0, ..cloth(roughness) }),
             ("smooth coat", coated(roughness, 0.0)),
             ("rough coat", coated(0.5, roughness)),
         ] {
@@ -388,10 +259,7 @@ fn no_surface_gives_more_than_it_gets_seen_from_any_side() {
 fn white_plastic_stays_white_seen_from_the_side() {
     for (degrees, least) in [(0.0, 0.95), (60.0, 0.95), (80.0, 0.98), (89.0, 0.98)] {
         for roughness in [0.0, 0.2, 0.5] {
-            let layers = Layers {
-                roughness,
-                ..plastic()
-            };
+            let layers = Layers { roughness, ..plastic() };
             let albedo = furnace(&seen(&layers, at(degrees)), 1 << 12).x;
             assert!(albedo > least, "{degrees} {roughness}: {albedo}");
         }
@@ -428,10 +296,7 @@ fn light_may_go_either_way() {
             let there = seen(&layers, a).value(b) / b.z.abs();
             let turned = |v: DVec3| DVec3::new(v.x, v.y, side * v.z);
             let back = seen(&layers, turned(b)).value(turned(a)) / a.z;
-            assert!(
-                (there - back).abs().max_element() < 1e-12,
-                "{name}: {there} {back}"
-            );
+            assert!((there - back).abs().max_element() < 1e-12, "{name}: {there} {back}");
         }
     }
 }
@@ -440,20 +305,13 @@ fn light_may_go_either_way() {
 #[test]
 fn rough_refraction_may_go_either_way() {
     let (above, below) = (at(35.0), unit(DVec3::new(-0.3, -0.35, -0.8)));
-    let frame = |normal: DVec3, out| Frame {
-        normal,
-        geometric: normal,
-        out,
-    };
+    let frame = |normal: DVec3, out| Frame { normal, geometric: normal, out };
     let layers = glass(1.5, 0.5);
     let outside = Bsdf::layered(frame(DVec3::Z, above), true, &layers);
     let inside = Bsdf::layered(frame(DVec3::NEG_Z, below), false, &layers);
     let into = outside.value(below) / below.z.abs();
     let out = inside.value(above) / above.z;
-    assert!(
-        into.x > 0.01 && (into * 1.5 * 1.5 - out).abs().max_element() < 1e-12,
-        "{into} {out}"
-    );
+    assert!(into.x > 0.01 && (into * 1.5 * 1.5 - out).abs().max_element() < 1e-12, "{into} {out}");
 }
 
 #[test]
@@ -461,11 +319,7 @@ fn glass_of_index_one_is_not_there() {
     for degrees in [0.0, 40.0, 89.0] {
         let out = at(degrees);
         let branches: Vec<_> = seen(&glass(1.0, 0.0), out).branches().collect();
-        let expected = BsdfSample {
-            towards: -out,
-            weight: Color::ONE,
-            pdf: None,
-        };
+        let expected = BsdfSample { towards: -out, weight: Color::ONE, pdf: None };
         assert_eq!(branches, [expected], "{degrees}");
     }
 }
@@ -475,9 +329,7 @@ fn glass_reflects_and_lets_through_by_fresnel_and_draws_so() {
     let out = at(75.0);
     let bsdf = seen(&glass(1.5, 0.0), out);
     let branches: Vec<_> = bsdf.branches().collect();
-    let [mirrored, through] = &branches[..] else {
-        panic!("{branches:?}")
-    };
+    let [mirrored, through] = &branches[..] else { panic!("{branches:?}") };
     assert!((mirrored.weight.x - 0.253_060_562_990_319_7).abs() < 1e-12);
     let passed = 1.0 - 0.253_060_562_990_319_7;
     assert!((through.weight.x * 1.5 * 1.5 - passed).abs() < 1e-12);
@@ -492,50 +344,26 @@ fn glass_reflects_and_lets_through_by_fresnel_and_draws_so() {
 #[test]
 fn inside_of_glass_light_is_absorbed_and_outside_it_is_not() {
     let absorption = Color::new(0.1, 0.2, 0.3);
-    let layers = Layers {
-        absorption: Some(absorption),
-        ..glass(1.5, 0.0)
-    };
-    let frame = |out| Frame {
-        normal: DVec3::Z,
-        geometric: DVec3::Z,
-        out,
-    };
+    let layers = Layers { absorption: Some(absorption), ..glass(1.5, 0.0) };
+    let frame = |out| Frame { normal: DVec3::Z, geometric: DVec3::Z, out };
     let entering = Bsdf::layered(frame(at(30.0)), true, &layers);
     assert_eq!(
         (entering.beyond(DVec3::NEG_Z), entering.beyond(DVec3::Z)),
         (Some(absorption), None)
     );
-    let leaving = Bsdf {
-        is_front: false,
-        ..Bsdf::layered(frame(at(30.0)), false, &layers)
-    };
+    let leaving = Bsdf { is_front: false, ..Bsdf::layered(frame(at(30.0)), false, &layers) };
     assert_eq!(leaving.behind(), Some(absorption));
-    assert_eq!(
-        (leaving.beyond(DVec3::NEG_Z), entering.behind()),
-        (Some(Color::ZERO), None)
-    );
-    let window = Layers {
-        absorption: None,
-        ..layers
-    };
+    assert_eq!((leaving.beyond(DVec3::NEG_Z), entering.behind()), (Some(Color::ZERO), None));
+    let window = Layers { absorption: None, ..layers };
     assert_eq!(seen(&window, at(30.0)).beyond(DVec3::NEG_Z), None);
 }
 
 #[test]
 fn a_window_is_seen_straight_through_in_its_colour() {
     let base = Color::new(0.5, 1.0, 0.25);
-    let layers = Layers {
-        transmission: 1.0,
-        roughness: 0.0,
-        base,
-        ..plastic()
-    };
+    let layers = Layers { transmission: 1.0, roughness: 0.0, base, ..plastic() };
     let out = at(20.0);
-    let through: Vec<_> = seen(&layers, out)
-        .branches()
-        .filter(|one| one.towards == -out)
-        .collect();
+    let through: Vec<_> = seen(&layers, out).branches().filter(|one| one.towards == -out).collect();
     let share = 1.0 - fresnel::schlick(Color::splat(0.04), out.z).x;
     assert!((through[0].weight - share * base).length() < 1e-12);
 }
